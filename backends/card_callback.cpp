@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::chrono::milliseconds kStall{500};
 
-std::int64_t nanoseconds(std::chrono::steady_clock::time_point time) {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count();
+double seconds(std::chrono::steady_clock::duration time) {
+  return std::chrono::duration<double>(time).count();
 }
 
 }  // namespace
@@ -29,14 +29,14 @@ CardCallback::CardCallback(Guarded& processor, const StreamRequest& request, con
       clock_(granted.format.sample_rate.value) {
   in_.resize(static_cast<int>(in_map_.size()), format_.max_frames);
   out_.resize(static_cast<int>(out_map_.size()), format_.max_frames);
-  last_block_ns_ = nanoseconds(Clock::now());
+  last_block_ = Clock::now();
 }
 
 // No block is being played, so no other thread reads the clock.
 void CardCallback::play() noexcept {
   clock_ = FrameWatch{format_.sample_rate.value};
   frames_ = 0;
-  last_block_ns_ = nanoseconds(Clock::now());
+  last_block_ = Clock::now();
   stage_.store(Stage::Playing);
 }
 
@@ -65,10 +65,12 @@ void CardCallback::block(const float* const* in, float* const* out, int device_o
   if (stage != Stage::Silent && frames > 0) {
     const auto begin = Clock::now();
     if (std::exchange(first_, false)) meter_.realtime_priority(realtime_priority());
+    if (stage == Stage::Playing && first_block_ == Clock::time_point{}) first_block_ = begin;
     // After a stall the outputs must not jump back to full level.
-    const bool resumes = stage == Stage::Playing && silence_at(begin) > patience_;
+    const bool resumes =
+        stage == Stage::Playing && begin - last_block_.load(std::memory_order_relaxed) > patience_;
     watch(frames, begin);
-    if (stage == Stage::Playing) meter_.clock(seconds_at(begin));
+    if (stage == Stage::Playing) meter_.clock(seconds(begin - first_block_));
     for (int offset = 0; offset < frames; offset += format_.max_frames)
       process(in, out, offset, std::min(format_.max_frames, frames - offset),
               resumes ? Stage::Finishing : stage);
@@ -116,19 +118,13 @@ void CardCallback::convert_input(const float* const* in, int offset, int frames)
 /// The clock finds missing frames at the end of the half second after a gap: if the library reported no gap
 /// in that time, it missed it.
 void CardCallback::watch(int frames, Clock::time_point now) noexcept {
-  const auto now_ns = nanoseconds(now);
-  last_block_ns_.store(now_ns, std::memory_order_relaxed);
-  const auto missing = clock_.block(frames_, frames, 1e-9 * static_cast<double>(now_ns));
+  last_block_.store(now, std::memory_order_relaxed);
+  const auto missing = clock_.block(frames_, frames, seconds(now.time_since_epoch()));
   frames_ += frames;
   if (missing == 0) return;
-  const double since_gap = 1e-9 * static_cast<double>(now_ns - last_gap_ns_.load(std::memory_order_relaxed));
+  const double since_gap = seconds(now - last_gap_.load(std::memory_order_relaxed));
   if (since_gap > 3 * FrameWatch::kWindowSeconds) meter_.gap(Gap::Unsaid);
   meter_.lost(missing);
-}
-
-double CardCallback::seconds_at(Clock::time_point now) noexcept {
-  if (first_block_ns_ == 0) first_block_ns_ = nanoseconds(now);
-  return 1e-9 * static_cast<double>(nanoseconds(now) - first_block_ns_);
 }
 
 void CardCallback::lost(std::int64_t frames) noexcept {
@@ -138,15 +134,12 @@ void CardCallback::lost(std::int64_t frames) noexcept {
 
 void CardCallback::gap(Gap gap) noexcept {
   meter_.gap(gap);
-  last_gap_ns_.store(nanoseconds(Clock::now()), std::memory_order_relaxed);
-}
-
-std::chrono::nanoseconds CardCallback::silence_at(Clock::time_point now) const noexcept {
-  return std::chrono::nanoseconds{nanoseconds(now) - last_block_ns_.load(std::memory_order_relaxed)};
+  last_gap_.store(Clock::now(), std::memory_order_relaxed);
 }
 
 bool CardCallback::stalled(std::chrono::milliseconds silence) const noexcept {
-  return playing() && silence_at(Clock::now()) > std::max<std::chrono::nanoseconds>(patience_, silence);
+  return playing() && Clock::now() - last_block_.load(std::memory_order_relaxed) >
+                          std::max<std::chrono::nanoseconds>(patience_, silence);
 }
 
 }  // namespace tactus

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "backends/backend.h"
@@ -114,8 +116,6 @@ class CardCallback {
   void process(const float* const* in, float* const* out, int offset, int frames, Stage stage) noexcept;
   void convert_input(const float* const* in, int offset, int frames) noexcept;
   void watch(int frames, Clock::time_point now) noexcept;
-  std::chrono::nanoseconds silence_at(Clock::time_point now) const noexcept;
-  double seconds_at(Clock::time_point now) noexcept;
 
   Guarded& processor_;
   const StreamFormat format_;
@@ -124,13 +124,66 @@ class CardCallback {
   ChannelBuffers in_, out_;
   std::atomic<Stage> stage_{Stage::Silent};
   std::atomic<bool> busy_{false};
-  std::atomic<std::int64_t> last_block_ns_{0};  ///< of the steady clock; when `play` began, until the first
-  std::atomic<std::int64_t> last_gap_ns_{0};
-  std::int64_t first_block_ns_ = 0;
+  std::atomic<Clock::time_point> last_block_;  ///< when `play` began, until the first
+  std::atomic<Clock::time_point> last_gap_;
+  Clock::time_point first_block_;
   std::int64_t frames_ = 0;  ///< since `play`, with those that the library reported lost
   FrameWatch clock_;
   bool first_ = true;
   HealthMeter meter_;
+};
+
+/// [control] A stream on a sound library: its state, and the order in which callback and library start and
+/// stop. `Line` is all that the library touches, with the callback as `card`.
+template <class Line>
+class CardStream : public Stream {
+ public:
+  /// `processor` is prepared for `granted.format`; `request` has the channel maps.
+  CardStream(std::shared_ptr<Line> line, StreamGranted granted, const StreamRequest& request,
+             Guarded& processor)
+      : line_(std::move(line)), granted_(std::move(granted)) {
+    line_->card = std::make_unique<CardCallback>(processor, request, granted_);
+  }
+
+  const StreamGranted& granted() const final { return granted_; }
+  Status start() final {
+    if (running_) return {};
+    if (lost())
+      return fail(Errc::Device, "", "'" + granted_.device + "' was disconnected",
+                  granted_.comes_back ? "open it again" : "restart the program");
+    if (auto status = start_library(); !status) return status;
+    line_->card->play();
+    running_ = true;
+    return {};
+  }
+  Status stop() final {
+    const bool finished = running_ && !lost() && line_->card->finish();
+    if (!std::exchange(running_, false)) return {};
+    line_->card->abandon();
+    return stop_library(finished);
+  }
+  StreamState state() const final {
+    if (lost()) return StreamState::Lost;
+    if (!running_) return StreamState::Stopped;
+    return line_->card->stalled() ? StreamState::Stalled : StreamState::Running;
+  }
+  Health health() const final { return line_->card->health(); }
+
+ protected:
+  bool running() const { return running_; }
+
+  std::shared_ptr<Line> line_;
+
+ private:
+  /// [control] The device or its server went away.
+  virtual bool lost() const = 0;
+  /// [control] Blocks begin to flow. Errors: Device.
+  virtual Status start_library() = 0;
+  /// [control] No block comes any more. `finished`: the last block was played. Errors: Device.
+  virtual Status stop_library(bool finished) = 0;
+
+  StreamGranted granted_;
+  bool running_ = false;
 };
 
 }  // namespace tactus

@@ -20,17 +20,20 @@ std::string listed(const std::vector<Device>& devices) {
   return text;
 }
 
-Status fits(int channels, const std::vector<int>& map, int there, const char* what,
+Status fits(int channels, const std::vector<int>& map, int available, const char* what,
             const std::string& device) {
   const auto at = "'" + device + "'";
-  if (channels < 0) return fail(Errc::BadArgument, "", fmt::format("there are no {} {}", channels, what), "");
+  if (channels < 0)
+    return fail(Errc::BadArgument, "", fmt::format("there cannot be {} {}", channels, what), "");
   if (!map.empty() && map.size() != index(channels))
-    return fail(Errc::BadArgument, "", fmt::format("{} {} are named for {}", map.size(), what, channels), "");
+    return fail(Errc::BadArgument, "",
+                fmt::format("{} {} are mapped, but {} are requested", map.size(), what, channels), "");
   const int last = channels_to_open(channels, map);
-  if (last > there || (!map.empty() && *std::min_element(map.begin(), map.end()) < 0))
-    return fail(Errc::OutOfRange, "",
-                fmt::format("{} has {} {}, and number {} is asked for", at, there, what, last),
-                there == 0 ? "choose another device" : fmt::format("choose channels from 1 to {}", there));
+  if (last > available || (!map.empty() && *std::min_element(map.begin(), map.end()) < 0))
+    return fail(
+        Errc::OutOfRange, "",
+        fmt::format("{} has {} {}, but number {} is requested", at, available, what, last),
+        available == 0 ? "choose another device" : fmt::format("choose channels from 1 to {}", available));
   return {};
 }
 
@@ -38,14 +41,15 @@ Status fits(const StreamRequest& request, const Device& device) {
   if (!request.sample_rate) return {};
   const double rate = request.sample_rate->value;
   if (!(std::isfinite(rate) && rate >= 8e3 && rate <= 192e3))
-    return fail(Errc::OutOfRange, "", fmt::format("{} Hz is no rate of a sound card", rate),
+    return fail(Errc::OutOfRange, "", fmt::format("{} Hz is not a sample rate of sound cards", rate),
                 "choose 8 kHz to 192 kHz");
   const auto& rates = device.sample_rates;
   if (rates.empty() || std::count(rates.begin(), rates.end(), *request.sample_rate) > 0) return {};
   std::string text;
-  for (const auto& there : rates) text += fmt::format("{}{:g}", text.empty() ? "" : ", ", there.value);
+  for (const auto& supported : rates)
+    text += fmt::format("{}{:g}", text.empty() ? "" : ", ", supported.value);
   return fail(Errc::BadArgument, "", fmt::format("'{}' does not run at {:g} Hz", device.id, rate),
-              "it runs at " + text + " Hz; leave the rate out, or set the device to another");
+              "it runs at " + text + " Hz; omit the rate, or set the device to another rate");
 }
 
 }  // namespace
@@ -61,14 +65,16 @@ int channels_to_open(int channels, const std::vector<int>& map) {
 }
 
 Result<Device> device_with_id(const std::vector<Device>& devices, const std::string& id) {
-  const auto there = devices.empty()
-                         ? std::string{"there is none; is it plugged in, is the sound server running?"}
-                         : "there is " + listed(devices);
+  const auto remedy =
+      devices.empty()
+          ? std::
+                string{"no device was found; check that it is connected and that the sound server is running"}
+          : "there is " + listed(devices);
   const auto chosen = [&](const Device& device) { return id.empty() ? device.is_default : device.id == id; };
   if (const auto found = std::find_if(devices.begin(), devices.end(), chosen); found != devices.end())
     return *found;
   return fail(Errc::UnknownName, "",
-              id.empty() ? "there is no default device" : "there is no device '" + id + "'", there);
+              id.empty() ? "there is no default device" : "there is no device '" + id + "'", remedy);
 }
 
 Result<Device> find_device(const std::vector<Device>& devices, const std::string& text) {
@@ -80,7 +86,7 @@ Result<Device> find_device(const std::vector<Device>& devices, const std::string
   });
   if (meant.size() == 1) return meant.front();
   if (meant.empty()) return exact;
-  return fail(Errc::BadArgument, "", "'" + text + "' may be several devices",
+  return fail(Errc::BadArgument, "", "'" + text + "' matches several devices",
               "write one of " + listed(meant));
 }
 
@@ -92,13 +98,13 @@ Status fits(const StreamRequest& request, const Device& input, const Device& out
     return status;
   if (const std::set<int> used{request.out_map.begin(), request.out_map.end()};
       used.size() != request.out_map.size())
-    return fail(Errc::BadArgument, "", "two outputs share a channel, and would add up on it",
-                "give each output a channel of its own");
+    return fail(Errc::BadArgument, "", "two outputs share a channel, where they would be added",
+                "give each output its own channel");
   if (request.block_frames && (*request.block_frames < 1 || *request.block_frames > kMaxBlock))
-    return fail(Errc::OutOfRange, "", fmt::format("no block has {} frames", *request.block_frames),
+    return fail(Errc::OutOfRange, "", fmt::format("a block cannot have {} frames", *request.block_frames),
                 fmt::format("choose 1 to {}", kMaxBlock));
   if (request.periods && (*request.periods < 1 || *request.periods > 64))
-    return fail(Errc::OutOfRange, "", fmt::format("no buffer has {} periods", *request.periods),
+    return fail(Errc::OutOfRange, "", fmt::format("a buffer cannot have {} periods", *request.periods),
                 "choose 2 or 3");
   if (auto status = fits(request, input); !status) return status;
   return fits(request, output);
@@ -106,7 +112,7 @@ Status fits(const StreamRequest& request, const Device& input, const Device& out
 
 Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequest& request) {
   if (request.in_channels == 0 && request.out_channels == 0)
-    return fail(Errc::BadArgument, "", "a stream needs an input or an output", "ask for a channel");
+    return fail(Errc::BadArgument, "", "a stream needs at least one input or output", "request a channel");
   const auto at_input = request.input_device.empty() ? request.device : request.input_device;
   auto output = device_with_id(devices, request.out_channels == 0 ? at_input : request.device);
   auto input = request.in_channels == 0 ? output : device_with_id(devices, at_input);
@@ -116,39 +122,32 @@ Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequ
   auto asked = request;
   asked.sample_rate = request.sample_rate.value_or(output->default_rate);
   if (auto status = fits(asked, *input, *output); !status) return tl::unexpected(status.error());
-  const auto place = [&](const std::string& id) {
-    return index(std::find_if(devices.begin(), devices.end(), [&](const Device& d) { return d.id == id; }) -
-                 devices.begin());
+  const auto place = [&](const Device& chosen) {
+    return index(std::ranges::find(devices, chosen.id, &Device::id) - devices.begin());
   };
-  DeviceChoice choice{place(input->id), place(output->id), {}};
+  DeviceChoice choice{place(*input), place(*output), {}};
   choice.granted.device = output->id;
   if (input->id != output->id) choice.granted.input_device = input->id;
   choice.granted.format = {*asked.sample_rate, request.in_channels, request.out_channels, 0};
   return choice;
 }
 
-std::vector<Device> devices_of(const std::vector<LibraryDevice>& found) {
-  std::vector<Device> devices;
-  for (const auto& one : found) devices.push_back(one.device);
-  return devices;
-}
-
 void number_same_ids(std::vector<LibraryDevice>& devices) {
   for (auto one = devices.end(); one != devices.begin();) {
     --one;
-    const auto before = std::count_if(
-        devices.begin(), one, [&](const LibraryDevice& other) { return other.device.id == one->device.id; });
-    if (before > 0) one->device.id += " #" + std::to_string(before + 1);
+    const auto before =
+        std::count_if(devices.begin(), one, [&](const LibraryDevice& other) { return other.id == one->id; });
+    if (before > 0) one->id += " #" + std::to_string(before + 1);
   }
 }
 
 Result<DeviceChoice> choose(const std::vector<LibraryDevice>& found, const StreamRequest& request) {
-  auto choice = choose(devices_of(found), request);
+  auto choice = choose(std::vector<Device>(found.begin(), found.end()), request);
   if (!choice || found[choice->input].api == found[choice->output].api) return choice;
   return fail(
       Errc::BadArgument, "",
       "'" + choice->granted.input_device + "' and '" + choice->granted.device + "' cannot be opened together",
-      "choose devices of one API, or JACK");
+      "choose two devices of the same API, or use JACK");
 }
 
 }  // namespace tactus

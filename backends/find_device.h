@@ -34,15 +34,12 @@ struct DeviceChoice {
 Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequest& request);
 
 /// A device and where a library that reaches several driver interfaces ("APIs") has it.
-struct LibraryDevice {
-  Device device;
-  std::string api;   ///< "jack", "alsa"
-  std::string name;  ///< the library's, which two devices may have
-  int index = 0;     ///< the library's
+struct LibraryDevice : Device {
+  std::string api;           ///< "jack", "alsa"
+  std::string library_name;  ///< which two devices may have
+  int index = 0;             ///< the library's
 };
 
-/// [any]
-std::vector<Device> devices_of(const std::vector<LibraryDevice>& found);
 /// [any] Adds " #2" to the id of the second device of the same id, and so on.
 void number_same_ids(std::vector<LibraryDevice>& devices);
 /// [any] As above. Errors besides: BadArgument for devices of two APIs.

@@ -18,7 +18,10 @@ enum class Gap : std::uint8_t {
 };
 inline constexpr std::size_t kGaps = 4;
 /// [any] "input", "output", "server", "unsaid".
-const char* name_of(Gap gap);
+inline const char* name_of(Gap gap) {
+  constexpr std::array<const char*, kGaps> kNames{"input", "output", "server", "unsaid"};
+  return kNames[static_cast<std::size_t>(gap)];
+}
 
 /// How a stream fares, counted since it was opened.
 struct Health {
@@ -43,7 +46,26 @@ struct Health {
 
 /// [any] Both one after the other. The quantiles of the load cannot be joined: they are those of `after`,
 /// where it has any blocks.
-Health together(const Health& before, const Health& after);
+inline Health together(const Health& before, const Health& after) {
+  if (after.blocks == 0 && after.xruns == 0) return before;
+  if (before.blocks == 0 && before.xruns == 0) return after;
+  Health both = after;
+  for (const auto counter : {&Health::blocks, &Health::frames, &Health::xruns, &Health::lost_frames,
+                             &Health::late_blocks, &Health::bad_input})
+    both.*counter += before.*counter;
+  both.seconds += before.seconds;
+  for (std::size_t g = 0; g < kGaps; ++g) both.gaps[g] += before.gaps[g];
+  if (before.blocks > 0)
+    both.shortest_block =
+        after.blocks > 0 ? std::min(before.shortest_block, after.shortest_block) : before.shortest_block;
+  both.longest_block = std::max(before.longest_block, after.longest_block);
+  if (both.blocks > 0)
+    both.mean_load = (before.mean_load * static_cast<double>(before.blocks) +
+                      after.mean_load * static_cast<double>(after.blocks)) /
+                     static_cast<double>(both.blocks);
+  both.peak_load = std::max(before.peak_load, after.peak_load);
+  return both;
+}
 
 /// How often which load occurred, in steps of a 16th of an octave from 2^-20 to 2^6: quantiles within 3 %.
 /// Written on one real-time thread, read on any other.

@@ -24,6 +24,8 @@ namespace tactus {
 template <class T, class U>
 concept Of = std::same_as<std::remove_const_t<T>, U>;
 
+struct JsonWriter;
+
 namespace json_fields {
 
 using Json = nlohmann::ordered_json;
@@ -37,14 +39,9 @@ inline constexpr bool is_quantity = requires(T quantity) {
   T{quantity.value}, quantity / quantity;
 };
 
-struct Probe {
-  void operator()(const char*, const auto&) const {}
-  void constant(const char*, const auto&) const {}
-  void name(const char*, const auto&, const auto&) const {}
-};
 template <class T>
-concept HasFields = requires(Probe& probe, T& value) {
-  fields(probe, value);
+concept HasFields = requires(JsonWriter& writer, T& value) {
+  fields(writer, value);
 };
 
 }  // namespace json_fields

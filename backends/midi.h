@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -43,6 +44,20 @@ class MidiInputs {
   /// [control] Messages, once each: ports that appeared or disappeared, and why there are none.
   virtual std::vector<std::string> news() = 0;
 };
+
+struct RtMidiSettings {
+  std::string api;   ///< "alsa", "jack", "core", "winmm"; empty: that of the system
+  std::string only;  ///< a part of the ids to open, in any case; empty: all
+  std::string client_name = "tactus_midi";
+  std::chrono::milliseconds look_every{500};  ///< for what came and went
+};
+
+/// [control] MIDI inputs by RtMidi 5. Ports are looked for and opened on a thread of its own, because servers
+/// may hang: a call that never returns costs that thread and nothing else.
+///
+/// An id is "api:name" with the name as the system gives it, without the numbers that change from one
+/// plugging in to the next; the second of the same name is "api:name #2".
+std::unique_ptr<MidiInputs> make_rtmidi(const RtMidiSettings& settings = {});
 
 /// [any] The message of these bytes, with `time` left open; nothing if it is of no use to us. Source:
 /// MIDI 1.0 Detailed Specification, table 1.

@@ -15,7 +15,8 @@ constexpr int kMaxOfflineBlock = 1 << 20;
 
 Status check(const Samples& input, const std::vector<int>& block_frames) {
   if (!(input.sample_rate.value > 0.0 && std::isfinite(input.sample_rate.value)))
-    return fail(Errc::BadArgument, "", fmt::format("{} Hz is no sample rate", input.sample_rate.value), "");
+    return fail(Errc::BadArgument, "", fmt::format("{} Hz is not a sample rate", input.sample_rate.value),
+                "");
   const auto fits = [](int frames) { return frames >= 1 && frames <= kMaxOfflineBlock; };
   if (block_frames.empty() || !std::all_of(block_frames.begin(), block_frames.end(), fits))
     return fail(Errc::BadArgument, "", "the block size is missing or out of range",

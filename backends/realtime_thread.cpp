@@ -24,7 +24,7 @@ Status become_realtime(int priority) {
   parameters.sched_priority = priority;
   if (const int wrong = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters); wrong != 0)
     return fail(Errc::Device, "",
-                std::string{"the audio thread stays an ordinary one: "} + std::strerror(wrong),
+                std::string{"the audio thread has no real-time priority: "} + std::strerror(wrong),
                 "see tactus doctor");
   return {};
 }
@@ -40,8 +40,8 @@ Status lock_memory() {
 namespace tactus {
 
 int realtime_priority() noexcept { return 0; }
-Status become_realtime(int) { return fail(Errc::Device, "", "not on this system"); }
-Status lock_memory() { return fail(Errc::Device, "", "not on this system"); }
+Status become_realtime(int) { return fail(Errc::Device, "", "not supported on this system"); }
+Status lock_memory() { return fail(Errc::Device, "", "not supported on this system"); }
 
 }  // namespace tactus
 #endif

@@ -5,14 +5,6 @@
 #include <utility>
 
 namespace tactus {
-namespace {
-
-double seconds(ReconnectingStream::Clock::duration time) {
-  return std::chrono::duration<double>(time).count();
-}
-
-}  // namespace
-
 Result<std::unique_ptr<ReconnectingStream>> ReconnectingStream::open(Backend& backend,
                                                                      const StreamRequest& request,
                                                                      Guarded& processor) {
@@ -55,10 +47,10 @@ void ReconnectingStream::lose(Clock::time_point now) {
   stalled_at_.reset();
   lost_at_ = now;
   wanted_ = granted_.comes_back;
-  if (!wanted_) return report("disconnected; start the program again to reopen it");
+  if (!wanted_) return report("disconnected; restart the program to reopen it");
   before_ = health();
   stream_.reset();
-  report("disconnected; outputs are silent until it is back");
+  report("disconnected; outputs are silent until it reconnects");
   last_error_.clear();
   next_try_ = now;
 }
@@ -72,7 +64,7 @@ void ReconnectingStream::try_again(Clock::time_point now) {
   if (status) status = stream_->start();
   if (status) {
     ++returns_;
-    report(fmt::format("reconnected after {:.1f} s", seconds(now - lost_at_)));
+    report(fmt::format("reconnected after {:.1f} s", std::chrono::duration<double>(now - lost_at_).count()));
     if (granted_.block_frames != block)
       report(fmt::format("block size is now {} frames instead of {}: the delay has changed",
                          granted_.block_frames, block));
@@ -91,7 +83,8 @@ void ReconnectingStream::watch_stall(Clock::time_point now) {
   if (stalled)
     report("does not respond");
   else
-    report(fmt::format("responds again after {:.1f} s", seconds(now - *stalled_at_)));
+    report(fmt::format("responds again after {:.1f} s",
+                       std::chrono::duration<double>(now - *stalled_at_).count()));
   stalled_at_ = stalled ? std::optional{now} : std::nullopt;
 }
 

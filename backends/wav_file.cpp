@@ -51,15 +51,16 @@ Status check_length(const fs::path& path) {
     at += 8;
     if (tag(0) == "data") {
       if (at + bytes <= size) return {};
-      return fail(Errc::BadFile, path.string(),
-                  fmt::format("its header promises {} bytes of samples, but {} are there", bytes, size - at),
-                  "the file was cut off: copy or record it again");
+      return fail(
+          Errc::BadFile, path.string(),
+          fmt::format("its header announces {} bytes of samples, but the file has {}", bytes, size - at),
+          "the file is truncated: copy or record it again");
     }
     at += bytes + bytes % 2;  // chunks begin at even places
     file.seekg(static_cast<std::streamoff>(at));
   }
   return fail(Errc::BadFile, path.string(), "it ends before its samples begin",
-              "the file was cut off: copy or record it again");
+              "the file is truncated: copy or record it again");
 }
 
 bool lossless(int format) {
@@ -87,7 +88,7 @@ int to_pcm24(double sample) {
   return static_cast<int>(std::clamp(step, -kSteps, kSteps - 1.0)) * 256;
 }
 
-static_assert(std::endian::native == std::endian::little, "samples are written as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "samples are written in the byte order of memory");
 
 constexpr std::uint64_t kMost32 = std::numeric_limits<std::uint32_t>::max();
 
@@ -107,7 +108,7 @@ class Bytes {
 std::uint64_t frame_bytes(int channels) { return sizeof(float) * static_cast<std::uint64_t>(channels); }
 
 tl::unexpected<Error> cannot_append(const fs::path& path) {
-  return fail(Errc::BadFile, path.string(), why_not_written(), "check the space on the disk");
+  return fail(Errc::BadFile, path.string(), why_not_written(), "check the free disk space");
 }
 
 }  // namespace
@@ -131,9 +132,10 @@ Result<WavReader> WavReader::open(const fs::path& path) {
                 fmt::format("it cannot be read as a WAV file ({})", sf_strerror(nullptr)),
                 "give a WAV file of PCM or float samples");
   if (!is_wav(info.format))
-    return fail(Errc::BadFile, path.string(), "this is sound, but not a WAV file", "convert it to WAV");
+    return fail(Errc::BadFile, path.string(), "this is a sound file, but not a WAV file",
+                "convert it to WAV");
   if (!lossless(info.format))
-    return fail(Errc::BadFile, path.string(), "its samples are coded with loss",
+    return fail(Errc::BadFile, path.string(), "its samples are in a lossy format",
                 "save it as WAV with PCM or float samples");
   reader.sample_rate_ = Hertz{static_cast<double>(info.samplerate)};
   reader.channels_ = info.channels;
@@ -169,7 +171,7 @@ Result<WavWriter> WavWriter::create(const fs::path& path, Hertz sample_rate, int
   writer.sound_.reset(sf_open(path.string().c_str(), SFM_WRITE, &info));
   if (!writer.sound_)
     return fail(Errc::BadFile, path.string(), fmt::format("it cannot be written ({})", sf_strerror(nullptr)),
-                "check that the folder exists and may be written to");
+                "check that the folder exists and is writable");
   // The PEAK chunk carries the time of writing.
   sf_command(writer.sound_.get(), SFC_SET_ADD_PEAK_CHUNK, nullptr, SF_FALSE);
   return writer;
@@ -191,14 +193,13 @@ Status WavWriter::write(const double* const* channels, int frames) {
   }
   if (written == frames) return {};
   return fail(Errc::BadFile, path_.string(),
-              fmt::format("it could not be written to the end ({})", sf_strerror(sound_.get())),
-              "check the space on the disk");
+              fmt::format("it could not be written completely ({})", sf_strerror(sound_.get())),
+              "check the free disk space");
 }
 
 Status WavWriter::close() {
   if (sf_close(sound_.release()) == 0) return {};
-  return fail(Errc::BadFile, path_.string(), "it could not be closed properly",
-              "check the space on the disk");
+  return fail(Errc::BadFile, path_.string(), "it could not be closed properly", "check the free disk space");
 }
 
 std::string why_not_written() {
@@ -237,12 +238,12 @@ Result<GrowingWav> GrowingWav::create(const fs::path& path, Hertz sample_rate, i
   if (auto status = check_channels(path, channels); !status) return tl::unexpected(status.error());
   std::error_code ignored;
   if (fs::exists(path, ignored))
-    return fail(Errc::BadFile, path.string(), "this take is there already",
-                "choose another name, or move it away");
+    return fail(Errc::BadFile, path.string(), "this take already exists",
+                "choose another name, or move the file");
   GrowingWav wav{path, sample_rate, channels};
   if (wav.settle()) return wav;
   return fail(Errc::BadFile, path.string(), "it cannot be written",
-              "check that the folder exists and may be written to");
+              "check that the folder exists and is writable");
 }
 
 Status GrowingWav::append(const float* samples, std::int64_t frames) {
@@ -298,7 +299,7 @@ Result<Samples> read_wav(const fs::path& path) {
 Status write_wav(const fs::path& path, const Samples& samples, WavEncoding encoding) {
   for (const auto& channel : samples.channels)
     if (static_cast<std::int64_t>(channel.size()) != samples.frames())
-      return fail(Errc::BadArgument, path.string(), "its channels are not equally long", "");
+      return fail(Errc::BadArgument, path.string(), "its channels differ in length", "");
   auto writer =
       WavWriter::create(path, samples.sample_rate, static_cast<int>(samples.channels.size()), encoding);
   if (!writer) return tl::unexpected(writer.error());

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace tactus {
 namespace {
@@ -17,13 +17,14 @@ std::vector<const SettingDelay*> good_ones(const std::vector<SettingDelay>& sett
 
 std::string ms(Seconds time) { return fmt::format("{:.2f} ms", 1e3 * time.value); }
 
-/// The next in delay, to have something in hand.
-const SettingDelay* next_good(const std::vector<SettingDelay>& settings, const SettingDelay& shortest) {
-  const SettingDelay* next = nullptr;
-  for (const auto* setting : good_ones(settings))
-    if (setting->delay() > shortest.delay() && (next == nullptr || setting->delay() < next->delay()))
-      next = setting;
-  return next;
+/// The good one with the shortest delay above `least`.
+const SettingDelay* shortest_above(const std::vector<SettingDelay>& settings, Seconds least) {
+  const SettingDelay* shortest = nullptr;
+  for (const auto& setting : settings)
+    if (setting.good() && setting.delay() > least &&
+        (shortest == nullptr || setting.delay() < shortest->delay()))
+      shortest = &setting;
+  return shortest;
 }
 
 /// The one with the largest block of those that are shorter than the best and had gaps.
@@ -76,10 +77,7 @@ std::optional<BlockLaw> fit_block_law(const std::vector<SettingDelay>& settings)
 }
 
 const SettingDelay* shortest_good(const std::vector<SettingDelay>& settings) {
-  const auto good = good_ones(settings);
-  const auto best = std::min_element(good.begin(), good.end(),
-                                     [](const auto* a, const auto* b) { return a->delay() < b->delay(); });
-  return best == good.end() ? nullptr : *best;
+  return shortest_above(settings, Seconds{-std::numeric_limits<double>::infinity()});
 }
 
 std::string setting_text(const SettingDelay& setting) {
@@ -98,14 +96,13 @@ std::string recommendation(const std::vector<SettingDelay>& settings) {
     return fmt::format("No setting gave a reliable result ({}): {}.", code(last.finding.verdict),
                        last.finding.remedy.empty() ? last.finding.what : last.finding.remedy);
   }
-  auto text = fmt::format("Play with {}: {}, and not a frame was lost in {:.0f} s.", setting_text(*best),
+  auto text = fmt::format("Play with {}: {}, and no frame was lost in {:.0f} s.", setting_text(*best),
                           ms(best->delay()), best->measured_s);
   if (const auto* bad = nearest_bad(settings, *best))
-    text += fmt::format(" Shorter than that, {} had {}.", setting_text(*bad), fault_of(*bad));
-  if (const auto* next = next_good(settings, *best))
+    text += fmt::format(" At a shorter delay, {} had {}.", setting_text(*bad), fault_of(*bad));
+  if (const auto* next = shortest_above(settings, best->delay()))
     text += fmt::format(
-        " An instrument makes the machine work harder than a measurement: if gaps come, take {}, which "
-        "costs {} more.",
+        " An instrument loads the processor more than a measurement: if gaps occur, use {}, which adds {}.",
         setting_text(*next), ms(next->delay() - best->delay()));
   return text;
 }

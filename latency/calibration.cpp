@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -68,9 +69,9 @@ double unexplained(const CapturedWindow& window, const Spectrum& path) {
 std::optional<double> half_power(const std::vector<double>& power, std::size_t peak, int step) {
   for (auto b = static_cast<std::ptrdiff_t>(peak); b > 0 && b + 1 < static_cast<std::ptrdiff_t>(power.size());
        b += step) {
-    const double here = power[index(b)], next = power[index(b + step)];
+    const double current = power[index(b)], next = power[index(b + step)];
     if (next > 0.5 * power[peak]) continue;
-    return static_cast<double>(b) + step * (here - 0.5 * power[peak]) / (here - next);
+    return static_cast<double>(b) + step * (current - 0.5 * power[peak]) / (current - next);
   }
   return std::nullopt;
 }
@@ -111,38 +112,33 @@ void describe_swing(const std::vector<double>& taps, Calibration& calibration) {
 
 Finding verdict_of(const Calibration& calibration, double electrical_frames) {
   if (calibration.analysis.snr_db < kLeastSnr)
-    return {Verdict::LowSnr, "the noise is too strong to determine the path's shape",
-            "play louder (within the actuator's limits), raise the sensor's gain, or find the noise"};
+    return {Verdict::LowSnr, "the noise is too strong to determine the frequency response of the path",
+            "play louder (within the actuator's limits), raise the sensor's gain, or find the source of the "
+            "noise"};
   if (calibration.unexplained <= kMaxUnexplained) return {};
   if (calibration.analysis.delay_frames < electrical_frames - 1.0)
     return {Verdict::NotFlat,
-            fmt::format("it is captured {:.0f} frames before the card's own delay has passed",
+            fmt::format("the probe is captured {:.0f} frames earlier than the delay of the card alone",
                         electrical_frames - calibration.analysis.delay_frames),
-            "the delay to subtract is too long: measure it again over a cable, with the same "
-            "setting"};
+            "the delay to subtract is too long: measure it again with a loopback cable, the same sample rate "
+            "and block size"};
   return {Verdict::NotFlat,
-          "the path is no fixed linear response: part of what is captured changes from probe to probe or is "
-          "distorted",
-          "play softer, and make sure that nothing rattles or moves while it is measured"};
+          "the path is not linear and time-invariant: part of the captured signal differs between probes or "
+          "is distorted",
+          "play softer, and make sure that nothing rattles or moves during the measurement"};
 }
 
 }  // namespace
 
 bool spoils(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::Ok:
-    case Verdict::NotFlat:
-    case Verdict::LowSnr:
-    case Verdict::DirectMonitoring:
-      return false;
-    default:
-      return true;
-  }
+  constexpr std::array kHarmless{Verdict::Ok, Verdict::NotFlat, Verdict::LowSnr, Verdict::DirectMonitoring};
+  return std::count(kHarmless.begin(), kHarmless.end(), verdict) == 0;
 }
 
 Result<Calibration> calibrate(const LoopRecording& recording, const CalibrationSettings& settings) {
   if (!(settings.electrical_frames >= 0.0))
-    return fail(Errc::BadArgument, "", "the card's own delay cannot be negative", "measure it over a cable");
+    return fail(Errc::BadArgument, "", "the delay of the card cannot be negative",
+                "measure it with a loopback cable");
   AnalysisSettings plain;
   plain.channel = settings.channel;
   auto analysis = analyze(recording, plain);

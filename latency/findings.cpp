@@ -27,7 +27,8 @@ constexpr double kFindingsCertain = 5.0;  // standard errors
 
 constexpr const char* kAgainstOverload =
     "turn the input's gain or the output's level down, or measure with a lower --level";
-constexpr const char* kAgainstAgc = "switch automatic gain, noise suppression and limiters of the input off";
+constexpr const char* kAgainstAgc =
+    "switch off automatic gain control, noise suppression and limiters of the input";
 constexpr const char* kAgainstNoise = "play louder, raise the input's gain, or find the source of the noise";
 
 int longest_clipped_run(std::span<const double> captured) {
@@ -46,7 +47,7 @@ Finding clipping(const Analysis& analysis, std::span<const double> captured) {
   for (std::size_t k = 0; k < analysis.harmonics_db.size() && analysis.snr_db > kHarmonicsSnr; ++k)
     if (analysis.harmonics_db[k].value_or(-1e9) > kOverdriven)
       return {Verdict::Clipping,
-              fmt::format("harmonic {} is only {:.0f} dB below the probe: something on the way is overdriven",
+              fmt::format("harmonic {} is only {:.0f} dB below the probe: a stage of the path is overdriven",
                           k + 2, -*analysis.harmonics_db[k]),
               kAgainstOverload};
   return {};
@@ -58,11 +59,11 @@ Finding lost_frames(const Analysis& analysis) {
   const auto seconds = static_cast<double>(first.frame) / analysis.sample_rate.value;
   const auto what =
       first.frames == 0.0
-          ? fmt::format("what was captured at {:.2f} s is not what was played", seconds)
+          ? fmt::format("the signal captured at {:.2f} s is not the played one", seconds)
           : fmt::format("at {:.2f} s the delay changes by {:+.2f} frames", seconds, first.frames);
   return {
       Verdict::LostFrames,
-      what + (analysis.steps.size() > 1 ? fmt::format(", and {} times more", analysis.steps.size() - 1) : ""),
+      what + (analysis.steps.size() > 1 ? fmt::format(", and {} more times", analysis.steps.size() - 1) : ""),
       kAgainstGaps};
 }
 
@@ -70,13 +71,12 @@ Finding clocks_differ(const Analysis& analysis) {
   if (std::abs(analysis.drift_ppm) < kLeastDrift ||
       std::abs(analysis.drift_ppm) < kFindingsCertain * analysis.drift_standard_error_ppm)
     return {};
-  return {
-      Verdict::ClocksDiffer,
-      fmt::format(
-          "the delay moves by {:.2f} ppm ({:+.2f} frames in a second): input and output have clocks of their "
-          "own; in the middle of the measurement it was {:.2f} frames",
-          analysis.drift_ppm, 1e-6 * analysis.drift_ppm * analysis.sample_rate.value, analysis.delay_frames),
-      "use the input and the output of one card, or join both by word clock, ADAT or S/PDIF"};
+  return {Verdict::ClocksDiffer,
+          fmt::format("the delay drifts by {:.2f} ppm ({:+.2f} frames per second): input and output have "
+                      "separate clocks; in the middle of the measurement it was {:.2f} frames",
+                      analysis.drift_ppm, 1e-6 * analysis.drift_ppm * analysis.sample_rate.value,
+                      analysis.delay_frames),
+          "use the input and output of one card, or synchronise both by word clock, ADAT or S/PDIF"};
 }
 
 double mean(const std::vector<double>& values) {
@@ -95,130 +95,115 @@ double deviation(const std::vector<double>& values) {
 
 /// The gains of probes that were played at full level, and of those that were softer by a quarter and more.
 struct Gains {
-  std::vector<double> loud, soft;
+  std::vector<double> loud_db, soft_db;
 
   explicit Gains(const std::vector<ProbeDelay>& probes) {
     double highest = 0.0;
     for (const auto& probe : probes) highest = std::max(highest, probe.level);
-    for (const auto& probe : probes) (probe.level > 0.75 * highest ? loud : soft).push_back(probe.gain_db);
+    for (const auto& probe : probes)
+      (probe.level > 0.75 * highest ? loud_db : soft_db).push_back(probe.gain_db);
   }
   /// How much more the soft ones are amplified, when that is certain.
   double by_level() const {
-    if (loud.empty() || soft.empty()) return 0.0;
-    const double difference = mean(soft) - mean(loud);
-    const double error = std::hypot(deviation(loud) / std::sqrt(static_cast<double>(loud.size())),
-                                    deviation(soft) / std::sqrt(static_cast<double>(soft.size())));
+    if (loud_db.empty() || soft_db.empty()) return 0.0;
+    const double difference = mean(soft_db) - mean(loud_db);
+    const double error = std::hypot(deviation(loud_db) / std::sqrt(static_cast<double>(loud_db.size())),
+                                    deviation(soft_db) / std::sqrt(static_cast<double>(soft_db.size())));
     return std::abs(difference) > kFindingsCertain * error ? difference : 0.0;
   }
   /// By how much it rises from the first loud probe to the last, along a straight line, when that is certain.
   double rise() const {
-    const auto count = static_cast<double>(loud.size());
+    const auto count = static_cast<double>(loud_db.size());
     if (count < 4) return 0.0;
-    const double middle = 0.5 * (count - 1.0), level = mean(loud);
+    const double middle = 0.5 * (count - 1.0), level = mean(loud_db);
     double times = 0.0, common = 0.0, squares = 0.0;
-    for (std::size_t n = 0; n < loud.size(); ++n) {
+    for (std::size_t n = 0; n < loud_db.size(); ++n) {
       const double time = static_cast<double>(n) - middle;
       times += time * time;
-      common += time * (loud[n] - level);
-      squares += (loud[n] - level) * (loud[n] - level);
+      common += time * (loud_db[n] - level);
+      squares += (loud_db[n] - level) * (loud_db[n] - level);
     }
     const double slope = common / times;
     const double error = std::sqrt(std::max(0.0, squares - slope * common) / (count - 2.0) / times);
     return slope > kFindingsCertain * error ? slope * (count - 1.0) : 0.0;
   }
-  double fall() const { return loud.empty() ? 0.0 : loud.front() - loud.back(); }
+  double fall() const { return loud_db.empty() ? 0.0 : loud_db.front() - loud_db.back(); }
 };
 
 Finding moving_gain(const Analysis& analysis, const Evidence& evidence) {
   const Gains gains{analysis.probes};
   const double by_level = gains.by_level();
-  const double before = evidence.level_probe_gain_db ? *evidence.level_probe_gain_db - mean(gains.loud) : 0.0;
+  const double before =
+      evidence.level_probe_gain_db ? *evidence.level_probe_gain_db - mean(gains.loud_db) : 0.0;
   const double fall = std::max(gains.fall(), before);
   const bool falls = fall > kCancelled;
   if (!falls && gains.rise() > kGainRises)
-    return {Verdict::Agc, fmt::format("the gain rises by {:.1f} dB while the same is played", gains.rise()),
+    return {Verdict::Agc,
+            fmt::format("the gain rises by {:.1f} dB while the played level is constant", gains.rise()),
             kAgainstAgc};
   if (!falls && std::abs(by_level) < kGainMoves) return {};
   // A gain that follows the level keeps the path's shape; a canceller takes away what it has learnt, part by
   // part.
   if (falls && (analysis.misfit > kUneven || std::abs(by_level) < kGainMoves))
-    return {
-        Verdict::EchoCancel,
-        fmt::format("the gain of the path falls by {:.1f} dB during the recording", fall),
-        "switch echo cancellation off: in the driver's or the sound server's settings, or choose the device "
-        "itself and not one for calls"};
+    return {Verdict::EchoCancel,
+            fmt::format("the gain of the path falls by {:.1f} dB during the recording", fall),
+            "switch off echo cancellation in the settings of the driver or the sound server, or choose the "
+            "device itself instead of one for calls"};
   return {Verdict::Agc,
           fmt::format("lower levels are amplified by {:.1f} dB more: the gain depends on the level",
                       std::abs(by_level) >= kGainMoves ? by_level : fall),
           kAgainstAgc};
 }
 
-Finding overdriven(const Evidence& evidence) {
-  if (!evidence.overdriven) return {};
-  return {Verdict::Clipping, "loud and soft probes differ in shape: something on the way is overdriven",
-          kAgainstOverload};
-}
-
 Finding detected_twice(std::int64_t frames, double level_db) {
   return {
       Verdict::DirectMonitoring,
-      fmt::format("it is detected twice: {:.1f} dB {} the first, {:+d} frames from it", std::abs(level_db),
-                  level_db > 0.0 ? "above" : "below", frames),
-      "switch direct monitoring off in the card's mixer, and take away connections from its inputs to its "
+      fmt::format("the probe is detected twice: the second is {:.1f} dB {} the first, {:+d} frames from it",
+                  std::abs(level_db), level_db > 0.0 ? "above" : "below", frames),
+      "switch off direct monitoring in the card's mixer, and remove connections from its inputs to its "
       "outputs"};
-}
-
-Finding far_path(const Evidence& evidence) {
-  if (!evidence.second) return {};
-  return detected_twice(evidence.second->frames, evidence.second->level_db);
-}
-
-Finding near_path(const Evidence& evidence) {
-  const auto& echo = evidence.echo;
-  if (echo.share < kEchoShare || echo.level_db < kLeastEcho) return {};
-  return detected_twice(echo.frames, echo.level_db);
 }
 
 Finding low_snr(const Analysis& analysis, const Evidence& evidence) {
   if (evidence.coarse.clear() && analysis.standard_error_frames < evidence.widest_error_frames) return {};
   if (!evidence.coarse.clear())
     return {Verdict::LowSnr,
-            fmt::format("the noise is too strong: with {:.1f} dB of signal above it single probes cannot be "
-                        "separated, nor lost frames or drift found",
+            fmt::format("the noise is too strong: with a signal {:.1f} dB above it, single probes cannot be "
+                        "separated, and lost frames or drift cannot be detected",
                         analysis.snr_db),
             kAgainstNoise};
-  return {
-      Verdict::LowSnr,
-      fmt::format("the noise is too strong: {:.1f} dB of signal above it leave the delay uncertain by {:.2f} "
-                  "frames",
-                  analysis.snr_db, analysis.standard_error_frames),
-      kAgainstNoise};
+  return {Verdict::LowSnr,
+          fmt::format("the noise is too strong: with a signal {:.1f} dB above it, the delay is uncertain by "
+                      "{:.2f} frames",
+                      analysis.snr_db, analysis.standard_error_frames),
+          kAgainstNoise};
 }
 
 Finding not_flat(const Analysis& analysis, const Evidence& evidence) {
   if (evidence.with_profile && analysis.misfit_frames > evidence.widest_error_frames)
     return {Verdict::NotFlat,
-            fmt::format("{:.2g} % of what is captured does not fit the profile, so the delay may be wrong by "
-                        "{:.1f} frames",
+            fmt::format("{:.2g} % of the captured signal does not fit the profile, so the delay may be wrong "
+                        "by {:.1f} frames",
                         100.0 * analysis.misfit, analysis.misfit_frames),
-            "the actuator or the sensor is another than when it was calibrated: calibrate again"};
+            "the actuator or the sensor has changed since the calibration: calibrate again"};
   std::string what;
   if (analysis.misfit > kMisfit)
-    what = fmt::format("{:.1f} % of what is captured does not fit any single delay", 100.0 * analysis.misfit);
+    what =
+        fmt::format("{:.1f} % of the captured signal does not fit a single delay", 100.0 * analysis.misfit);
   else if (evidence.gain_range_db > kGainRange)
-    what = fmt::format("its gain differs by {:.0f} dB over the band", evidence.gain_range_db);
+    what = fmt::format("its gain varies by {:.0f} dB over the band", evidence.gain_range_db);
   else
     return {};
-  return {Verdict::NotFlat, "the path is no cable: " + what,
-          "join output and input by a cable, or measure the actuator and the sensor with `tactus latency "
-          "calibrate` and give its profile"};
+  return {Verdict::NotFlat, "the path is not a cable: " + what,
+          "connect the output to the input with a cable, or measure the actuator and sensor with `tactus "
+          "latency calibrate` and give the profile"};
 }
 
 }  // namespace
 
 Finding too_few_probes() {
   return {Verdict::NoSignal, "fewer than three probes were recorded completely",
-          "record from before the probe begins until after it has ended"};
+          "start the recording before the probe and end it after"};
 }
 
 Finding not_detected(const std::vector<CoarseDelay>& channels, int channel) {
@@ -233,10 +218,10 @@ Finding not_detected(const std::vector<CoarseDelay>& channels, int channel) {
   if (loudest >= 0)
     return {Verdict::WrongChannel,
             fmt::format("nothing is detected on input {}, but on input {}", channel + 1, loudest + 1),
-            fmt::format("choose input {} (--in, of a file --channel), or move the cable to input {}",
+            fmt::format("choose input {} (--in; for a file, --channel), or move the cable to input {}",
                         loudest + 1, channel + 1)};
   return {Verdict::NoSignal, fmt::format("the probe is not detected on input {}", channel + 1),
-          "join the output to the input by a cable, and check that neither is muted or turned down"};
+          "connect the output to the input with a cable, and check that neither is muted or turned down"};
 }
 
 Finding first_of(const std::vector<Finding>& findings) {
@@ -249,11 +234,17 @@ Finding first_of(const std::vector<Finding>& findings) {
 
 Finding verdict_of(const Analysis& analysis, const Evidence& evidence, std::span<const double> captured) {
   // A second path far away overlaps the probes, so that nothing else can be separated from them.
-  const auto shape = not_flat(analysis, evidence);
+  const auto& second = evidence.second;
+  const auto& echo = evidence.echo;
+  const bool near = echo.share >= kEchoShare && echo.level_db >= kLeastEcho;
+  const Finding overdriven{Verdict::Clipping,
+                           "loud and soft probes differ in shape: a stage of the path is overdriven",
+                           kAgainstOverload};
   for (const auto& found :
-       {clipping(analysis, captured), far_path(evidence), lost_frames(analysis),
-        moving_gain(analysis, evidence), overdriven(evidence), clocks_differ(analysis), near_path(evidence),
-        evidence.coarse.clear() ? shape : Finding{}, low_snr(analysis, evidence)})
+       {clipping(analysis, captured), second ? detected_twice(second->frames, second->level_db) : Finding{},
+        lost_frames(analysis), moving_gain(analysis, evidence), evidence.overdriven ? overdriven : Finding{},
+        clocks_differ(analysis), near ? detected_twice(echo.frames, echo.level_db) : Finding{},
+        evidence.coarse.clear() ? not_flat(analysis, evidence) : Finding{}, low_snr(analysis, evidence)})
     if (found.verdict != Verdict::Ok) return found;
   return {};
 }

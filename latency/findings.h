@@ -12,8 +12,8 @@ namespace tactus {
 
 /// What to do about lost frames.
 inline constexpr const char* kAgainstGaps =
-    "use a longer block or more periods (`tactus latency sweep` finds the shortest that works), close other "
-    "programs, and see `tactus doctor`";
+    "use a larger block size or more periods (`tactus latency sweep` finds the smallest that works), close "
+    "other programs, and run `tactus doctor`";
 
 /// Another way by which what was played comes back, too far from the first one for the same window.
 struct SecondPath {

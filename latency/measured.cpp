@@ -53,9 +53,10 @@ Error set_aside(const fs::path& file, const std::string& reason) {
   const auto aside = free_name(file, ".broken");
   std::error_code error;
   fs::rename(file, aside, error);
-  return {Errc::BadFile, file.string(), "the delays measured here cannot be read (" + reason + ")",
-          error ? "move the file away, and measure again"
-                : "it was kept as '" + aside.string() + "'; measure again, or fix it"};
+  return {Errc::BadFile, file.string(),
+          "the delays measured on this computer cannot be read (" + reason + ")",
+          error ? "move the file, and measure again"
+                : "it was renamed to '" + aside.string() + "'; measure again, or repair that file"};
 }
 
 }  // namespace
@@ -111,7 +112,7 @@ Status MeasuredDelays::save(MeasuredDelay delay) {
   std::error_code ignored;
   fs::create_directories(file_.parent_path(), ignored);
   auto status = replace_file(file_, json.dump(1) + "\n");
-  if (!status) status.error().remedy = "make its folder writable, or choose another with XDG_STATE_HOME";
+  if (!status) status.error().remedy = "make its folder writable, or choose another by XDG_STATE_HOME";
   return status;
 }
 

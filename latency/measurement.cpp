@@ -1,6 +1,7 @@
 #include "latency/measurement.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -29,48 +30,48 @@ constexpr double kSameDelay = 0.5;       // frames
 constexpr double kSessionCertain = 5.0;  // standard errors
 constexpr std::size_t kEnoughGood = 3;
 
-using Findings = std::vector<Finding>;
+struct Findings : std::vector<Finding> {
+  void add(Verdict verdict, std::string what, std::string remedy) {
+    push_back({verdict, std::move(what), std::move(remedy)});
+  }
+};
 
 void add_result(Findings& findings, const ProbePlayer& player) {
   if (player.outcome() == ProbePlayer::Outcome::Feedback)
-    findings.push_back({Verdict::Feedback,
-                        "the input came near full scale and stayed there although the output had been muted: "
-                        "what is captured is "
-                        "played again",
-                        "switch direct monitoring off, take away connections from inputs to outputs, turn "
-                        "the loudspeaker down "
-                        "or move the microphone away; then measure again"});
+    findings.add(Verdict::Feedback,
+                 "the input came near full scale and stayed there with the output muted: the captured signal "
+                 "is played back",
+                 "switch off direct monitoring, remove connections from inputs to outputs, turn the "
+                 "loudspeaker down or move the microphone away; then measure again");
   if (player.outcome() != ProbePlayer::Outcome::TooLoud) return;
   const double level = player.level().level;
   const auto when = level > 0.0 ? fmt::format("with an output of {:.1f} dBFS", amplitude_to_db(level))
-                                : std::string{"before anything was played"};
-  findings.push_back(
-      {Verdict::Clipping,
-       "the input came within 3 dB of full scale " + when + "; the output was muted, and then it was quiet",
-       "turn the input's gain or the amplifier down"});
+                                : std::string{"before the first probe"};
+  findings.add(
+      Verdict::Clipping,
+      "the input came within 3 dB of full scale " + when + "; it became quiet when the output was muted",
+      "reduce the gain of the input or of the amplifier");
 }
 
 void add_event(Findings& findings, const GuardEvent& event, int input, bool drive) {
   switch (event.kind) {
     case GuardEvent::Kind::Feedback:
-      findings.push_back({Verdict::Feedback,
-                          "the drive guard limited the output for more than 100 ms and faded it out",
-                          "measure at a lower level, or give the limits of the actuator that is there"});
+      findings.add(Verdict::Feedback,
+                   "the drive guard limited the output for more than 100 ms and faded it out",
+                   "measure at a lower level, or give the limits of the connected actuator");
       return;
     case GuardEvent::Kind::SensorRailed:
       if (drive || event.channel == input)
-        findings.push_back(
-            {Verdict::Clipping,
-             fmt::format("input {} stayed at the limit of its range for 40 ms", event.channel + 1),
-             "look after its cable, its supply and its gain"});
+        findings.add(Verdict::Clipping,
+                     fmt::format("input {} stayed at the limit of its range for 40 ms", event.channel + 1),
+                     "check its cable, its power supply and its gain");
       return;
     case GuardEvent::Kind::SensorStuck:
       // A digital connection may be as silent as that, and sound does not stop for it.
       if (drive)
-        findings.push_back(
-            {Verdict::NoSignal,
-             fmt::format("input {} gave the same value for 40 ms: it hangs", event.channel + 1),
-             "look after its cable, and open the device again"});
+        findings.add(Verdict::NoSignal,
+                     fmt::format("input {} repeated the same value for 40 ms: it hangs", event.channel + 1),
+                     "check its cable, and reopen the device");
       return;
   }
 }
@@ -79,33 +80,32 @@ void add_lost(Findings& findings, const Health& before, const Health& after) {
   const auto gaps = after.xruns - before.xruns;
   const auto lost = after.lost_frames - before.lost_frames;
   if (gaps == 0 && lost == 0) return;
-  findings.push_back(
-      {Verdict::LostFrames,
-       fmt::format("the driver counted {} gap{} and {} lost frames while the probes were played", gaps,
-                   gaps == 1 ? "" : "s", lost),
-       kAgainstGaps});
+  findings.add(Verdict::LostFrames,
+               fmt::format("the driver counted {} gap{} and {} lost frames while the probes were played",
+                           gaps, gaps == 1 ? "" : "s", lost),
+               kAgainstGaps);
 }
 
 void add_mismatch(Findings& findings, const StreamGranted& granted, const Health& before,
                   const Health& after) {
   const char* remedy =
-      "choose the rate and the block that the device itself is set to, or reach it through another backend";
+      "choose the sample rate and block size that the device itself is set to, or use another backend";
   const int block = granted.block_frames;
   if (block > 0 && after.blocks > 0 && (after.shortest_block != block || after.longest_block != block))
-    findings.push_back({Verdict::ApiMismatch,
-                        fmt::format("the driver granted blocks of {} frames and delivered blocks of {} to {}",
-                                    block, after.shortest_block, after.longest_block),
-                        remedy});
+    findings.add(Verdict::ApiMismatch,
+                 fmt::format("the driver granted blocks of {} frames but delivered blocks of {} to {}", block,
+                             after.shortest_block, after.longest_block),
+                 remedy);
   const double seconds = after.seconds - before.seconds;
   const auto frames = static_cast<double>(after.frames - before.frames);
   if (seconds <= 0.0 || frames <= 0.0) return;
   const double granted_rate = granted.format.sample_rate.value;
   const double error = frames / seconds / granted_rate - 1.0;
   if (std::abs(error) <= std::max(kRateError, kBlocksOfRate * after.longest_block / frames)) return;
-  findings.push_back({Verdict::ApiMismatch,
-                      fmt::format("{:.0f} Hz were granted, and by the clock it runs at {:.0f} Hz",
-                                  granted_rate, frames / seconds),
-                      remedy});
+  findings.add(Verdict::ApiMismatch,
+               fmt::format("{:.0f} Hz were granted, but the device runs at {:.0f} Hz by the system clock",
+                           granted_rate, frames / seconds),
+               remedy);
 }
 
 std::vector<const Opening*> those(const Measurement& measurement, Verdict verdict) {
@@ -113,13 +113,6 @@ std::vector<const Opening*> those(const Measurement& measurement, Verdict verdic
   for (const auto& opening : measurement.openings)
     if (opening.finding.verdict == verdict) found.push_back(&opening);
   return found;
-}
-
-std::string delays_of(const std::vector<const Opening*>& openings) {
-  std::string text;
-  for (const auto* opening : openings)
-    text += fmt::format("{}{:.3f}", text.empty() ? "" : ", ", opening->analysis.delay_frames);
-  return text;
 }
 
 /// The mean; its error is that within the openings, or that by which they differ, whichever is larger.
@@ -140,23 +133,25 @@ void combine(Measurement& measurement, const std::vector<const Opening*>& openin
 
 Finding unstable(const std::vector<const Opening*>& openings) {
   if (openings.size() < 2) return {};
-  double least = openings.front()->analysis.delay_frames, most = least, error = 0.0;
+  std::vector<double> delays;
+  double error = 0.0;
   for (const auto* opening : openings) {
-    least = std::min(least, opening->analysis.delay_frames);
-    most = std::max(most, opening->analysis.delay_frames);
+    delays.push_back(opening->analysis.delay_frames);
     error = std::max(error, opening->analysis.standard_error_frames);
   }
-  if (most - least <= std::max(kSameDelay, kSessionCertain * error)) return {};
-  return {Verdict::UnstableStart,
-          fmt::format("the delay differs each time the stream is opened: {} frames", delays_of(openings)),
-          "measure again each time that you start to play, or let a backend and a device that begin the "
-          "same way every time (JACK on the device itself) take its place"};
+  const auto [least, most] = std::minmax_element(delays.begin(), delays.end());
+  if (*most - *least <= std::max(kSameDelay, kSessionCertain * error)) return {};
+  return {
+      Verdict::UnstableStart,
+      fmt::format("the delay differs each time the stream is opened: {:.3f} frames", fmt::join(delays, ", ")),
+      "measure again before each session, or use a backend and a device whose delay is the same each time "
+      "(JACK on the device itself)"};
 }
 
 Finding tolerated(std::size_t lost, std::size_t all) {
   return {Verdict::Ok,
-          fmt::format("{} of {} openings lost frames and do not count; the others agree", lost, all),
-          "use a longer block or more periods if that happens often"};
+          fmt::format("{} of {} openings lost frames and are ignored; the others agree", lost, all),
+          "use a larger block size or more periods if that happens often"};
 }
 
 /// Why one opening is unreliable, apart from its recording: how it ended, what the guard did (`events`), what
@@ -182,7 +177,7 @@ void conclude(Measurement& measurement) {
       if (opening.analysis.detected) usable.push_back(&opening);
   if (!usable.empty()) combine(measurement, usable);
 
-  std::vector<Finding> findings;
+  Findings findings;
   const bool tolerable = good.size() >= kEnoughGood && lost.size() < good.size();
   for (const auto& opening : measurement.openings)
     if (opening.finding.verdict != Verdict::LostFrames || !tolerable) findings.push_back(opening.finding);
@@ -198,10 +193,10 @@ std::string second_arrival(const Opening& before, const Opening& again) {
   if (block == other_block || !before.analysis.echo_frames || !again.analysis.echo_frames) return {};
   const int spacing = *before.analysis.echo_frames, other_spacing = *again.analysis.echo_frames;
   const bool stays = std::abs(spacing - other_spacing) <= 1;
-  return fmt::format(
-      "{:+d} frames with blocks of {}, {:+d} with blocks of {}: {}", spacing, block, other_spacing,
-      other_block,
-      stays ? "direct monitoring in the card" : "a connection in software, from its input to its output");
+  return fmt::format("{:+d} frames with blocks of {}, {:+d} with blocks of {}: {}", spacing, block,
+                     other_spacing, other_block,
+                     stays ? "direct monitoring in the card"
+                           : "a connection in software from the card's input to its output");
 }
 
 /// As loud as the probe may be before the guard changes its shape.
@@ -216,12 +211,13 @@ double loudest(const MeasureSettings& settings, Hertz rate) {
 
 Status check(const MeasureSettings& settings) {
   if (settings.openings < 1 || settings.probes < 1 || settings.input < 0 || settings.output < 0)
-    return fail(Errc::BadArgument, "", "a measurement needs an opening, a probe, an input and an output", "");
+    return fail(Errc::BadArgument, "",
+                "a measurement needs at least one opening, one probe, an input and an output", "");
   if (!(settings.softest_dbfs > -150.0 && settings.softest_dbfs <= settings.loudest_dbfs &&
         settings.loudest_dbfs <= 0.0))
     return fail(Errc::OutOfRange, "",
-                "the level of a measurement goes up from above -150 dBFS to 0 dBFS at most",
-                "give the softest and the loudest level in this order");
+                "the levels of a measurement must be in ascending order, above -150 dBFS and at most 0 dBFS",
+                "give the lowest level first");
   return {};
 }
 
@@ -301,8 +297,8 @@ class Session {
       if (player_.done() || Clock::now() - last_alive <= kMeasurementPatience) continue;
       (void)stream.stop();
       return fail(Errc::Device, stream.granted().device,
-                  "the device was disconnected, or delivers no more blocks",
-                  "plug it in, start its sound server, and measure again");
+                  "the device was disconnected, or stopped delivering blocks",
+                  "connect the device, start its sound server, and measure again");
     }
     return stream.stop();
   }

@@ -289,14 +289,15 @@ std::string choose_delay(const CheckOptions& options, CheckJob& job) {
   if (!options.rig.empty()) {
     const auto rig = or_exit(load_rig(options.rig, root_of(options.rig)), kBadFile);
     if (!rig.measured_delay)
-      exit_with({Errc::Missing, options.rig, "this rig has no measured delay",
-                 "measure it with 'tactus latency measure --rig " + options.rig + "', or give --delay"},
-                kBadFile);
+      exit_with(
+          {Errc::Missing, options.rig, "this rig has no measured delay",
+           "measure the delay with 'tactus latency measure --rig " + options.rig + "', or give --delay"},
+          kBadFile);
     world.delay = *rig.measured_delay;
     for (const auto& control : rig.controls) world.set.try_emplace(control.name, control.value.si);
     return "delay as measured on the rig";
   }
-  const auto tested = tested_delays(*job.instrument->spec);
+  const auto& tested = job.instrument->spec->tested;
   if (!tested) return "delay not known";
   world.delay = Seconds{tested->high};
   return "longest delay that the instrument was tested with";
@@ -372,13 +373,13 @@ void add_check(CLI::App& app, int& exit_code) {
   command.add_option("--rig", options.rig, "rig file; its measured delay is used as the system delay");
   command.add_option("--set", options.set, "NAME=VALUE: sets a control");
   for (const auto& [name, value, help] :
-       {std::tuple{"--hand-damping", &options.hand_damping, "added to the device by a fingertip"},
-        {"--hand-mass", &options.hand_mass, "added to the device by a fingertip"},
+       {std::tuple{"--hand-damping", &options.hand_damping, "damping added to the device by a fingertip"},
+        {"--hand-mass", &options.hand_mass, "mass added to the device by a fingertip"},
         {"--push", &options.push, "contact force assumed when a contact is analysed in its closed state"},
         {"--device-mass", &options.device_mass,
-         "mass of the device assumed for an instrument without a scene"},
+         "mass of the haptic device assumed for an instrument without a scene"},
         {"--device-damping", &options.device_damping,
-         "damping of the device assumed for an instrument without a scene"}})
+         "damping of the haptic device assumed for an instrument without a scene"}})
     command.add_option(name, *value, help)->capture_default_str();
   command.add_flag("--quick", options.quick, "analyse the graph only; do not simulate");
   command.add_flag("--verbose", options.verbose,

@@ -8,9 +8,6 @@
 #include "backends/find_device.h"
 #include "backends/loop/loop.h"
 #include "engine/core/named.h"
-#if defined(TACTUS_HAS_RTMIDI)
-#include "backends/rtmidi/rtmidi.h"
-#endif
 
 namespace tactus::app {
 
@@ -25,7 +22,8 @@ Result<std::vector<SoundBackend>> backends_called(const std::string& name) {
   const auto remedy = sound_backends().empty() ? "install JACK, RtAudio or PortAudio and build again"
                                                : fmt::format("it has {}", fmt::join(card_backends(), ", "));
   if (!name.empty())
-    return fail(Errc::UnknownName, "--backend", "this program has no backend '" + name + "'", remedy);
+    return fail(Errc::UnknownName, "--backend", "this program was built without the backend '" + name + "'",
+                remedy);
   return fail(Errc::Device, "", "this program was built without any library for sound cards", remedy);
 }
 

@@ -58,7 +58,7 @@ CLI::App& add_command_group(CLI::App& app, const char* name, const char* help, c
 }
 
 Status can_write_file(const fs::path& file) {
-  return writable_if(opens(file), file, "choose a file in a folder that exists and can be written");
+  return writable_if(opens(file), file, "choose a file in an existing, writable folder");
 }
 
 Status can_write_into(const fs::path& folder) {
@@ -66,7 +66,7 @@ Status can_write_into(const fs::path& folder) {
   auto there = fs::absolute(folder, none).lexically_normal();
   while (!fs::exists(there, none) && there.has_relative_path()) there = there.parent_path();
   return writable_if(fs::is_directory(there, none) && opens(there / ".tactus_tries_to_write"), folder,
-                     "choose a folder that can be made and written");
+                     "choose a writable folder");
 }
 
 CLI::Validator writable_file() { return asks(can_write_file); }
@@ -76,10 +76,8 @@ int report(const CommandError& error) {
   const auto& errors = error.errors;
   fmt::print(stderr, "{}\n", errors.empty() ? "interrupted" : to_string(errors));
   if (error.exit != 0) return error.exit;
-  const bool usage = std::all_of(errors.begin(), errors.end(), [](const Error& each) {
-    return each.where.empty() || each.where.starts_with("--");
-  });
-  return usage ? kUsage : kBadFile;
+  const bool in_a_file = std::ranges::count(errors, Error::Place::File, &Error::place) > 0;
+  return in_a_file ? kBadFile : kUsage;
 }
 
 int exit_of(const Error& error) {
@@ -125,10 +123,11 @@ void Progress::operator()(double share, const std::string& what) {
 }
 
 void announce_delay(const GraphSpec& instrument, double delay_s) {
-  const auto tested = tested_delays(instrument);
+  const auto& tested = instrument.tested;
   if (!tested || tested->contains(delay_s)) return;
   const auto text = [](double si) { return short_quantity(si, Dimension{.second = 1}); };
-  fmt::print(stderr, "warning: {} was tested with delays from {} to {}; with {} it may not be playable\n",
+  fmt::print(stderr,
+             "warning: {} was tested with system delays from {} to {}; with {} it may not be playable\n",
              instrument.name, text(tested->low), text(tested->high), text(delay_s));
 }
 
@@ -159,7 +158,7 @@ std::map<std::string, ControlValue> parse_settings(const std::vector<std::string
     const auto [name, text] =
         parse_assignment(assignment, "--set", "NAME=VALUE", "strength=0.5 or \"sensitivity=-40 dB\"");
     const auto value = read_quantity(Value{text, {}});
-    if (!value) exit_with({Errc::Syntax, "--set", value.error().what, value.error().remedy});
+    if (!value) exit_with(value.error().at("--set"));
     settings[name] = *value;
   }
   return settings;
@@ -169,7 +168,7 @@ double parse_option(const std::string& text, const char* unit, const std::string
                     double most) {
   const auto known_unit = *parse_unit(unit);
   auto value = read_quantity(Value{text, {}}, known_unit, option);
-  if (!value) exit_with({value.error().code, "--" + option, value.error().what, value.error().remedy});
+  if (!value) exit_with(value.error().at("--" + option));
   if (*value >= least && *value <= most) return *value;
   const bool sign = least == kAboveZero && *value <= 0;
   exit_with({Errc::OutOfRange, "--" + option, "'" + text + "' is out of range",

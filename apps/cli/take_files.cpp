@@ -51,7 +51,7 @@ void add_sounds(const GraphSpec& spec, const NodeTable& table, const fs::path& r
 Result<fs::path> inside(const fs::path& folder, const std::string& name) {
   const auto path = fs::path{name}.lexically_normal();
   if (!path.has_root_path() && !path.empty() && *path.begin() != "..") return folder / path;
-  return fail(Errc::BadFile, name, "a file of the take is outside its folder", "do not trust this take");
+  return fail(Errc::BadFile, name, "the take refers to a file outside its folder", "do not trust this take");
 }
 
 }  // namespace
@@ -102,7 +102,7 @@ Result<fs::path> unpack(const TakeFiles& files, const fs::path& folder) {
     if (!path) return path;
     fs::create_directories(path->parent_path(), error);
     if (!(std::ofstream{*path, std::ios::binary} << text))
-      return fail(Errc::BadFile, path->string(), "cannot be written", "check the space on the disk");
+      return fail(Errc::BadFile, path->string(), "cannot be written", "check the free disk space");
   }
   for (const auto& [name, print] : files.sounds) {
     const auto path = inside(folder, name), source = inside(files.root, name);
@@ -110,10 +110,10 @@ Result<fs::path> unpack(const TakeFiles& files, const fs::path& folder) {
     if (print_of(*source) != print)
       return fail(Errc::BadFile, source->string(),
                   "this sound file is missing or has changed since the take was recorded",
-                  "restore the former file");
+                  "restore the original file");
     fs::create_directories(path->parent_path(), error);
     fs::copy_file(*source, *path, fs::copy_options::overwrite_existing, error);
-    if (error) return fail(Errc::BadFile, path->string(), "cannot be written", "check the space on the disk");
+    if (error) return fail(Errc::BadFile, path->string(), "cannot be written", "check the free disk space");
   }
   return inside(folder, files.main);
 }

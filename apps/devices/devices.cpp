@@ -49,7 +49,7 @@ void print(const Device& device, const MeasuredDelays& delays) {
   std::vector<double> rates;
   for (const auto& rate : device.sample_rates) rates.push_back(rate.value / 1e3);
   fmt::print("      {}: {} in, {} out, {}{}{}{}\n", device.name, device.in_channels, device.out_channels,
-             rates.empty() ? fmt::format("{:g} kHz, others too", device.default_rate.value / 1e3)
+             rates.empty() ? fmt::format("{:g} kHz and other rates", device.default_rate.value / 1e3)
                            : fmt::format("{:g} kHz", fmt::join(rates, ", ")),
              device.block_frames ? fmt::format(", {} frames per block", *device.block_frames) : "",
              latency_text(device), measured_text(device, delays));

@@ -86,15 +86,16 @@ SystemFinding check_jack(const std::vector<std::string>& all) {
     return argument.starts_with("-d") || argument.starts_with("--driver");
   });
   if (driver == all.end())
-    return unknown("a JACK server runs and does not show its settings", "jack_bufsize; jack_samplerate");
+    return unknown("a JACK server is running but does not report its settings",
+                   "jack_bufsize; jack_samplerate");
   const auto at = static_cast<std::size_t>(driver - all.begin());
   const int period = option_in(all, at + 1, {"-p", "--period"}).value_or(1024);
   const int rate = option_in(all, at + 1, {"-r", "--rate"}).value_or(48000);
-  const auto what = fmt::format("jackd runs at {} Hz with {} frames a period", rate, period);
+  const auto what = fmt::format("jackd runs at {} Hz with {} frames per period", rate, period);
   if (std::any_of(all.begin(), driver,
                   [](const auto& text) { return text == "-r" || text == "--no-realtime"; }))
     return warn(what + ", without real-time priority (-r)",
-                "jackd -R -d alsa -p 64   # as it is started, with -R");
+                "jackd -R -d alsa -p 64   # restart it with -R added to its options");
   return check_block(what, period, rate, "jack_bufsize 64");
 }
 
@@ -107,7 +108,8 @@ std::optional<int> pipewire_setting(const std::string& text, const std::string& 
 SystemFinding check_pipewire(const std::string& settings) {
   const auto quantum = pipewire_setting(settings, "clock.quantum");
   const int rate = pipewire_setting(settings, "clock.rate").value_or(48000);
-  if (!quantum) return unknown("PipeWire runs and does not report its quantum", "pw-metadata -n settings 0");
+  if (!quantum)
+    return unknown("PipeWire is running but does not report its quantum", "pw-metadata -n settings 0");
   const int forced = pipewire_setting(settings, "clock.force-quantum").value_or(0);
   const int frames = forced > 0 ? forced : *quantum;
   return check_block(fmt::format("PipeWire {} {} frames at {} Hz",
@@ -168,8 +170,8 @@ std::vector<Process> processes_of(const SystemFiles& system) {
 
 SystemFinding check_right(const SystemFiles& system, const Status& tried, const char* item) {
   if (tried)
-    return ok(item == std::string{"rtprio"} ? "threads of this user get SCHED_FIFO"
-                                            : "the program can stay in memory");
+    return ok(item == std::string{"rtprio"} ? "this user's threads can use SCHED_FIFO"
+                                            : "the program can lock its memory");
   const auto& what = tried.error().what;
   if (!system.exists("proc")) return warn(what, tried.error().remedy);
   if (!contains(system.text("etc/security/limits.d/audio.conf"), item))
@@ -186,10 +188,10 @@ SystemFinding check_governor(const SystemFiles& system) {
   for_each_processor(system, "cpufreq/scaling_governor",
                      [&](const std::string& file) { governors.insert(system.line(file)); });
   governors.erase("");
-  if (governors.empty()) return unknown("the clock of the processors cannot be read (a virtual machine?)");
+  if (governors.empty()) return unknown("the processor clock cannot be read (a virtual machine?)");
   governors.erase("performance");
-  if (governors.empty()) return ok("every processor runs at full clock");
-  return warn("the governor '" + *governors.begin() + "' slows processors down between blocks",
+  if (governors.empty()) return ok("every processor runs at full clock speed");
+  return warn("the governor '" + *governors.begin() + "' lowers the processor clock between blocks",
               "sudo cpupower frequency-set -g performance");
 }
 
@@ -201,7 +203,7 @@ SystemFinding check_idle(const SystemFiles& system) {
         longest = std::max(longest, number_in(system.line(folder + "/" + state + "/latency")).value_or(-1));
   });
   if (longest < 0) return unknown("idle states cannot be read");
-  const auto what = fmt::format("a processor wakes up within {} us", longest);
+  const auto what = fmt::format("processors wake up within {} us", longest);
   if (longest <= kSlowWake_us) return ok(what);
   return warn(what + ", too long for small blocks",
               fmt::format("sudo cpupower idle-set -D {}", kSlowWake_us + 1));
@@ -211,7 +213,7 @@ SystemFinding check_kernel(const SystemFiles& system) {
   constexpr auto* kFull = "echo full | sudo tee /sys/kernel/debug/sched/preempt";
   const auto version = system.text("proc/version"), command_line = system.text("proc/cmdline"),
              preemption = system.text("sys/kernel/debug/sched/preempt");
-  if (!version) return unknown("the version of the kernel cannot be read");
+  if (!version) return unknown("the kernel version cannot be read");
   if (is_realtime(system)) return ok("a real-time kernel (PREEMPT_RT)");
   if (contains(version, "PREEMPT_DYNAMIC")) {
     if (contains(preemption, "(full)") || contains(command_line, "preempt=full"))
@@ -219,7 +221,8 @@ SystemFinding check_kernel(const SystemFiles& system) {
     if (contains(preemption, "(lazy)") || contains(command_line, "preempt=lazy"))
       return ok("preemptible by real-time threads (PREEMPT_DYNAMIC, lazy)");
     if (!preemption && !contains(command_line, "preempt="))
-      return unknown("preemption is chosen at boot (PREEMPT_DYNAMIC), and only root can read which", kFull);
+      return unknown("the preemption model is chosen at boot (PREEMPT_DYNAMIC), and only root can read it",
+                     kFull);
     return warn("system calls of other programs delay the audio thread (not fully preemptible)", kFull);
   }
   if (contains(version, "PREEMPT")) return ok("preemptible (PREEMPT)");
@@ -229,28 +232,28 @@ SystemFinding check_kernel(const SystemFiles& system) {
 
 SystemFinding check_interrupts(const SystemFiles& system) {
   const auto command_line = system.text("proc/cmdline");
-  if (!system.text("proc/version") || !command_line) return unknown("how interrupts run cannot be read");
+  if (!system.text("proc/version") || !command_line) return unknown("the interrupt settings cannot be read");
   if (!is_realtime(system) && !contains(command_line, "threadirqs"))
     return warn(
-        "interrupts of disks and networks have priority over the audio thread",
+        "disk and network interrupts have priority over the audio thread",
         "sudo sed -i 's/^GRUB_CMDLINE_LINUX=\"/&threadirqs /' /etc/default/grub && sudo update-grub   # "
         "then boot");
   if (system.exists("usr/sbin/rtirq") || system.exists("etc/init.d/rtirq"))
-    return ok("interrupts are threads, and rtirq gives the sound card's the highest priority");
-  return warn("interrupts are threads, and that of the sound card has no higher priority than others",
+    return ok("interrupts run in threads; rtirq gives the sound card's interrupt the highest priority");
+  return warn("interrupts run in threads; the sound card's interrupt has no higher priority than others",
               "sudo apt-get install rtirq-init");
 }
 
 SystemFinding check_swap(const SystemFiles& system, bool memory_locked) {
   const auto swaps = system.text("proc/swaps");
   if (!swaps) return unknown("swap cannot be read");
-  if (std::count(swaps->begin(), swaps->end(), '\n') <= 1) return ok("there is no swap");
-  if (memory_locked) return ok("there is swap, and the program stays out of it");
+  if (std::count(swaps->begin(), swaps->end(), '\n') <= 1) return ok("no swap");
+  if (memory_locked) return ok("swap is in use, but the program's memory is locked");
   const auto swappiness = number_in(system.line("proc/sys/vm/swappiness"));
   if (swappiness && *swappiness <= kLowSwappiness)
-    return ok(fmt::format("memory is swapped out late (swappiness {})", *swappiness));
+    return ok(fmt::format("memory is rarely swapped out (swappiness {})", *swappiness));
   return warn(
-      "memory of the program may be swapped out while it plays",
+      "the program's memory may be swapped out during playback",
       fmt::format("echo vm.swappiness={} | sudo tee /etc/sysctl.d/90-audio.conf && sudo sysctl --system",
                   kLowSwappiness));
 }
@@ -259,13 +262,14 @@ SystemFinding check_machine(const SystemFiles& system) {
   const auto processors = system.text("proc/cpuinfo");
   if (!processors) return unknown("the processor cannot be read");
   if (!contains(processors, " hypervisor")) return ok("no virtual machine");
-  return warn("a virtual machine is paused for milliseconds by its host: use blocks of 256 frames or more",
-              "systemd-detect-virt   # shows which; play on the machine itself");
+  return warn(
+      "a virtual machine may be paused for milliseconds by its host: use blocks of 256 frames or more",
+      "systemd-detect-virt   # shows which one; play on the host instead");
 }
 
 SystemFinding check_cards(const SystemFiles& system) {
   const auto cards = system.text("proc/asound/cards");
-  if (!cards) return unknown("the kernel shows no sound cards at all (no ALSA)");
+  if (!cards) return unknown("the kernel does not list sound cards (no ALSA)");
   std::vector<std::string> names;
   std::istringstream lines{*cards};
   for (std::string line; std::getline(lines, line);) {
@@ -290,16 +294,17 @@ std::vector<SystemFinding> check_usb(const SystemFiles& system) {
       return other != device && !parent.empty() && usb_parent(other) == parent &&
              system.line(kUsb + other + "/bDeviceClass") != "09";
     });
-    findings.push_back(system.line(kUsb + device + "/power/control") == "auto"
-                           ? warn(name + " may be suspended when it is idle",
-                                  "echo on | sudo tee /sys/bus/usb/devices/" + device + "/power/control")
-                       : neighbour != devices.end()
-                           ? warn(name + " shares a hub with " + usb_name(system, *neighbour),
-                                  "lsusb -t   # shows the ports; connect it to one of the machine itself")
-                           : ok(name + " is never suspended, and has a port of its own"));
+    findings.push_back(
+        system.line(kUsb + device + "/power/control") == "auto"
+            ? warn(name + " may be suspended when idle",
+                   "echo on | sudo tee /sys/bus/usb/devices/" + device + "/power/control")
+        : neighbour != devices.end()
+            ? warn(name + " shares a hub with " + usb_name(system, *neighbour),
+                   "lsusb -t   # shows the ports; connect the card to a port of the computer itself")
+            : ok(name + " is never suspended and does not share a hub"));
   }
   if (findings.empty())
-    findings.push_back(devices.empty() ? unknown("USB cannot be read")
+    findings.push_back(devices.empty() ? unknown("USB devices cannot be read")
                                        : ok("no sound card is connected by USB"));
   return findings;
 }
@@ -312,14 +317,15 @@ std::vector<SystemFinding> check_servers(const std::vector<Process>& processes, 
     if (name == "jackd") findings.push_back(named("JACK", check_jack(arguments)));
     if (name == "jackdbus" && first)
       findings.push_back(
-          named("JACK", unknown("jackdbus runs and does not show its settings", "jack_control dp")));
+          named("JACK", unknown("jackdbus is running but does not report its settings", "jack_control dp")));
     if (name == "pipewire" && first) findings.push_back(named("PipeWire", check_pipewire(pipewire)));
     if (name == "pulseaudio" && first)
       findings.push_back(
           named("PulseAudio", warn("PulseAudio occupies the sound cards", "pasuspender -- tactus play …")));
   }
   if (findings.empty())
-    findings.push_back(named("sound server", ok("none runs: Tactus has the cards for itself")));
+    findings.push_back(
+        named("sound server", ok("none is running: Tactus has exclusive access to the cards")));
   return findings;
 }
 
@@ -406,8 +412,8 @@ void add_doctor(CLI::App& app, int& exit_code) {
       app, "doctor", "Check whether this system is set up for low-latency audio", exit_code, run_doctor);
   command.add_flag("--json", options.json, "print the findings as JSON");
   command.footer(
-      "Example:\n  tactus doctor\nIt changes nothing; each finding is followed by the command that fixes it, "
-      "or that shows more.\nExit code 1: at least one warning.");
+      "Example:\n  tactus doctor\nIt only reads settings. Each finding is followed by the command that fixes "
+      "it or shows more.\nExit code 1: at least one warning.");
 }
 
 }  // namespace tactus::app

@@ -29,6 +29,7 @@ std::vector<double> measure_steps(Player& engine, int block) {
   constexpr int kRounds = 7;
   constexpr int kBlocks = 400;
   constexpr std::chrono::milliseconds kRound{50};
+  const NoDenormals no_denormals;
   const ChannelBuffers in{engine.in_channels(), block}, out{engine.out_channels(), block};
   for (double* channel : in) std::fill_n(channel, block, 1e-3);
   std::vector<double> least(engine.plan().steps.size(), 1e300);
@@ -59,7 +60,7 @@ std::string name_of(const Plan& plan, const Step& step) {
 std::string what_runs(const Plan& plan, const Step& step) {
   if (step.kind == Step::Kind::Operations)
     return fmt::format("{} operation{}", step.operations, step.operations == 1 ? "" : "s");
-  if (step.node < 0) return "the instrument answers";
+  if (step.node < 0) return "the instrument runs";
   return vertex_of(plan, step).description();
 }
 
@@ -113,11 +114,11 @@ int frames_of(const Json& json, const char* key) { return json[key].get<int>(); 
 void print(const Json& json) {
   fmt::print("{} at {:g} Hz, {} bytes of signals and steps\n\n", text_of(json, "graph"),
              json["sample_rate_hz"].get<double>(), json["signal_memory_bytes"].get<std::size_t>());
-  fmt::print("  {:28} {:18} {:11} {:>12}\n", "step", "what", "how", "ns a frame");
+  fmt::print("  {:28} {:18} {:11} {:>12}\n", "step", "what", "how", "ns per frame");
   double total = 0;
   for (const auto& section : json["sections"]) {
     const bool loop = section["loop"].get<bool>();
-    if (loop) fmt::print("  loop, {} frames at a time:\n", frames_of(section, "sub_block_frames"));
+    if (loop) fmt::print("  loop, sub-blocks of {} frames:\n", frames_of(section, "sub_block_frames"));
     for (const auto& step : section["steps"]) {
       const double cost = step["ns_per_frame"].get<double>();
       total += cost;
@@ -125,28 +126,28 @@ void print(const Json& json) {
                  text_of(step, "what"), text_of(step, "how"), cost);
     }
   }
-  fmt::print("  {:59} {:12.2f}   (the clock's own time included)\n\n", "all", total);
+  fmt::print("  {:59} {:12.2f}   (including the time of the clock calls)\n\n", "all", total);
   for (const auto& loop : json["loops"])
-    fmt::print("loop {}: at least {} frames of delay, runs {} at a time\n",
+    fmt::print("loop {}: delay at least {} frames, sub-blocks of {} frames\n",
                fmt::join(loop["through"].get<std::vector<std::string>>(), " -> "),
                frames_of(loop, "delay_frames"), frames_of(loop, "sub_block_frames"));
   for (const auto& about : json["about"])
     fmt::print("{}: {}\n", text_of(about, "name"), text_of(about, "what"));
   for (const auto& left : json["left_out"])
-    fmt::print("left out: {} {}\n", text_of(left, "name"), text_of(left, "why"));
-  if (json["left_out"].empty()) fmt::print("left out: nothing\n");
+    fmt::print("omitted: {} {}\n", text_of(left, "name"), text_of(left, "why"));
+  if (json["left_out"].empty()) fmt::print("omitted: nothing\n");
 }
 
 /// What lies around the engines and is not there: nothing is opened or started here.
 std::vector<LeftOut> around_everything() {
-  return {{"sound card", "is not opened: all of it runs in the simulated world or offline"},
-          {"threads", "are not started: everything runs on the thread that calls"}};
+  return {{"sound card", "is not opened: everything runs in the simulation or offline"},
+          {"threads", "are not started: everything runs on the calling thread"}};
 }
 
 std::vector<LeftOut> around(const GraphSpec& graph) {
   std::vector<LeftOut> left = around_everything();
   for (const auto& tap : event_taps(graph, standard_nodes()))
-    left.push_back({"tap " + tap, "is not read here: scenes and `tactus render --events` read it"});
+    left.push_back({"tap " + tap, "is not read here; scenes and `tactus render --events` read it"});
   return left;
 }
 
@@ -187,7 +188,7 @@ int run_explain(const ExplainOptions& options) {
     const auto built = or_exit(build_scene(loaded, standard_nodes(), with));
     return finish(options, around(*loaded.scene, built),
                   {{"instrument of " + loaded.scene->name, built.instrument.get()},
-                   {"world of " + loaded.scene->name, built.plant.get()}});
+                   {"simulation of " + loaded.scene->name, built.plant.get()}});
   }
   const auto loaded = load_graph_leniently(file, root_of(file));
   CompileOptions compile_options;

@@ -29,8 +29,9 @@ void check(const Samples& samples, const std::string& path) {
   if (samples.frames() == 0) exit_with({Errc::BadFile, path, "it contains no samples", "record it again"});
   if (!(samples.sample_rate >= 1_kHz && samples.sample_rate.value <= 1e6))
     exit_with({Errc::BadFile, path,
-               fmt::format("its header has {:g} Hz, which no sound card supports", samples.sample_rate.value),
-               "give the true rate with --rate"});
+               fmt::format("its header states a sample rate of {:g} Hz, which no sound card supports",
+                           samples.sample_rate.value),
+               "give the actual rate with --rate"});
   for (const auto& channel : samples.channels)
     if (!std::all_of(channel.begin(), channel.end(), [](double sample) { return std::isfinite(sample); }))
       exit_with({Errc::BadFile, path, "some of its samples are non-finite", "record it again"});
@@ -48,20 +49,19 @@ int captured_channel(const AnalyzeOptions& options, int first, int channels) {
   const int asked = options.channel.value_or(first);
   if (asked >= first && asked < first + channels) return asked - first;
   exit_with({Errc::BadArgument, "--channel",
-             first == 2 && asked == 1 ? "channel 1 is what was played, where there is no --probe"
+             first == 2 && asked == 1 ? "without --probe, channel 1 must be the played signal"
                                       : fmt::format("'{}' has no channel {}", options.capture, asked),
-             channels == 1 ? fmt::format("it has {} alone", first)
-                           : fmt::format("it has {} to {}", first, first + channels - 1)});
+             channels == 1 ? fmt::format("it has only channel {}", first)
+                           : fmt::format("it has channels {} to {}", first, first + channels - 1)});
 }
 
 /// The probe at the rate of what was captured.
 Samples at_rate(Samples probe, Hertz rate) {
   if (probe.sample_rate == rate) return probe;
-  fmt::print(
-      stderr,
-      "note: the probe is at {:g} Hz and the capture at {:g} Hz: the probe was resampled; if only a header "
-      "is wrong, give --rate\n",
-      probe.sample_rate.value, rate.value);
+  fmt::print(stderr,
+             "note: the probe file is at {:g} Hz and the recording at {:g} Hz: the probe was resampled; if "
+             "only a header is wrong, give --rate\n",
+             probe.sample_rate.value, rate.value);
   return resample(probe, rate);
 }
 
@@ -77,7 +77,7 @@ Capture joined(const AnalyzeOptions& options, Samples captured) {
 /// A file whose first channel is what was played.
 Capture cut(const AnalyzeOptions& options, Samples both) {
   if (both.channels.size() < 2)
-    exit_with({Errc::BadFile, options.capture, "it has one channel, and the probe is not given",
+    exit_with({Errc::BadFile, options.capture, "it has one channel, and no probe file is given",
                "give the file that was played as --probe"});
   const int channel = captured_channel(options, 2, static_cast<int>(both.channels.size()) - 1);
   auto played = std::move(both.channels.front());

@@ -27,8 +27,9 @@ double electrical_frames(const CalibrateOptions& options, const Loop& loop, cons
   if (loop.rig && loop.rig->measured_delay) return frames_in(*loop.rig->measured_delay, rate);
   const auto delays = MeasuredDelays::load();
   if (const auto* found = delays.find(key_of(granted))) return frames_in(found->delay, rate);
-  exit_with({Errc::Missing, "--electrical", "the card's own delay was never measured with this setting",
-             "measure it over a cable with tactus latency measure, or give it"});
+  exit_with({Errc::Missing, "--electrical",
+             "the delay of the card alone has not been measured with this sample rate and block size",
+             "measure it with a loopback cable (tactus latency measure), or give it"});
 }
 
 Json json_of(const Calibration& calibration, Hertz rate) {
@@ -37,7 +38,8 @@ Json json_of(const Calibration& calibration, Hertz rate) {
   const double error = std::hypot(calibration.analysis.standard_error_frames, 1.0 / std::sqrt(12.0));
   auto json =
       essentials_json(calibration.finding, rate, calibration.arrival_frames, error, calibration.analysis);
-  json["delay_is"] = "from the drive to the first swing of what is captured, without the card's own delay";
+  json["delay_is"] =
+      "from the drive signal to the first swing of the captured signal, without the delay of the card";
   if (profile.taps.empty()) return json;
   const auto octave_json = [&](const BandDelay& octave) -> Json {
     return {{"centre_hz", octave.centre_hz},
@@ -59,17 +61,17 @@ Json json_of(const Calibration& calibration, Hertz rate) {
 void print(const Calibration& calibration, Hertz rate) {
   const auto& finding = calibration.finding;
   if (finding.verdict != Verdict::Ok)
-    return fmt::print("no profile      {}\nseen            {}\nwhat to do      {}\n", code(finding.verdict),
+    return fmt::print("no profile      {}\ncause           {}\nremedy          {}\n", code(finding.verdict),
                       finding.what, finding.remedy);
-  fmt::print("arrival         {:.3f} ms behind the card's own delay, {}\n",
+  fmt::print("arrival         {:.3f} ms after the delay of the card alone, {}\n",
              1e3 * calibration.arrival_frames / rate.value,
              calibration.polarity > 0 ? "not inverted" : "inverted");
-  fmt::print("known           {:.0f} Hz to {:.0f} Hz\n", calibration.profile.low.value,
+  fmt::print("measured band   {:.0f} Hz to {:.0f} Hz\n", calibration.profile.low.value,
              calibration.profile.high.value);
   if (calibration.resonance)
     fmt::print("resonance       {:.1f} Hz, Q {:.2f}\n", calibration.resonance->frequency_hz,
                calibration.resonance->q);
-  fmt::print("noise           {:.1f} dB below the probes\nunexplained     {:.2g} of what is captured\n",
+  fmt::print("noise           {:.1f} dB below the probes\nunexplained     {:.2g} of the captured signal\n",
              calibration.analysis.snr_db, calibration.unexplained);
   fmt::print("group delay    ");
   for (const auto& octave : calibration.group_delay) fmt::print(" {:>9.0f} Hz", octave.centre_hz);
@@ -82,7 +84,7 @@ void print(const Calibration& calibration, Hertz rate) {
 std::string description_of(const Calibration& calibration, const std::string& device) {
   const auto& profile = calibration.profile;
   auto text = fmt::format(
-      "Measured {} on {} at {:g} kHz: known from {:.0f} Hz to {:.0f} Hz, arrives after {:.3f} ms, {}",
+      "Measured {} on {} at {:g} kHz: valid from {:.0f} Hz to {:.0f} Hz, arrives after {:.3f} ms, {}",
       fmt::format("{:%Y-%m-%d}", fmt::gmtime(std::time(nullptr))), device, profile.sample_rate.value / 1e3,
       profile.low.value, profile.high.value, 1e3 * calibration.arrival_frames / profile.sample_rate.value,
       calibration.polarity > 0 ? "not inverted" : "inverted");
@@ -155,9 +157,9 @@ void add_latency_calibrate(CLI::App& latency, int& exit_code) {
       ->check(writable_file());
   command.add_flag("--json", options.json, "print the report as JSON");
   command.footer(
-      "Examples:\n  tactus latency measure --rig desk.toml                          # first, over a cable\n  "
-      "tactus latency calibrate --rig desk.toml --save woofer.toml     # then through woofer and "
-      "microphone\n  tactus latency measure --rig desk.toml --profile woofer.toml    # from now on without a "
+      "Examples:\n  tactus latency measure --rig desk.toml                          # first, with a loopback "
+      "cable\n  tactus latency calibrate --rig desk.toml --save woofer.toml     # then through woofer and "
+      "microphone\n  tactus latency measure --rig desk.toml --profile woofer.toml    # later, without a "
       "cable\nThe actuator on the rig's first output moves, up to the limits of its guard: keep hands away.");
 }
 

@@ -130,8 +130,8 @@ void add_delay(const LatencyReport& report, Lines& lines) {
     lines.wrap("note", measurement.finding.what);
   } else {
     lines.add("delay", "not known: {}", code(measurement.finding.verdict));
-    lines.wrap("seen", measurement.finding.what);
-    lines.wrap("what to do", measurement.finding.remedy);
+    lines.wrap("cause", measurement.finding.what);
+    lines.wrap("remedy", measurement.finding.remedy);
   }
 }
 
@@ -150,16 +150,16 @@ void add_openings(const LatencyReport& report, Lines& lines) {
     lines.wrap("openings", delays + (numbers ? " [frames]" : ""));
   }
   if (measurement.openings.size() > 1 && report.ok())
-    lines.add("spread", "{:.2g} frames over openings, {:.2g} over {} probes", measurement.spread_frames,
+    lines.add("spread", "{:.2g} frames between openings, {:.2g} between {} probes", measurement.spread_frames,
               shown.analysis.spread_frames, shown.analysis.probes.size());
   else if (shown.analysis.detected && shown.analysis.probes.size() > 1)
-    lines.add("spread", "{:.2g} frames over {} probes", shown.analysis.spread_frames,
+    lines.add("spread", "{:.2g} frames between {} probes", shown.analysis.spread_frames,
               shown.analysis.probes.size());
 }
 
 void add_driver(const LatencyReport& report, Lines& lines) {
   const auto& measurement = report.measurement;
-  if (!measurement.reported_frames) return lines.add("driver", "no latency");
+  if (!measurement.reported_frames) return lines.add("driver", "reports no latency");
   const double reported = *measurement.reported_frames;
   const double beside = reported - measurement.delay_frames;
   lines.add("driver", "{:.0f} frames{}", reported,
@@ -178,7 +178,7 @@ std::string detected_gaps(const Analysis& analysis) {
     text += fmt::format("{}{} {:.0f} frames at {:.2f} s", i == 0 ? "" : ", ",
                         steps[i].frames < 0 ? "lost" : "repeated", std::abs(steps[i].frames),
                         static_cast<double>(steps[i].frame) / analysis.sample_rate.value);
-  return steps.size() > kMaxSteps ? text + fmt::format(", and {} times more", steps.size() - kMaxSteps)
+  return steps.size() > kMaxSteps ? text + fmt::format(", and {} more times", steps.size() - kMaxSteps)
                                   : text;
 }
 
@@ -197,7 +197,7 @@ void add_gaps(const LatencyReport& report, Lines& lines) {
 
 std::string noise_text(const Analysis& analysis) {
   constexpr double kNone = -200.0;  // dBFS; no converter is so quiet
-  if (analysis.noise_floor_dbfs < kNone) return "none: no converter is on the way";
+  if (analysis.noise_floor_dbfs < kNone) return "none: the path contains no converter";
   const auto level = fmt::format("{:.1f} dBFS, ", analysis.noise_floor_dbfs);
   const auto dc = fmt::format("DC {:.2g}", analysis.dc);
   if (!analysis.detected) return level + dc;
@@ -219,7 +219,7 @@ void add_path(const Analysis& analysis, Lines& lines) {
       harmonics += fmt::format("{}H{} {:.0f} dB", harmonics.empty() ? "" : ", ", k + 2, *level);
   if (!harmonics.empty()) lines.add("distortion", "{}", harmonics);
   if (analysis.detected && !analysis.compared)
-    lines.add("clock", "not known, nor whether frames were lost: fewer than three probes can be compared");
+    lines.add("clock", "not known (nor lost frames): fewer than three probes can be compared");
   if (analysis.detected && analysis.compared)
     lines.add("clock", "drift {} ppm",
               with_error(analysis.drift_ppm, std::max(0.001, analysis.drift_standard_error_ppm)));
@@ -242,7 +242,7 @@ void add_group_delay(const Analysis& analysis, Lines& lines) {
     errors += fmt::format("{:>8}", error_text(band.standard_error_frames));
   }
   lines.add("group delay", "{}", heads);
-  lines.add("  less delay", "{}  frames", values);
+  lines.add("  minus delay", "{}  frames", values);
   lines.add("", "{}", errors);
 }
 
@@ -289,8 +289,8 @@ void write_files(LatencyReport& report, const ReportFiles& files) {
 }  // namespace
 
 const char* const kDelayIs =
-    "The delay runs from a voltage at the input to the answer at the output of a program that answers within "
-    "the block: converters, driver, blocks and cable are in it.";
+    "This is the delay from a voltage at the input to the response at the output if the program responds "
+    "within the same block; it includes converters, driver, blocks and cable.";
 
 bool is_known(const Analysis& analysis) {
   return analysis.detected || analysis.finding.verdict != Verdict::Ok;

@@ -23,7 +23,7 @@ void check_against_rig(const LoopOptions& options) {
                                       {options.periods.has_value(), "--periods"}})
     if (given)
       exit_with({Errc::BadArgument, option, "cannot be combined with --rig, which sets it",
-                 "change the rig: its delay belongs to its own setting"});
+                 "change the rig file: its measured delay is valid for its own settings only"});
 }
 
 /// The folder with the profiles that a rig names: the instruments beside it, or beside the current folder.
@@ -67,11 +67,11 @@ void check_channel(int channel, int there, const Device& device, const char* opt
   const std::string kind = option[2] == 'i' ? "input" : "output";
   if (there == 0)
     exit_with({Errc::OutOfRange, option, fmt::format("'{}' has no {}s", device.id, kind),
-               fmt::format("name a device that has some with --{}device; see tactus devices",
+               fmt::format("choose a device that has some with --{}device; see tactus devices",
                            kind == "input" ? "input-" : "")});
   if (channel > there)
     exit_with({Errc::OutOfRange, option, fmt::format("'{}' has no {} {}", device.id, kind, channel),
-               fmt::format("it has 1 to {}", there)});
+               fmt::format("it has channels 1 to {}", there)});
 }
 
 void set_channels(const LoopOptions& options, Loop& loop) {
@@ -164,9 +164,9 @@ std::string source_text(const MeasureSettings& settings, const StreamGranted& gr
   if (!granted.input_device.empty()) text += " and " + granted.input_device;
   text += fmt::format(", {:g} kHz, ", granted.format.sample_rate.value / 1e3);
   text +=
-      granted.block_frames > 0 ? fmt::format("{} frames a block", granted.block_frames) : "changing blocks";
+      granted.block_frames > 0 ? fmt::format("{} frames per block", granted.block_frames) : "changing blocks";
   if (wanted.block_frames && *wanted.block_frames != granted.block_frames)
-    text += fmt::format(" ({} were asked for)", *wanted.block_frames);
+    text += fmt::format(" ({} requested)", *wanted.block_frames);
   if (granted.periods > 0) text += fmt::format(", {} periods", granted.periods);
   return text + fmt::format("; output {} to input {}", settings.output + 1, settings.input + 1);
 }
@@ -174,10 +174,11 @@ std::string source_text(const MeasureSettings& settings, const StreamGranted& gr
 double parse_level(const std::string& text) {
   const auto value = read_quantity(Value{text.ends_with("FS") ? text.substr(0, text.size() - 2) : text, {}});
   if (!value || !(value->bare || value->unit.decibel))
-    exit_with({Errc::Syntax, "--level", "'" + text + "' is no level", "write for instance \"-20 dBFS\""});
+    exit_with({Errc::Syntax, "--level", "'" + text + "' is not a level", "write for instance \"-20 dBFS\""});
   const double level = value->bare ? value->si : value->unit.from_si(value->si);
   if (level >= -120 && level <= 0) return level;
-  exit_with({Errc::OutOfRange, "--level", "must be from -120 to 0 dBFS", "write for instance \"-20 dBFS\""});
+  exit_with(
+      {Errc::OutOfRange, "--level", "must be between -120 and 0 dBFS", "write for instance \"-20 dBFS\""});
 }
 
 }  // namespace tactus::app

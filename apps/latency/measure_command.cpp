@@ -54,11 +54,11 @@ int save(LatencyReport& report, const Loop& loop, const MeasureOptions& options)
     exit = kBadFile;
   };
   note(save_on_machine(report.measurement),
-       MeasuredDelays::default_file().string() + ", where tactus play looks for it");
+       MeasuredDelays::default_file().string() + ", where tactus play reads it");
   const auto& file = options.loop.rig;
   if (loop.rig)
     note(save_in_rig(report.measurement, *loop.rig, file),
-         fmt::format("{0}, as [delay] measured; the file before it is {0}~", file));
+         fmt::format("{0}, as [delay] measured; the previous file is {0}~", file));
   return exit;
 }
 

@@ -124,7 +124,7 @@ void widen_axis(const std::vector<double>& values, PlotAxis& axis) {
 Plot probes_plot(const LatencyReport& report) {
   const auto& openings = report.measurement.openings;
   Plot plot;
-  plot.x = {.label = openings.size() > 1 ? "probe, in order of playing" : "probe"};
+  plot.x = {.label = openings.size() > 1 ? "probe, in playing order" : "probe"};
   Subplot subplot;
   subplot.y = {.label = "delay of each probe", .unit = "frames"};
   PlotSeries points{.label = {}, .mark = PlotMark::Points, .color = PlotColor::Blue};
@@ -160,7 +160,7 @@ std::string headline(const LatencyReport& report) {
 
 std::string describe_analysis(const LatencyReport& report, const Analysis& analysis) {
   auto text = report.source;
-  if (!report.ok()) text += ". Seen: " + report.measurement.finding.what;
+  if (!report.ok()) text += ". Cause: " + report.measurement.finding.what;
   if (!analysis.detected) return text;
   text += fmt::format(". Gain {} dB, {}; {:.0f} dB above the noise", fixed(analysis.gain_db, 1),
                       analysis.polarity > 0 ? "not inverted" : "inverted", analysis.snr_db);
@@ -196,10 +196,10 @@ std::vector<Plot> picture_of(const Calibration& calibration) {
   page.front().subtitle =
       calibration.resonance
           ? fmt::format(
-                "Resonance {:.1f} Hz, Q {:.2f}; {:.0f} dB above the noise. The card's own delay is taken "
-                "off.",
+                "Resonance {:.1f} Hz, Q {:.2f}; {:.0f} dB above the noise. The delay of the card is "
+                "subtracted.",
                 calibration.resonance->frequency_hz, calibration.resonance->q, calibration.analysis.snr_db)
-          : fmt::format("{:.0f} dB above the noise. The card's own delay is subtracted.",
+          : fmt::format("{:.0f} dB above the noise. The delay of the card is subtracted.",
                         calibration.analysis.snr_db);
   return page;
 }

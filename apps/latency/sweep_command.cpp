@@ -24,7 +24,7 @@ std::string note_of(const SweepRow& row) {
   std::string note;
   if (row.setting.finding.verdict != Verdict::Ok) note = row.setting.finding.what;
   if (row.asked_block != row.setting.block_frames)
-    note = fmt::format("{} were asked for{}{}", row.asked_block, note.empty() ? "" : "; ", note);
+    note = fmt::format("{} requested{}{}", row.asked_block, note.empty() ? "" : "; ", note);
   return note;
 }
 
@@ -55,8 +55,8 @@ std::string changed_settings_text(const std::vector<SweepRow>& rows) {
                            row.asked_periods ? fmt::format(", {} periods", *row.asked_periods) : "");
   if (asked.empty()) return "";
   return fmt::format(
-      "Asked for, too, and turned into one of these by the device or its server: {}. Where it decides, set "
-      "it there.\n",
+      "Also requested, but changed to one of these settings by the device or its server: {}. Change it there "
+      "if needed.\n",
       asked);
 }
 
@@ -70,9 +70,9 @@ std::string law_text(const LawOfGroup& group) {
                   number(law.per_frame, law.per_frame_standard_error));
   text += fmt::format("   at {:g} kHz", group.sample_rate.value / 1e3);
   if (group.periods > 0) text += fmt::format(", {} periods", group.periods);
-  return text + (law.settings > 2 ? fmt::format("; {} settings, {:.2g} frames around the line", law.settings,
-                                                law.residual_frames)
-                                  : "; two settings, which any line fits");
+  return text + (law.settings > 2
+                     ? fmt::format("; {} settings, residual {:.2g} frames", law.settings, law.residual_frames)
+                     : "; from two settings, so the fit is exact");
 }
 
 Json essentials_of(const SweepRow& row) {

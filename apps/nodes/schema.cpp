@@ -39,7 +39,7 @@ std::string described(const std::string& doc, const std::string& unit, std::opti
     text += " [unit as " + unit.substr(1) + "]";
   else if (!unit.empty() && unit != "any")
     text += " [" + unit + "]";
-  if (fallback) text += "; " + short_number(*fallback) + " if left out";
+  if (fallback) text += "; default: " + short_number(*fallback);
   return text;
 }
 
@@ -81,9 +81,9 @@ Json signal(const std::string& description, double low = -kUnlimited, double hig
   json["type"] = {"number", "string", "array", "object"};
   json["items"] = joined({{"type", {"number", "string"}}, {"minLength", 1}}, bounds(low, high));
   json["minItems"] = 1;
-  json["properties"] = {{"from", quantity("of the first lane")},
-                        {"to", quantity("of the last lane")},
-                        {"curve", choice("from lane to lane", {"linear", "exponential"})}};
+  json["properties"] = {{"from", quantity("value of the first lane")},
+                        {"to", quantity("value of the last lane")},
+                        {"curve", choice("spacing between lanes", {"linear", "exponential"})}};
   json["required"] = {"from", "to"};
   json["additionalProperties"] = false;
   return json;
@@ -121,7 +121,7 @@ Json section_schema(const SectionType& section);
 
 Json of_field(const FieldType& field) {
   using Kind = FieldType::Kind;
-  const auto doc = field.doc + (field.fallback.empty() ? "" : "; " + field.fallback + " if left out");
+  const auto doc = field.doc + (field.fallback.empty() ? "" : "; default: " + field.fallback);
   switch (field.kind) {
     case Kind::Text:
       break;
@@ -190,8 +190,9 @@ void add_ends(const ElementType& type, Keys& keys) {
   if (type.ends == Ends::Between)
     keys.add("between", list("two points, the lower one first", text(""), 2, 2), true);
   if (type.ends == Ends::On || type.ends == Ends::Against)
-    keys.add("on", text("the point that it acts on"), true);
-  if (type.ends == Ends::Against) keys.add("against", text("the point that it pushes off; none: fixed"));
+    keys.add("on", text("point that the element acts on"), true);
+  if (type.ends == Ends::Against)
+    keys.add("against", text("point that receives the reaction force; default: fixed"));
 }
 
 Json node(const NodeType& type) {
@@ -202,7 +203,7 @@ Json node(const NodeType& type) {
              !port.fallback);
   for (const auto& setting : type.settings)
     keys.add(setting.name, of_setting(setting), setting.fallback.empty() && !setting.optional);
-  keys.add("voices", whole_number("how many lanes", 1, 1024));
+  keys.add("voices", whole_number("number of lanes", 1, 1024));
   keys.add("about", text("for people"));
   return keys.object(type.summary);
 }
@@ -263,9 +264,9 @@ Json network() {
   std::vector<std::string> solvers;
   for (const auto solver : kSolvers) solvers.emplace_back(name_of(solver));
   const SectionType options{"",
-                            {choice_field("solver", solvers, "what steps it", "passive"),
-                             whole_field("oversample", 1, 64, "steps in a frame", "1")}};
-  auto json = entries("masses on a line and what joins them", reference("element"));
+                            {choice_field("solver", solvers, "solver of the network", "passive"),
+                             whole_field("oversample", 1, 64, "solver steps per frame", "1")}};
+  auto json = entries("masses on a line and the elements between them", reference("element"));
   json["properties"] = section_schema(options)["properties"];
   json["minProperties"] = 1;
   return json;
@@ -294,7 +295,7 @@ std::string range_of(const FieldType& field) {
 /// The keys of a section and, after it, those of the sections in it. `title` is its path: "scene",
 /// "[expect]".
 std::string table_of(const std::string& title, const SectionType& section) {
-  auto text = fmt::format("\n### {}\n\n{}.\n\n| key | range | if left out | meaning |\n|---|---|---|---|\n",
+  auto text = fmt::format("\n### {}\n\n{}.\n\n| key | range | default | meaning |\n|---|---|---|---|\n",
                           title, section.doc);
   for (const auto& field : section.fields)
     text += fmt::format("| `{}` | {} | {} | {} |\n", field.key, field.key == "measure" ? "" : range_of(field),
@@ -315,8 +316,7 @@ std::string measure_tables() {
   static constexpr const char* kOf[] = {"the scene", "a signal", "events", "a port", "[playability]"};
   std::string text =
       "\n## Measures\n\nIn `[expect]`. Events are the triggers of a signal, or the strikes in a force: "
-      "pushes above 5 N, "
-      "at least 5 ms apart.\n\n| measure | of | unit | is |\n|---|---|---|---|\n";
+      "pulses above 5 N, at least 5 ms apart.\n\n| measure | of | unit | meaning |\n|---|---|---|---|\n";
   for (const auto& type : measures())
     if (type.value != nullptr)
       text +=

@@ -67,10 +67,10 @@ void print(const Report& report) {
   fmt::print("  faults              {}\n",
              recording.faults.empty() && recording.bad_inputs == 0 ? "none" : "");
   for (const auto& fault : recording.faults)
-    fmt::print("                      {} gave non-finite values {} times\n", fault.path, fault.count);
+    fmt::print("                      {} produced non-finite values {} times\n", fault.path, fault.count);
   if (recording.bad_inputs != 0)
     fmt::print("                      {} non-finite sensor samples replaced by zero\n", recording.bad_inputs);
-  if (!report.outcomes.empty()) fmt::print("\n  expected of this scene\n");
+  if (!report.outcomes.empty()) fmt::print("\n  expectations of this scene\n");
   for (const auto& outcome : report.outcomes)
     fmt::print("    {}  {:16} {:.4g}{}, {}\n", outcome.holds ? "ok  " : "FAIL", outcome.name, outcome.value,
                outcome.unit.empty() ? "" : " " + outcome.unit, outcome.wanted);

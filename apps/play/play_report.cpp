@@ -73,7 +73,7 @@ void write_sound(const std::string& path, const Signals& signals, Hertz rate,
 DriveLimits limits_of(const GuardOptions& options, const std::filesystem::path& root) {
   if (options.profile.empty() || options.volts.empty())
     exit_with({Errc::BadArgument, options.profile.empty() ? "--volts-per-full-scale" : "--profile",
-               "a profile and the volts of full scale belong together",
+               "the profile and the voltage at full scale must be given together",
                "give both, as in --profile woofer --volts-per-full-scale 8"});
   const double volts = parse_option(options.volts, "V", "volts-per-full-scale", 1e-3, 1000);
   const auto limits =
@@ -87,15 +87,14 @@ void raise(DriveBook& drives, const std::string& text, bool silent) {
   const auto [name, value] =
       parse_assignment(text, "--raise-limit", "NAME=VALUE", "--raise-limit ceiling=0.8");
   for (auto& [drive, limits] : drives.named) or_exit(raise_limit(limits, name, value, "--raise-limit"));
-  // Where every drive has limits of its own, the cautious ones need not have what is raised.
+  // Where every drive has limits of its own, the conservative ones need not have what is raised.
   const auto others = raise_limit(drives.others, name, value, "--raise-limit");
   if (drives.named.empty()) or_exit(others);
   if (!silent)
-    fmt::print(
-        stderr,
-        "warning: the drive guard's limit '{}' is raised to {}, beyond what the profile or the cautious "
-        "default allows; keep hands away until its effect is known\n",
-        name, value);
+    fmt::print(stderr,
+               "warning: the limit '{}' of the drive guard is raised to {}, above the limit of the profile "
+               "or the conservative default; keep hands away until its effect is known\n",
+               name, value);
 }
 
 }  // namespace
@@ -142,11 +141,8 @@ void print_guard(const GuardReport& report, Hertz sample_rate) {
 
 void add_player_options(CLI::App& command, PlayerOptions& options) {
   command.add_option("--delay", options.delay, "system delay, such as \"10 ms\"; default: the scene's");
-  command.add_option("--rate", options.rate,
-                     "sample rate, such as \"96 kHz\"; default: the scene's, or that of the input file "
-                     "(resampled if they differ)");
-  command.add_option("--duration", options.duration,
-                     "duration, such as \"10 s\"; default: the scene's, or that of the input file");
+  command.add_option("--rate", options.rate, "sample rate, such as \"96 kHz\"; default: the scene's");
+  command.add_option("--duration", options.duration, "duration, such as \"10 s\"; default: the scene's");
   command.add_option("--set", options.set,
                      "NAME=VALUE: sets a control, such as strength=0.5 or \"sensitivity=-40 dB\"; in a scene "
                      "also plant.NAME=VALUE");

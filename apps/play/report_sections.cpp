@@ -47,7 +47,7 @@ std::string describe_orbit(const Bouncing& bouncing, double drive_hz) {
                        counted(static_cast<double>(bouncing.speeds.size()), "landing"));
   const double share = drive_hz > 0 ? bouncing.landings_per_second / drive_hz : 0;
   if (bouncing.period == 0)
-    return fmt::format("no periodic orbit of up to {} landings; {:.2f} landings a period of the drive",
+    return fmt::format("no periodic orbit of up to {} landings; {:.2f} landings per drive period",
                        kLongestOrbit, share);
   if (share <= 0) return fmt::format("orbit of {}", counted(bouncing.period, "landing"));
   return fmt::format("orbit of {} in {} of the drive", counted(bouncing.period, "landing"),
@@ -74,7 +74,7 @@ ReportSection ball_section(const PlayedScene& played, const PlayedScene*) {
   const auto [slowest, fastest] = std::minmax_element(bouncing.speeds.begin(), bouncing.speeds.end());
   json["slowest_m_per_s"] = *slowest;
   json["fastest_m_per_s"] = *fastest;
-  section.text += fmt::format("  landings            {:.1f} a second, at {:.3f} to {:.3f} m/s\n",
+  section.text += fmt::format("  landings            {:.1f} per second, at {:.3f} to {:.3f} m/s\n",
                               bouncing.landings_per_second, *slowest, *fastest);
   return section;
 }
@@ -121,8 +121,9 @@ ReportSection roll_section(const PlayedScene& played, const PlayedScene* compare
       fmt::format(
           "  hits detected       {}, of {} strikes above 5 N {} missed; {} doubled; detected within {:.2f} "
           "ms\n"
-          "  roll                {:.1f} hits a second, at least {} in any second, spread {:.0f} %\n"
-          "  intervals           long/short {:.2f}, longest run of growing ones {}, last hit at {:.2f} s\n"
+          "  roll                {:.1f} hits per second, at least {} in any second, spread {:.0f} %\n"
+          "  intervals           long/short {:.2f}, longest run of increasing intervals {}, last hit at "
+          "{:.2f} s\n"
           "  restitution         {:.2f}",
           hits, strikes, missed, doubled, longest_detection_ms, rhythm.rate_hz, rhythm.fewest_in_a_second,
           100 * rhythm.spread, rhythm.long_short, rhythm.growing, rhythm.last_s, restitution)};

@@ -40,13 +40,13 @@ QuantityValue quantity_in(const std::string& text, const Dimension& wanted, cons
   const auto quantity = read_quantity(Value{text, {}});
   const bool fits = quantity && (quantity->bare || quantity->unit.dimension == wanted);
   if (fits && quantity->si != 0) return {quantity->si, Unit{wanted}, false};
-  refuse("'" + text + "' makes no sense here", "write for instance " + example);
+  refuse("'" + text + "' is not a valid answer", "write for instance " + example);
 }
 
 Dimension volt() { return parse_unit("V")->dimension; }
 
 /// "'name' (what `about` says)"
-std::string title_of(const EntrySpec& port) {
+std::string title_of(const PortSpec& port) {
   ErrorList reported_elsewhere;
   const auto about = reported_elsewhere.text(port.fields, "about");
   return "'" + port.name + "'" + (about.empty() ? "" : " (" + about + ")");
@@ -60,12 +60,12 @@ void ask(const Dialog& dialog, const std::string& question, const std::string& p
       dialog.out << question << (proposed.empty() ? "" : " [" + proposed + "]") << ": " << std::flush;
       if (!std::getline(dialog.in, answer))
         exit_with({Errc::Missing, "--save-rig", "the input ended before all questions were answered",
-                   "answer on a terminal, or take all defaults with --yes"});
+                   "answer on a terminal, or accept all defaults with --yes"});
     }
     answer = CLI::detail::trim_copy(answer);
     if (answer.empty()) answer = proposed;
     try {
-      if (answer.empty()) refuse("this has no default", "give an answer");
+      if (answer.empty()) refuse("this question has no default", "give an answer");
       return take(answer);
     } catch (const CommandError& error) {
       if (dialog.take_defaults) throw;
@@ -90,7 +90,7 @@ class Interview {
   Interview(Rig& rig, int inputs, int outputs, const fs::path& root, const Dialog& dialog)
       : rig_(rig), device_inputs_(inputs), device_outputs_(outputs), root_(root), dialog_(dialog) {}
 
-  void ask_input(const EntrySpec& port) {
+  void ask_input(const PortSpec& port) {
     auto& input = rig_.inputs.emplace_back();
     input.name = port.name;
     const auto proposed = static_cast<int>(rig_.inputs.size());
@@ -101,10 +101,10 @@ class Interview {
     if (!input.channels.empty()) ask_sensitivity(port, input);
   }
 
-  void ask_output(const EntrySpec& port) {
+  void ask_output(const PortSpec& port) {
     auto& output = rig_.outputs.emplace_back();
     output.name = port.name;
-    const bool audio = is_audio(port);
+    const bool audio = port.use == OutputUse::Audio;
     int free = 1;
     while (used_by_output(free)) ++free;
     ask(dialog_,
@@ -115,19 +115,20 @@ class Interview {
     if (audio || output.channels.empty()) return;
     ask(dialog_,
         "What does '" + port.name +
-            "' move? woofer, bass_shaker, tactor_lra, …, or a file; unknown: the guard's limits are cautious",
+            "' drive? woofer, bass_shaker, tactor_lra, …, or a file; unknown: conservative limits",
         "unknown", [&](const std::string& text) { return take_profile(text, output); });
-    // There is no cautious guess: too few volts would allow too much.
+    // There is no conservative guess: too few volts would allow too much.
     if (output.has_actuator())
-      ask(dialog_, "How many volts does a sample of 1 put on it, behind the amplifier? Such as 10 V", "",
-          take_volts(1e-3, "1 mV", "10 V", output.drive.volts));
+      ask(dialog_,
+          "Which voltage at the actuator, after the amplifier, does a sample value of 1 give? Such as 10 V",
+          "", take_volts(1e-3, "1 mV", "10 V", output.drive.volts));
   }
 
   void ask_actuators() {
     if (device_outputs_ <= static_cast<int>(rig_.outputs.size())) return;
     RigPort others;
     ask(dialog_,
-        "Are actuators connected to other outputs, which must never carry sound? Their numbers, or none",
+        "Are actuators connected to other outputs (which must never carry sound)? Channel numbers, or none",
         kNone, [&](const std::string& text) { return take_channels(text, others, device_outputs_, false); });
     for (const int channel : others.channels) {
       auto& actuator = rig_.actuators.emplace_back();
@@ -137,11 +138,11 @@ class Interview {
   }
 
  private:
-  void ask_sensitivity(const EntrySpec& port, RigInput& input) {
-    const auto dimension = dimension_of(port), per_volt = volt() / dimension;
+  void ask_sensitivity(const PortSpec& port, RigInput& input) {
+    const auto &dimension = port.dimension, per_volt = volt() / dimension;
     const auto unit = dimension.plain() ? std::string{"V"} : volts_per(per_volt);
     ask(dialog_,
-        "How many volts at that input are full scale? Such as 1 V; unknown: a sample of 1 counts as 1" +
+        "Which voltage at that input is full scale? Such as 1 V; unknown: a sample value of 1 counts as 1" +
             (dimension.plain() ? "" : " " + to_string(dimension)),
         "unknown", [&](const std::string& text) {
           if (text != "unknown") return take_volts(1e-6, "1 uV", "1 V", input.volts)(text);
@@ -152,8 +153,7 @@ class Interview {
     if (!input.volts || input.sensitivity) return;
     ask(dialog_,
         dimension.plain()
-            ? "How many volts of the sensor count as full scale? Such as 50 mV (or find out with "
-              "--learn)"
+            ? "Which sensor voltage counts as full scale? Such as 50 mV (or determine it with --learn)"
             : "How sensitive is the sensor? In " + unit + ", such as 2 " + unit,
         fmt::format("{} {}", *input.volts, unit),
         [&](const std::string& text) { input.sensitivity = quantity_in(text, per_volt, "2 " + unit); });
@@ -168,13 +168,13 @@ class Interview {
     if (text == kNone) return;
     const auto numbers = numbers_in(text);
     if (!numbers)
-      refuse("'" + text + "' is no channel", "write a number, several for several lanes, or none");
+      refuse("'" + text + "' is not a channel", "write a number, several for several lanes, or none");
     for (const int number : *numbers) {
       if (number < 1 || number > there)
         refuse(fmt::format("the card has no channel {}", number),
-               there > 0 ? fmt::format("it has 1 to {}", there) : "write none");
+               there > 0 ? fmt::format("it has channels 1 to {}", there) : "write none");
       if (!shared && used_by_output(number))
-        refuse(fmt::format("channel {} is taken already", number), "choose another");
+        refuse(fmt::format("channel {} is already used", number), "choose another");
     }
     port.channels = *numbers;
   }

@@ -19,8 +19,8 @@ struct Dialog {
 
 /// Asks what is unknown about an instrument on a device, and makes a rig of the answers. Each question is
 /// shown with its default, which Enter takes, and is asked again after an answer that makes no sense. All
-/// defaults give a rig with cautious limits. `device`: as it was opened, with so many channels; `root`: the
-/// folder with the profiles. Throws a CommandError: Missing, at the end of the input.
+/// defaults give a rig with conservative limits. `device`: as it was opened, with so many channels; `root`:
+/// the folder with the profiles. Throws a CommandError: Missing, at the end of the input.
 Rig ask_for_rig(const GraphSpec& instrument, Rig::Device device, int device_inputs, int device_outputs,
                 const std::filesystem::path& root, const Dialog& dialog);
 

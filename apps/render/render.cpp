@@ -82,7 +82,7 @@ void write_files(const RenderOptions& options, const Rendered& rendered) {
   if (!options.out.empty()) or_exit(write_wav(options.out, output, options.encoding()));
   if (!options.sound.empty() && sounds.empty())
     exit_with({Errc::BadArgument, "--sound", "this instrument has no monitor output",
-               "leave it out, or give an output the kind \"audio\""});
+               "omit --sound, or give an output the kind \"audio\""});
   Samples monitor{output.sample_rate, {}};
   for (const auto& sound : sounds) {
     const auto place = std::find(outputs.begin(), outputs.end(), sound) - outputs.begin();
@@ -99,15 +99,15 @@ void print(const RenderOptions& options, const std::string& name, const Samples&
   fmt::print("{}: {:.3f} s at {:g} Hz, {} events\n", name, static_cast<double>(input.frames()) / rate.value,
              rate.value, rendered.event_count());
   if (channels != inputs && !options.in.empty())
-    fmt::print("the file has {} channels and the instrument {} inputs: {}\n", channels, inputs,
-               channels > inputs ? "the first ones were used" : "the others were silent");
+    fmt::print("the file has {} channels, the instrument {} inputs: {}\n", channels, inputs,
+               channels > inputs ? "only the first channels were used" : "the other inputs were silent");
   if (!options.out.empty()) fmt::print("{}: {}\n", options.out, fmt::join(rendered.outputs, ", "));
   if (!options.sound.empty()) fmt::print("{}: {}\n", options.sound, fmt::join(rendered.sounds, ", "));
   if (!options.events.empty()) fmt::print("{}: the events\n", options.events);
   if (engine.bad_input_samples() > 0)
     fmt::print("{} non-finite input samples replaced by zero\n", engine.bad_input_samples());
   for (const auto& fault : engine.faults())
-    fmt::print("fault: {} gave non-finite values {} times\n", fault.path, fault.count);
+    fmt::print("fault: {} produced non-finite values {} times\n", fault.path, fault.count);
   if (!rendered.guard.idle()) print_guard(rendered.guard, rate);
 }
 
@@ -178,7 +178,7 @@ std::string error_text(const WorkPrecision& result) {
 }
 
 /// Errors of one run and its time a frame.
-int render_error(const RenderOptions& options, const std::filesystem::path& file) {
+int report_accuracy(const RenderOptions& options, const std::filesystem::path& file) {
   auto scene = or_exit(load_scene(file, root_of(file)));
   if (!options.rate.empty()) scene.rate = parse_rate(options.rate);
   if (!options.delay.empty()) scene.delay = parse_delay(options.delay);
@@ -195,11 +195,11 @@ int run_render(const RenderOptions& options) {
   const auto scene_file = resolve_target(options.target, "scene.toml");
   const auto table = load_toml(scene_file);
   const bool scene = table && find(*table, "parts") != nullptr;
-  if (options.error) return render_error(options, scene_file);
+  if (options.error) return report_accuracy(options, scene_file);
   if (options.in.empty() && scene) return render_scene(options, scene_file);
   if (scene && !std::filesystem::is_directory(options.target))
     exit_with({Errc::BadArgument, "--in", options.target + " is a scene, which makes its own sensor signals",
-               "leave --in out, or name the instrument"});
+               "omit --in, or name the instrument"});
   return render_instrument(options, resolve_target(options.target, "instrument.toml"));
 }
 
@@ -224,7 +224,9 @@ void add_render(CLI::App& app, int& exit_code) {
   command.add_option("--replay", options.replay,
                      "take recorded with --record: replay it and check that the drives match bit for bit; "
                      "with FILE, feed the recorded sensor signals to that instrument");
-  command.add_option("--in", options.in, "input WAV file: channel k feeds the k-th input of the instrument");
+  command.add_option("--in", options.in,
+                     "input WAV file: channel k feeds the k-th input; gives the default rate (it is "
+                     "resampled if --rate differs) and duration");
   command.add_option("--out", options.out, "WAV file for all outputs, in the order of the instrument file")
       ->check(writable_file());
   command.add_option("--sound", options.sound, "WAV file for the monitor output, without the drives")

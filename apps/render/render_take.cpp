@@ -95,14 +95,15 @@ std::string verdict(const Take& take, const Replayed& replayed) {
     return static_cast<double>(frame) / take.header.sample_rate.value;
   };
   if (is_same(take, replayed))
-    return fmt::format("the drives are the same, bit for bit, for {:.3f} s", seconds(replayed.frames));
+    return fmt::format("the drives are identical, bit for bit, for {:.3f} s", seconds(replayed.frames));
   const auto why = why_not_exact(take);
   const auto reason = why.empty() ? "" : fmt::format("this take cannot be replayed bit for bit: {}; ", why);
-  if (!replayed.first_difference) return reason + "the recorded part is the same";
+  if (!replayed.first_difference) return reason + "the recorded part is identical";
   const auto& first = *replayed.first_difference;
-  return reason + fmt::format("the drives differ from {:.4f} s on (frame {}): '{}' is {:.9g} and was {:.9g}",
-                              seconds(first.frame), first.frame, take.header.outputs[index(first.channel)],
-                              first.replayed, first.recorded);
+  return reason +
+         fmt::format("the drives differ from {:.4f} s on (frame {}): '{}' is {:.9g}, recorded {:.9g}",
+                     seconds(first.frame), first.frame, take.header.outputs[index(first.channel)],
+                     first.replayed, first.recorded);
 }
 
 namespace {
@@ -143,7 +144,7 @@ Replayed play_into(const RenderOptions& options, OpenTake& open, const ReplayHos
 void print_rest(const RenderOptions& options, const OpenTake& open) {
   if (!open.take.finished)
     fmt::print(
-        "the recording was cut off; it is whole up to {:.3f} s\n",
+        "the recording was cut off; it is complete up to {:.3f} s\n",
         static_cast<double>(frames_to_replay(open.take, open.wav)) / open.take.header.sample_rate.value);
   if (!open.take.ended.empty()) fmt::print("it ended early: {}\n", open.take.ended);
   if (!options.out.empty()) fmt::print("{}: the drives\n", options.out);
@@ -220,11 +221,11 @@ int render_other(const RenderOptions& options, OpenTake& open) {
     print_json(json);
     return kDone;
   }
-  fmt::print("{}: played the sensors of the take for {:.3f} s\n", name,
+  fmt::print("{}: rendered with the sensor signals of the take, {:.3f} s\n", name,
              static_cast<double>(replayed.frames) / header.sample_rate.value);
   for (std::size_t i = 0; i < inputs.size(); ++i)
     if (sensors[i] < 0) fmt::print("the take has no sensor '{}': it was silent\n", inputs[i]);
-  if (!open.take.edits.empty()) fmt::print("edits that were made while it was recorded are left out\n");
+  if (!open.take.edits.empty()) fmt::print("edits made during the recording are ignored\n");
   print_rest(options, open);
   return kDone;
 }
@@ -236,8 +237,8 @@ int render_take(const RenderOptions& options) {
   if (!options.out.empty() && fs::equivalent(options.out, options.replay, none))
     exit_with({Errc::BadArgument, "--out " + options.out, "would overwrite the take", "choose another name"});
   if (options.target.empty() && (!options.set.empty() || !options.delay.empty()))
-    exit_with({Errc::BadArgument, "--replay", "a take is played with the settings that it was recorded with",
-               "name an instrument to play its sensors with other settings"});
+    exit_with({Errc::BadArgument, "--replay", "a take is replayed with its recorded settings",
+               "name an instrument to feed it the recorded sensor signals with other settings"});
   OpenTake open{or_exit(read_take(options.replay)), or_exit(WavReader::open(options.replay))};
   return options.target.empty() ? render_recorded(options, open) : render_other(options, open);
 }

@@ -35,7 +35,7 @@ std::string columns_text(const std::vector<BifurcationColumn>& columns) {
 }
 
 std::string doubling_text(const std::optional<double>& value, double exact) {
-  return value ? fmt::format("{:.4f} ({:+.2f} %)", *value, 100 * (*value / exact - 1)) : "not seen";
+  return value ? fmt::format("{:.4f} ({:+.2f} %)", *value, 100 * (*value / exact - 1)) : "not found";
 }
 
 std::string doublings_text(const Bifurcation& study) {
@@ -81,7 +81,7 @@ Json json_of(const Bifurcation& study) {
 }
 
 std::string text_of(const Bifurcation& study) {
-  auto text = fmt::format("{}: {} swept up, {:g} Hz\n", study.scene, study.control, study.frequency_hz);
+  auto text = fmt::format("{}: {} swept upwards, {:g} Hz\n", study.scene, study.control, study.frequency_hz);
   text +=
       study.measured_restitution > 0
           ? fmt::format("restitution {:.4f} measured, {:.4f} of the ideal ball\n\n",
@@ -93,7 +93,7 @@ std::string text_of(const Bifurcation& study) {
 std::vector<Plot> plots_of(const Bifurcation& study) {
   return {
       {.title = study.scene,
-       .subtitle = fmt::format("{} swept up; restitution {:.3f}", study.control, study.restitution),
+       .subtitle = fmt::format("{} swept upwards; restitution {:.3f}", study.control, study.restitution),
        .x = {.label = study.control},
        .subplots = {subplot(study, {.label = "landing speed", .unit = "m/s"}, &BifurcationColumn::speeds),
                     subplot(study, {.label = "phase of the landing, in drive periods", .low = 0, .high = 1},

@@ -119,7 +119,7 @@ std::string lacking(const PlayabilityStudy& study, const DelayVerdict& verdict) 
   if (study.over.empty() && verdict.varied == 0) return text;
   if (!study.over.empty()) text += " at " + setting_text(study.over, run.at);
   if (verdict.varied > 0)
-    text += fmt::format("; {} of {} other actuators and plants", verdict.varied_good, verdict.varied);
+    text += fmt::format("; {} of {} variants of actuator and plant", verdict.varied_good, verdict.varied);
   return text;
 }
 
@@ -142,9 +142,10 @@ std::string describe_settings(const PlayabilityStudy& study, const std::string& 
   const auto failing = failing_settings(study);
   const auto count = study.runs_a_delay() / study.variants.size();
   if (failing.empty()) return fmt::format("all {} settings are playable {}", count, where);
-  auto text = failing.size() == count ? fmt::format("none of {} settings is playable at every delay", count)
-                                      : fmt::format("{} of {} settings are playable at every delay, not ",
-                                                    count - failing.size(), count);
+  auto text = failing.size() == count
+                  ? fmt::format("none of the {} settings is playable at every delay", count)
+                  : fmt::format("{} of {} settings are playable at every delay, except ",
+                                count - failing.size(), count);
   for (std::size_t i = 0; failing.size() < count && i < std::min(failing.size(), kMostNamed); ++i)
     text += (i == 0 ? "" : " / ") + setting_text(study.over, failing[i]->at);
   if (failing.size() < count && failing.size() > kMostNamed)
@@ -250,7 +251,7 @@ int run_playability(const PlayabilityArguments& options) {
   auto plan = study_options(options, scene);
   SweepMonitor monitor{scene.name, plan};
   const auto study = or_exit(study_playability(scene, standard_nodes(), plan));
-  if (const auto exit = monitor.end(study.finished(), std::ssize(study.runs))) return *exit;
+  if (const auto exit = monitor.end(finished(study.runs), std::ssize(study.runs))) return *exit;
   publish(options, study, study.over.size() > 1 ? 2 : 1);
   const auto verdicts = study.verdicts();
   return std::all_of(verdicts.begin(), verdicts.end(), [](const auto& v) { return v.playable; }) ? kDone

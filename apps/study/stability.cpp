@@ -30,8 +30,8 @@ std::string describe(const MappedDevice& mapped) {
   const auto& device = mapped.device;
   auto text = fmt::format("  {:<14}{:g} g, {:g} N s/m", mapped.name, 1e3 * device.mass, device.damping);
   if (device.friction > 0) text += fmt::format(", dry friction {:g} N", device.friction);
-  if (device.quantum > 0) text += fmt::format(", read in steps of {:.4g} mm", 1e3 * device.quantum);
-  if (std::isfinite(device.force_limit)) text += fmt::format(", up to {:g} N", device.force_limit);
+  if (device.quantum > 0) text += fmt::format(", encoder steps of {:.4g} mm", 1e3 * device.quantum);
+  if (std::isfinite(device.force_limit)) text += fmt::format(", force up to {:g} N", device.force_limit);
   return text + "\n";
 }
 
@@ -74,10 +74,9 @@ std::string fixed_point_text(const MappedController& mapped) {
   if (!mapped.fixed_point) return {};
   const auto& fixed = *mapped.fixed_point;
   return fmt::format(
-      "  {} computes in {} bits: force in steps of {:.3g} mN, stiffness in steps of {}; the motor's limit is "
-      "reached\n  {:.2g} mm deep. In the simulation the border is {} with the encoder alone, {} with the "
-      "bits "
-      "too.\n",
+      "  {} computes with {} bits: force in steps of {:.3g} mN, stiffness in steps of {}; the motor's limit "
+      "is reached\n  {:.2g} mm deep. In the simulation the stability limit is {} with the encoder alone, {} "
+      "with the bits as well.\n",
       mapped.controller.name, mapped.controller.bits, 1e3 * fixed.force_step, n_per_m(fixed.stiffness_step),
       1e3 * fixed.full_depth, n_per_m(fixed.with_encoder), n_per_m(fixed.with_bits));
 }
@@ -86,7 +85,7 @@ std::string fixed_point_text(const MappedController& mapped) {
 std::string friction_text(double limit) {
   if (!std::isfinite(limit)) return {};
   if (limit > 0) return fmt::format("\nDry friction suppresses encoder noise up to {}.\n", n_per_m(limit));
-  return "\nWithout dry friction every wall oscillates around the steps of the encoder.\n";
+  return "\nWithout dry friction every wall oscillates between the steps of the encoder.\n";
 }
 
 const char* name_of(LoopTrend trend) {
@@ -135,7 +134,7 @@ Plot plot_of(const WallMap& map, const Curves& curves, const Abscissa& x, PlotAx
     plot.series.push_back(series_of(map.devices[d].name, curves[d], x, &WallLimit::stiffest));
   if (curves.size() > 2) {
     auto low = plot.series[1], high = plot.series.back();
-    plot.regions.push_back({"in a hand, light to firm", low.x, low.y, high.y, PlotColor::Green});
+    plot.regions.push_back({"held by a finger, lightly to firmly", low.x, low.y, high.y, PlotColor::Green});
   }
   const auto bare = plot.series.front();
   plot.regions.push_back({map.devices.front().name + ": stable", bare.x, {}, bare.y, PlotColor::Blue});
@@ -161,7 +160,7 @@ Plot plot_of(const WallMap& map, const Curves& curves, const Abscissa& x, PlotAx
 }  // namespace
 
 std::string text_of(const WallMap& map) {
-  std::string text = "The stiffest stable wall\n";
+  std::string text = "Stiffest stable wall\n";
   for (const auto& mapped : map.devices) text += describe(mapped);
   text += curve_text(map, map.by_delay, "delay, at " + hz(map.rate),
                      [](const WallLimit& limit) { return ms(limit.loop.delay); });
@@ -171,7 +170,8 @@ std::string text_of(const WallMap& map) {
   for (const auto& controller : map.controllers) text += fixed_point_text(controller);
   return text + friction_text(map.friction_limit) +
          fmt::format(
-             "\n{} of {} borders confirmed: at 0.98 of each the simulation decays, at 1.02 it grows.\n",
+             "\n{} of {} stability limits confirmed: at 0.98 of each the simulation decays, at 1.02 it "
+             "grows.\n",
              map.confirmed, map.borders);
 }
 
@@ -202,11 +202,11 @@ Json json_of(const WallMap& map) {
 std::vector<Plot> plots_of(const WallMap& map) {
   auto by_delay = plot_of(map, map.by_delay, [](const WallLimit& limit) { return limit.loop.delay.value; },
                           {.label = "delay from sensor to motor", .unit = "s"});
-  by_delay.title = "The stiffest stable wall";
+  by_delay.title = "Stiffest stable wall";
   by_delay.subtitle = fmt::format(
-      "Over the delay: curves at {}; over the rate: curves with one frame of delay. Diamonds: controllers, "
-      "each with its own rate and delay, for the device '{}'. {} of {} borders confirmed by simulation on "
-      "both sides.",
+      "Against delay: curves at {}; against rate: curves with one frame of delay. Diamonds: controllers, "
+      "each with its own rate and delay, for the device '{}'. {} of {} stability limits confirmed by "
+      "simulation on both sides.",
       hz(map.rate), map.devices.front().name, map.confirmed, map.borders);
   return {by_delay, plot_of(map, map.by_rate, [](const WallLimit& limit) { return limit.loop.rate.value; },
                             {.label = "sample rate", .unit = "Hz"})};

@@ -40,8 +40,9 @@ Written read_numbers(const std::string& text, const std::string& option, const s
     const std::string unit{end};
     if (unit.empty()) continue;
     if (!written.unit.empty() && written.unit != unit)
-      exit_with({Errc::UnitMismatch, option, "'" + text + "' has the units " + written.unit + " and " + unit,
-                 "write all in one unit"});
+      exit_with({Errc::UnitMismatch, option,
+                 "'" + text + "' mixes the units " + written.unit + " and " + unit,
+                 "use one unit for all values"});
     written.unit = unit;
   }
   return written;
@@ -51,7 +52,7 @@ Written read_numbers(const std::string& text, const std::string& option, const s
 std::vector<ControlValue> spread(const Written& written, double count, const std::string& option,
                                  const std::function<double(int)>& number_of) {
   if (!(count >= 1 && count <= kMostValues))
-    exit_with({Errc::OutOfRange, option, fmt::format("{:g} values cannot be swept", count),
+    exit_with({Errc::OutOfRange, option, fmt::format("a sweep cannot have {:g} values", count),
                fmt::format("choose 1 to {:g}", kMostValues)});
   std::vector<ControlValue> values;
   for (int i = 0; i < static_cast<int>(count); ++i) {
@@ -139,8 +140,8 @@ void read_gain(const std::string& text, SweepPlan& plan) {
   if (text.empty()) return;
   const double gain = parse_option(text, "", "gain", kAboveZero, 100);
   if (read_quantity(Value{text, {}})->bare)
-    exit_with({Errc::UnitMismatch, "--gain", "'" + text + "' may be decibels or a factor",
-               fmt::format("write \"{0} dB\", or \"{1:g} %\" for {0} times as strong", text, 100 * gain)});
+    exit_with({Errc::UnitMismatch, "--gain", "'" + text + "' must be in decibels or a factor",
+               fmt::format("write \"{0} dB\", or \"{1:g} %\" for a gain factor of {0}", text, 100 * gain)});
   plan.gains = {1 / gain, gain};
 }
 
@@ -153,7 +154,7 @@ void check_swept_once(const SweepPlan& plan) {
     if (plan.set.contains(swept->name))
       exit_with({Errc::BadArgument, "--set",
                  "'" + swept->name + "' is swept by --over and cannot be set by --set, too",
-                 "leave one of them out"});
+                 "omit one of them"});
   }
 }
 

@@ -25,7 +25,7 @@ std::string error_text(const WorkPoint& point, std::size_t a) {
 
 /// A row per variant, by computing time.
 Table table_of(const WorkPrecision& study) {
-  Table table{{{"solver", "steps a frame", "rate", "ns a frame", "of real time"}}};
+  Table table{{{"solver", "steps per frame", "rate", "ns per frame", "of real time"}}};
   for (const auto& used : study.references) table.rows[0].push_back(used.accuracy);
   for (const auto* point : by_load(study)) {
     auto& row = table.rows.emplace_back();
@@ -44,7 +44,7 @@ Table table_of(const WorkPrecision& study) {
 
 std::string own_error_of(const ReferenceUsed& used) {
   if (used.own_error == 0.0) return "";
-  return fmt::format(", itself within {:.1e}", used.own_error);
+  return fmt::format(", whose own error is at most {:.1e}", used.own_error);
 }
 
 std::string advice(const WorkPrecision& study) {
@@ -54,7 +54,7 @@ std::string advice(const WorkPrecision& study) {
     text += fmt::format(
         "Within {:g} %: {}\n", 100 * error,
         point == nullptr ? "none in real time"
-                         : fmt::format("{}, {:.0f} ns a frame, {:.2g} % of real time",
+                         : fmt::format("{}, {:.0f} ns per frame, {:.2g} % of real time",
                                        to_string(point->variant), point->ns_per_frame, 100 * point->load()));
   }
   return text;
@@ -68,7 +68,8 @@ std::string text_of(const WorkPrecision& study) {
     text += fmt::format("  {}: {} of {}, against {}{}\n", used.accuracy, used.measure, used.of, used.what,
                         own_error_of(used));
   return text + "\n" + table_of(study).text() +
-         "\n* nothing cheaper is closer; ? not ten times the reference's own error. Errors are relative.\n" +
+         "\n*: no cheaper variant has a smaller error; ?: less than ten times the reference's own error. "
+         "Errors are relative.\n" +
          advice(study);
 }
 

@@ -6,7 +6,7 @@
 #include <cerrno>
 #include <utility>
 
-#include "backends/card_stream.h"
+#include "backends/card_callback.h"
 #include "backends/find_device.h"
 #include "backends/library_calls.h"
 #include "engine/core/index.h"
@@ -24,7 +24,7 @@ struct Wire {
 std::string why(jack_status_t status) {
   if ((status & JackServerFailed) != 0) return "no JACK server is running";
   if ((status & JackVersionError) != 0) return "the JACK server has another version";
-  return "the JACK server refuses another client";
+  return "the JACK server refused another client";
 }
 
 Status cannot(const std::string& what, const std::string& remedy) {
@@ -32,7 +32,7 @@ Status cannot(const std::string& what, const std::string& remedy) {
 }
 
 tl::unexpected<Error> no_answer() {
-  return fail(Errc::Device, "", "the JACK server does not answer", "stop it and start it again");
+  return fail(Errc::Device, "", "the JACK server does not respond", "restart it");
 }
 
 /// A call that may hang; gives up after two seconds. `call` owns whatever it touches and returns a Result.
@@ -73,7 +73,7 @@ class Client {
     for (int c = 0; c < outputs && all; ++c) all = add(outputs_, "out_", JackPortIsOutput);
     in_.assign(inputs_.size(), nullptr);
     out_.assign(outputs_.size(), nullptr);
-    return all ? Status{} : cannot("register so many ports", "start the server with a larger --port-max");
+    return all ? Status{} : cannot("register that many ports", "start the server with a larger --port-max");
   }
   std::string input_port(int channel) const { return jack_port_name(inputs_[index(channel)]); }
   std::string output_port(int channel) const { return jack_port_name(outputs_[index(channel)]); }
@@ -81,12 +81,13 @@ class Client {
   /// [control, may hang] Blocks come, and every wire is connected. Errors: Device.
   Status activate() {
     first_ = true;
-    if (jack_activate(handle) != 0) return cannot("start the client", "is the server still there?");
+    if (jack_activate(handle) != 0)
+      return cannot("start the client", "check that the server is still running");
     for (const auto& wire : wires)
       if (const int result = jack_connect(handle, wire.from.c_str(), wire.to.c_str());
           result != 0 && result != EEXIST)
         return cannot("connect '" + wire.from + "' to '" + wire.to + "'",
-                      "jack_lsp shows whether both are there");
+                      "check with jack_lsp that both exist");
     return {};
   }
 
@@ -249,7 +250,7 @@ class JackStream final : public CardStream<Client> {
 
   std::string take_note() override {
     if (const int block = line_->block_frames; block != reported_block_)
-      return fmt::format("JACK's blocks have {} frames now and had {}: the delay has changed", block,
+      return fmt::format("the JACK block size is now {} frames instead of {}: the delay has changed", block,
                          std::exchange(reported_block_, block));
     if (!running() || line_->lost) return {};
     const int rewirings = line_->rewirings;
@@ -259,8 +260,8 @@ class JackStream final : public CardStream<Client> {
     for (std::size_t w = 0; w < wires.size(); ++w)
       if (now[w] != connected_[w]) {
         connected_[w] = now[w];
-        return fmt::format("somebody {} '{}' and '{}'", now[w] ? "connected" : "disconnected", wires[w].from,
-                           wires[w].to);
+        return fmt::format("another program {} '{}' and '{}'", now[w] ? "connected" : "disconnected",
+                           wires[w].from, wires[w].to);
       }
     reported_rewirings_ = rewirings;
     return {};
@@ -278,7 +279,7 @@ class JackStream final : public CardStream<Client> {
   Status stop_library(bool finished) override {
     if (lost())
       return fail(Errc::Device, "", "the JACK server or the device was disconnected",
-                  "destroy the stream and open it again when they are back");
+                  "reopen the stream when they are available again");
     if (auto status = deactivate(); !status) return status;
     return finished ? Status{} : no_answer();
   }

@@ -77,7 +77,7 @@ class LoopStream final : public Stream {
   const StreamGranted& granted() const override { return granted_; }
   Status start() override {
     if (thread_.joinable())
-      return fail(Errc::Device, granted_.device, "this stream runs already", "stop it first");
+      return fail(Errc::Device, granted_.device, "this stream is already running", "stop it first");
     running_ = true;
     thread_ = std::thread{[this] { run(); }};
     return {};
@@ -222,8 +222,8 @@ Result<std::unique_ptr<Stream>> LoopBackend::open(const StreamRequest& request, 
   const auto choice = choose(*devices(), request);
   if (!choice) return tl::unexpected(choice.error());
   if (choice->input != choice->output)
-    return fail(Errc::BadArgument, "", "a simulated card has no path from another",
-                "leave out the input device");
+    return fail(Errc::BadArgument, "", "a simulated card has no path from another device",
+                "omit the input device");
   const auto card = this->card(choice->granted.device);
   const auto timing =
       timing_of(card, choice->granted.format.sample_rate, request.block_frames.value_or(kUsualBlock));

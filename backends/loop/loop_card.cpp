@@ -104,31 +104,31 @@ Result<LoopCard> loop_card(const std::string& text) {
   known = known && change(card, rest);
   if (known) return card;
   return fail(Errc::UnknownName, "", "there is no simulated card '" + text + "'",
-              "name one that 'tactus devices --backend loop' lists, or settings such as "
+              "choose one that 'tactus devices --backend loop' lists, or give settings such as "
               "loop:delay=960.25,gain=-20dB,noise=-80dB,ppm=50");
 }
 
 const std::vector<NamedLoopCard>& loop_cards() {
   static const std::vector<NamedLoopCard> all = {
       {"cable", "a cable, converters of 60.25 frames and two blocks of buffer", "delay=60.25,blocks=2"},
-      {"20ms", "a cable, 20 ms; any other time is fine too", ""},
-      {"inverted", "a cable the wrong way around", "gain=-1"},
+      {"20ms", "a cable, 20 ms; any other time can be given", ""},
+      {"inverted", "a cable with inverted polarity", "gain=-1"},
       {"ac_coupled", "coupling capacitors of 20 Hz", "high_pass=20"},
-      {"no_cable", "nothing comes back", "cable=2"},
-      {"wrong_channel", "the cable ends in the next input", "cable=1"},
-      {"howl", "the card plays what it captures, louder", "monitor=1.1"},
-      {"clipping", "an input that is far too sensitive", "gain=50dB"},
+      {"no_cable", "no signal returns", "cable=2"},
+      {"wrong_channel", "the cable is connected to the next input", "cable=1"},
+      {"howl", "the card plays back what it captures, with gain", "monitor=1.1"},
+      {"clipping", "an input with far too much gain", "gain=50dB"},
       {"drops", "the driver loses 32 frames every second", "drops=32"},
-      {"wrong_rate", "runs at 44.1 kHz although it reports 48", "rate_factor=0.9187500000000001"},
-      {"wrong_block", "its blocks are half as long as it reports", "block_factor=0.5"},
+      {"wrong_rate", "runs at 44.1 kHz but reports 48 kHz", "rate_factor=0.9187500000000001"},
+      {"wrong_block", "its blocks are half the reported size", "block_factor=0.5"},
       {"drift", "the input's clock is 50 ppm faster", "ppm=50"},
-      {"echo_cancel", "an echo canceller for talking", "echo_cancel=1"},
-      {"agc", "an automatic gain for talking", "agc=1"},
+      {"echo_cancel", "the echo canceller of a call program", "echo_cancel=1"},
+      {"agc", "the automatic gain control of a call program", "agc=1"},
       {"monitor", "direct monitoring", "delay=200,blocks=2,monitor=0.25"},
       {"software_monitor", "a connection from its input to its output in software",
        "delay=200,blocks=2,monitor=0.25,in_software=1"},
       {"noise", "more noise than signal", "gain=-50dB,noise=-36dB"},
-      {"unstable", "another delay each time it is opened", "unstable=200"},
+      {"unstable", "a different delay each time it is opened", "unstable=200"},
   };
   return all;
 }

@@ -13,7 +13,7 @@
 #include <pa_linux_alsa.h>
 #endif
 
-#include "backends/card_stream.h"
+#include "backends/card_callback.h"
 #include "backends/find_device.h"
 #include "backends/library_calls.h"
 #include "backends/realtime_thread.h"
@@ -43,9 +43,7 @@ Program& program() {
 
 bool is_over() { return !program().over.empty(); }
 
-tl::unexpected<Error> over() {
-  return fail(Errc::Device, "", program().over, "end the program and start it again");
-}
+tl::unexpected<Error> over() { return fail(Errc::Device, "", program().over, "restart the program"); }
 
 Status checked(PaError code) {
   if (code >= paNoError) return {};
@@ -53,7 +51,7 @@ Status checked(PaError code) {
   if (const auto* host = Pa_GetLastHostErrorInfo(); code == paUnanticipatedHostError && host->errorText)
     message += std::string{": "} + host->errorText;
   if (code == paInvalidSampleRate)
-    return fail(Errc::BadArgument, "", "the device does not run at this rate", "leave the rate out");
+    return fail(Errc::BadArgument, "", "the device does not support this rate", "omit the rate");
   return fail(Errc::Device, "", "PortAudio: " + message, "see tactus doctor");
 }
 
@@ -62,13 +60,13 @@ Status checked(PaError code) {
 Status in_portaudio(std::function<int()> call) {
   if (is_over()) return over();
   if (const auto code = result_with_timeout(std::move(call))) return checked(*code);
-  program().over = "PortAudio does not answer any more";
+  program().over = "PortAudio does not respond any more";
   return over();
 }
 
 /// No function of PortAudio may be called any more in this program: its JACK server is gone.
 void lose_jack() {
-  if (!is_over()) program().over = "the JACK server ended, and PortAudio's JACK client cannot come back";
+  if (!is_over()) program().over = "the JACK server ended, and PortAudio's JACK client cannot reconnect";
 }
 
 std::string name_of(const PaHostApiInfo& api) {
@@ -85,21 +83,24 @@ std::string without_number(std::string name) { return name.substr(0, name.rfind(
 LibraryDevice described(int index) {
   const auto& info = *Pa_GetDeviceInfo(index);
   const auto& api = *Pa_GetHostApiInfo(info.hostApi);
-  LibraryDevice found{{}, name_of(api), info.name, index};
-  auto& device = found.device;
-  device.id = "portaudio:" + found.api + ":" + without_number(info.name);
+  LibraryDevice device;
+  device.api = name_of(api);
+  device.library_name = info.name;
+  device.index = index;
+  device.id = "portaudio:" + device.api + ":" + without_number(info.name);
   device.name = std::string{info.name} + " (" + api.name + ")";
   device.in_channels = info.maxInputChannels;
   device.out_channels = info.maxOutputChannels;
   device.default_rate = Hertz{info.defaultSampleRate};
   if (api.type == paJACK) device.sample_rates = {device.default_rate};
-  return found;
+  return device;
 }
 
 /// PortAudio takes all clients whose names end like a JACK client's for that one, and would open their ports.
 bool may_be_taken_for_another(const LibraryDevice& one, const std::vector<LibraryDevice>& all) {
   return one.api == "jack" && std::any_of(all.begin(), all.end(), [&](const LibraryDevice& other) {
-           return other.api == "jack" && other.index != one.index && other.name.ends_with(one.name);
+           return other.api == "jack" && other.index != one.index &&
+                  other.library_name.ends_with(one.library_name);
          });
 }
 
@@ -139,7 +140,7 @@ class Session {
                  [&](const LibraryDevice& one) { return !may_be_taken_for_another(one, all); });
     const auto output = Pa_GetDefaultOutputDevice();
     const auto wanted = output != paNoDevice ? output : Pa_GetDefaultInputDevice();
-    for (auto& one : devices) one.device.is_default = one.index == wanted;
+    for (auto& one : devices) one.is_default = one.index == wanted;
     return devices;
   }
 
@@ -192,19 +193,15 @@ struct Line {
   double reported_at = -1.0;  ///< [s]
 };
 
-/// A driver's buffer may be cut into several blocks, which all carry its flags and its time.
-void count_gaps(Line& line, double time, PaStreamCallbackFlags flags) noexcept {
-  const bool input = (flags & (paInputUnderflow | paInputOverflow)) != 0;
-  const bool output = (flags & (paOutputUnderflow | paOutputOverflow)) != 0;
-  if ((!input && !output) || time == std::exchange(line.reported_at, time)) return;
-  line.card->gaps(line.jack, input, output);
-}
-
 int bring_block(const void* in, void* out, unsigned long frames, const PaStreamCallbackTimeInfo* time,
                 PaStreamCallbackFlags flags, void* user) {
   auto& line = *static_cast<Line*>(user);
   if (line.own_thread && !std::exchange(line.begun, true)) static_cast<void>(become_realtime(kPriority));
-  count_gaps(line, time->currentTime, flags);
+  const bool input = (flags & (paInputUnderflow | paInputOverflow)) != 0;
+  const bool output = (flags & (paOutputUnderflow | paOutputOverflow)) != 0;
+  // A driver's buffer may be cut into several blocks, which all carry its flags and its time.
+  if ((input || output) && time->currentTime != std::exchange(line.reported_at, time->currentTime))
+    line.card->gaps(line.jack, input, output);
   line.card->block(static_cast<const float* const*>(in), static_cast<float* const*>(out), line.out_planes,
                    static_cast<int>(frames));
   return paContinue;
@@ -260,8 +257,7 @@ Status open_line(const std::shared_ptr<Line>& line, const LibraryDevice& input, 
   granted.xruns_move_delay = line->own_thread;
   granted.comes_back = !line->session->has_jack;
   if (std::abs(info->sampleRate - rate) < 0.5) return {};
-  return fail(Errc::BadArgument, "", "'" + granted.device + "' does not run at this rate",
-              "leave the rate out");
+  return fail(Errc::BadArgument, "", "'" + granted.device + "' does not run at this rate", "omit the rate");
 }
 
 /// A stream of a JACK server that died is left as it is.
@@ -317,7 +313,8 @@ class PortAudioBackend final : public Backend {
   Result<std::vector<Device>> devices() override {
     const auto session = Session::enter("tactus-devices");
     if (!session) return tl::unexpected(session.error());
-    return devices_of((*session)->devices());
+    const auto found = (*session)->devices();
+    return std::vector<Device>(found.begin(), found.end());
   }
   Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override {
     const auto session = Session::enter(request.client_name);

@@ -6,7 +6,7 @@
 #include <thread>
 #include <utility>
 
-#include "backends/card_stream.h"
+#include "backends/card_callback.h"
 #include "backends/find_device.h"
 #include "backends/library_calls.h"
 #include "backends/realtime_thread.h"
@@ -61,10 +61,11 @@ class Line {
       open_once(unsigned(input.index), unsigned(output.index), block, options);
       // With JACK the outputs are open before the inputs are looked for, and shift the list.
       if (jack && !in_.empty() && !out_.empty()) {
-        if (const auto there = now_at(input.name); there != unsigned(input.index)) {
+        if (const auto there = now_at(input.library_name); there != unsigned(input.index)) {
           library_.closeStream();
           open_once(there, unsigned(output.index), block, options);
-          if (now_at(input.name) != there) throw RtAudioError{"JACK's clients come and go; try again"};
+          if (now_at(input.library_name) != there)
+            throw RtAudioError{"JACK clients changed in the meantime; try again"};
         }
       }
       granted.block_frames = granted.format.max_frames = static_cast<int>(block);
@@ -194,7 +195,7 @@ template <class Call>
 Status in_time(const std::shared_ptr<Line>& line, Call call) {
   if (auto status = result_with_timeout([line, call] { return call(*line); })) return *status;
   line->abandoned = true;
-  return fail(Errc::Device, "", "RtAudio does not answer", "restart the sound server");
+  return fail(Errc::Device, "", "RtAudio does not respond", "restart the sound server");
 }
 
 /// Devices close with the last who holds the line, on a thread that may hang.
@@ -204,8 +205,10 @@ void close(std::shared_ptr<Line> line) {
 }
 
 LibraryDevice described(const std::string& api, unsigned index, const RtAudio::DeviceInfo& info) {
-  LibraryDevice found{{}, api, info.name, static_cast<int>(index)};
-  auto& device = found.device;
+  LibraryDevice device;
+  device.api = api;
+  device.library_name = info.name;
+  device.index = static_cast<int>(index);
   device.id = "rtaudio:" + api + ":" + info.name;
   device.name = info.name + " (" + RtAudio::getApiDisplayName(RtAudio::getCompiledApiByName(api)) + ")";
   device.in_channels = static_cast<int>(info.inputChannels);
@@ -213,7 +216,7 @@ LibraryDevice described(const std::string& api, unsigned index, const RtAudio::D
   for (const auto rate : info.sampleRates) device.sample_rates.push_back(Hertz{static_cast<double>(rate)});
   device.default_rate = Hertz{static_cast<double>(info.preferredSampleRate)};
   device.is_default = info.isDefaultOutput;
-  return found;
+  return device;
 }
 
 Devices probe(RtAudio::Api api) {
@@ -236,17 +239,17 @@ Devices probe(RtAudio::Api api) {
 /// other cannot be opened. A client whose ports do not lie together is there twice.
 Devices own_ports_only(Devices devices) {
   std::stable_sort(devices.begin(), devices.end(), [](const LibraryDevice& a, const LibraryDevice& b) {
-    return a.name.size() > b.name.size();
+    return a.library_name.size() > b.library_name.size();
   });
   Devices usable;
   for (auto one = devices.begin(); one != devices.end(); ++one) {
     bool first = true;
     for (auto other = devices.begin(); other != one; ++other) {
-      if (other->name.find(one->name) == std::string::npos) continue;
+      if (other->library_name.find(one->library_name) == std::string::npos) continue;
       first = first && one->index < other->index;
-      if (other->name == one->name) continue;
-      one->device.in_channels -= other->device.in_channels;
-      one->device.out_channels -= other->device.out_channels;
+      if (other->library_name == one->library_name) continue;
+      one->in_channels -= other->in_channels;
+      one->out_channels -= other->out_channels;
     }
     if (first) usable.push_back(*one);
   }
@@ -258,9 +261,9 @@ Devices own_ports_only(Devices devices) {
 /// The outputs' default of the first API that has one, or else the first device with inputs.
 void one_default(Devices& devices) {
   auto chosen = std::find_if(devices.begin(), devices.end(),
-                             [](const LibraryDevice& found) { return found.device.is_default; });
+                             [](const LibraryDevice& found) { return found.is_default; });
   if (chosen == devices.end()) chosen = devices.begin();
-  for (auto one = devices.begin(); one != devices.end(); ++one) one->device.is_default = one == chosen;
+  for (auto one = devices.begin(); one != devices.end(); ++one) one->is_default = one == chosen;
 }
 
 /// Every device that can be opened now, or those of one API alone where `text` begins like an id of it.
@@ -284,7 +287,7 @@ Result<Devices> rtaudio_devices(const std::string& text) {
     devices.insert(devices.end(), usable.begin(), usable.end());
   }
   if (devices.empty() && !silent.empty())
-    return fail(Errc::Device, "", silent + " does not answer", "restart its server");
+    return fail(Errc::Device, "", silent + " does not respond", "restart its server");
   number_same_ids(devices);
   one_default(devices);
   return devices;
@@ -331,7 +334,8 @@ class RtAudioBackend final : public Backend {
   std::string name() const override { return "rtaudio"; }
   Result<std::vector<Device>> devices() override {
     silence_library_logs();
-    return rtaudio_devices("").map(devices_of);
+    return rtaudio_devices("").map(
+        [](const Devices& all) { return std::vector<Device>(all.begin(), all.end()); });
   }
   Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override {
     silence_library_logs();

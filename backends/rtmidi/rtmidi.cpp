@@ -1,5 +1,3 @@
-#include "backends/rtmidi/rtmidi.h"
-
 #include <RtMidi.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 
 #include "backends/find_device.h"
 #include "backends/library_calls.h"
+#include "backends/midi.h"
 #include "engine/core/spsc_queue.h"
 
 namespace tactus {
@@ -109,7 +108,7 @@ class Worker {
     const auto api =
         settings_.api.empty() ? RtMidi::UNSPECIFIED : RtMidi::getCompiledApiByName(settings_.api);
     if (api == RtMidi::UNSPECIFIED && !settings_.api.empty())
-      throw RtMidiError("this build has no MIDI by '" + settings_.api + "'");
+      throw RtMidiError("this program was built without the MIDI backend '" + settings_.api + "'");
     auto client = std::make_unique<RtMidiIn>(api, settings_.client_name);
     client->setErrorCallback(note_error);
     return client;
@@ -120,7 +119,7 @@ class Worker {
     if (scout_->getCurrentApi() != RtMidi::UNIX_JACK) return false;
     bool failed = false;
     scout_->setErrorCallback(note_error, &failed);
-    scout_->openVirtualPort("is the server there?");
+    scout_->openVirtualPort("check that the server is running");
     scout_->closePort();
     scout_->setErrorCallback(note_error);
     return failed;
@@ -132,9 +131,9 @@ class Worker {
   }
 
   void update_ports() {
-    const auto there = names_by_id(*scout_);
-    close_missing(there);
-    for (const auto& [id, name] : there) {
+    const auto available = names_by_id(*scout_);
+    close_missing(available);
+    for (const auto& [id, name] : available) {
       const bool wanted = lower_case(id).find(lower_case(settings_.only)) != std::string::npos;
       if (wanted && !is_open(id)) open(id, name);
     }
@@ -176,12 +175,12 @@ class Worker {
     reported_error_.clear();
   }
 
-  void close_missing(const std::map<std::string, std::string>& there) {
+  void close_missing(const std::map<std::string, std::string>& available) {
     std::vector<std::shared_ptr<OpenPort>> closing;  // outside of the lock
     const std::lock_guard lock{mutex_};
     std::erase_if(ports_, [&](const auto& port) {
-      if (there.contains(port.first)) return false;
-      news_.push_back("'" + port.first + "' is disconnected; it is opened again when it comes back");
+      if (available.contains(port.first)) return false;
+      news_.push_back("'" + port.first + "' is disconnected; it is reopened when it reconnects");
       closing.push_back(port.second);
       return true;
     });

@@ -16,13 +16,13 @@ using Kind = JournalEntry::Kind;
 class Player {
  public:
   Player(const Take& take, WavReader& wav, const ReplayHost& host, int longest)
-      : take_(take),
+      : out(host.out_channels, longest),
+        take_(take),
         wav_(wav),
         host_(host),
         longest_(longest),
         recorded_(static_cast<int>(take.header.inputs.size() + take.header.outputs.size()), longest),
         silence_(1, longest),
-        out_(host.out_channels, longest),
         entries_(take.header.state) {
     entries_.insert(entries_.end(), take.guard.begin(), take.guard.end());
     std::stable_sort(entries_.begin(), entries_.end(),
@@ -46,16 +46,17 @@ class Player {
     frames = static_cast<int>(std::min<std::int64_t>(frames, next_stop() - now_));
     if (auto status = post_until(now_ + frames); !status) return tl::unexpected(status.error());
     if (wav_.read(recorded_.data(), frames) != frames)
-      return fail(Errc::BadFile, "", "the samples end before their time", "restore the file from a copy");
-    host_.guarded.process({in_.data(), out_.data(), frames});
-    if (host_.same && !played_.first_difference) compare(frames);
+      return fail(Errc::BadFile, "", "the samples end before the end of the take",
+                  "restore the file from a copy");
+    host_.guarded.process({in_.data(), out.data(), frames});
+    if (host_.same && !played.first_difference) compare(frames);
     now_ += frames;
-    played_.frames = now_;
+    played.frames = now_;
     return frames;
   }
 
-  const double* const* out() const { return out_.data(); }
-  const Replayed& played() const { return played_; }
+  ChannelBuffers out;
+  Replayed played;
 
  private:
   bool is_halt(std::size_t entry) const { return entries_[entry].kind == Kind::Halt; }
@@ -63,7 +64,7 @@ class Player {
   Status between_blocks() {
     if (auto status = post_until(now_ + 1); !status) return status;
     while (next_entry_ < entries_.size() && is_halt(next_entry_) && entries_[next_entry_].frame <= now_) {
-      host_.guarded.finish({in_.data(), out_.data(), 1});
+      host_.guarded.finish({in_.data(), out.data(), 1});
       ++next_entry_;
       if (auto status = post_until(now_ + 1); !status) return status;
     }
@@ -86,7 +87,7 @@ class Player {
     for (; next_entry_ < entries_.size() && entries_[next_entry_].frame < end; ++next_entry_) {
       if (is_halt(next_entry_)) return {};
       if (host_.guarded.post(entries_[next_entry_])) continue;
-      return fail(Errc::OutOfRange, "", fmt::format("too many changes of the guard at frame {}", now_),
+      return fail(Errc::OutOfRange, "", fmt::format("too many guard events at frame {}", now_),
                   "use smaller blocks");
     }
     return {};
@@ -95,11 +96,11 @@ class Player {
   void compare(int frames) {
     const int sensors = static_cast<int>(take_.header.inputs.size());
     for (int n = 0; n < frames; ++n)
-      for (int c = 0; c < out_.size(); ++c) {
+      for (int c = 0; c < out.size(); ++c) {
         const auto recorded = static_cast<float>(recorded_[sensors + c][n]);
-        const auto replayed = as_recorded(out_[c][n]);
+        const auto replayed = as_recorded(out[c][n]);
         if (std::bit_cast<std::uint32_t>(recorded) == std::bit_cast<std::uint32_t>(replayed)) continue;
-        played_.first_difference = {now_ + n, c, recorded, replayed};
+        played.first_difference = {now_ + n, c, recorded, replayed};
         return;
       }
   }
@@ -108,23 +109,22 @@ class Player {
   WavReader& wav_;
   const ReplayHost& host_;
   int longest_;
-  ChannelBuffers recorded_, silence_, out_;
+  ChannelBuffers recorded_, silence_;
   std::vector<const double*> in_;
   std::vector<JournalEntry> entries_;  ///< of the guard
   std::size_t next_entry_ = 0, next_edit_ = 0;
   std::int64_t now_ = 0;
-  Replayed played_;
 };
 
 Status check(const Take& take, const WavReader& wav, const ReplayHost& host) {
   const auto channels = take.header.inputs.size() + take.header.outputs.size();
   if (wav.channels() != static_cast<int>(channels) || wav.sample_rate() != take.header.sample_rate)
     return fail(Errc::BadFile, "",
-                fmt::format("the WAV file has {} channels at {} Hz, and the journal beside it {} at {} Hz",
-                            wav.channels(), wav.sample_rate().value, channels, take.header.sample_rate.value),
-                "they are not of the same take");
+                fmt::format("the WAV file has {} channels at {} Hz, its journal {} at {} Hz", wav.channels(),
+                            wav.sample_rate().value, channels, take.header.sample_rate.value),
+                "use the two files of the same take");
   if (host.same && host.out_channels != static_cast<int>(take.header.outputs.size()))
-    return fail(Errc::BadFile, "", "the graph in the take has other outputs than were recorded", "");
+    return fail(Errc::BadFile, "", "the outputs of the take's graph differ from the recorded ones", "");
   return {};
 }
 
@@ -141,14 +141,14 @@ Result<Replayed> replay(const Take& take, WavReader& wav, const ReplayHost& host
   Player player{take, wav, host, *std::max_element(block_frames.begin(), block_frames.end())};
   if (auto status = player.prepare(); !status) return tl::unexpected(status.error());
   const auto frames = frames_to_replay(take, wav);
-  for (std::size_t turn = 0; player.played().frames < frames; ++turn) {
-    const auto left = frames - player.played().frames;
+  for (std::size_t turn = 0; player.played.frames < frames; ++turn) {
+    const auto left = frames - player.played.frames;
     const auto wanted = std::min<std::int64_t>(block_frames[turn % block_frames.size()], left);
-    const auto played = player.play(static_cast<int>(wanted));
-    if (!played) return tl::unexpected(played.error());
-    if (auto status = sink(player.out(), *played); !status) return tl::unexpected(status.error());
+    const auto frames_played = player.play(static_cast<int>(wanted));
+    if (!frames_played) return tl::unexpected(frames_played.error());
+    if (auto status = sink(player.out.data(), *frames_played); !status) return tl::unexpected(status.error());
   }
-  return player.played();
+  return player.played;
 }
 
 }  // namespace tactus

@@ -129,22 +129,22 @@ std::string line_of(const T& value) {
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-Result<TakeHeader> parse_header(const std::string& line) {
-  const auto no_take = [](const std::string& what) {
-    return fail(Errc::BadFile, "", what, "give the .jsonl that was recorded with the WAV file");
+Result<TakeHeader> parse_header(const std::string& line, const fs::path& path) {
+  const auto no_take = [&](const std::string& what) {
+    return fail(Errc::BadFile, path.string(), what, "give the .jsonl that was recorded with the WAV file");
   };
   try {
     const auto json = nlohmann::ordered_json::parse(line);
     if (const int version = json.at("tactus_take"); version < 1 || version > kTakeVersion)
-      return fail(Errc::BadFile, "", "a later version of the program recorded this take",
+      return fail(Errc::BadFile, path.string(), "a later version of the program recorded this take",
                   "replay it with that version");
     TakeHeader header;
     JsonReader::read(json, header);
     return header;
   } catch (const nlohmann::ordered_json::parse_error&) {
-    return no_take("its first line is no JSON");
+    return no_take("its first line is not JSON");
   } catch (const std::exception&) {
-    return no_take("its first line is not that of a take");
+    return no_take("its first line is not the header of a take");
   }
 }
 
@@ -175,11 +175,6 @@ bool add_line(const std::string& line, Take& take) {
   }
 }
 
-tl::unexpected<Error> at(const fs::path& path, Error error) {
-  error.where = path.string();
-  return tl::unexpected(std::move(error));
-}
-
 }  // namespace
 
 std::string header_line(const TakeHeader& header) { return line_of(header); }
@@ -197,37 +192,37 @@ Result<Take> read_take(const fs::path& wav) {
     return fail(Errc::BadFile, wav.string(), "there is no such file", "check the path");
   if (!fs::exists(path, ignored))
     return fail(Errc::BadFile, wav.string(),
-                fmt::format("there is no '{}' beside it, so the graph that was played is unknown",
+                fmt::format("'{}' is missing in the same folder, so the recorded graph is unknown",
                             path.filename().string()),
-                "a WAV file of sensors alone is played with --in");
+                "use --in for a WAV file with only sensor signals");
   std::ifstream file{path, std::ios::binary};
   std::string line;
   if (!std::getline(file, line))
-    return fail(Errc::BadFile, path.string(), "it is empty", "the take was cut off before it began");
-  auto header = parse_header(line);
-  if (!header) return at(path, header.error());
+    return fail(Errc::BadFile, path.string(), "it is empty", "the take was cut off before its first frame");
+  auto header = parse_header(line, path);
+  if (!header) return tl::unexpected(header.error());
   Take take;
   take.header = std::move(*header);
   for (int number = 2; std::getline(file, line); ++number) {
     const bool whole = !file.eof();
     if (add_line(line, take)) continue;
     if (!whole || file.peek() == std::ifstream::traits_type::eof()) break;  // cut off here
-    return fail(Errc::BadFile, fmt::format("{}:{}", path.string(), number), "this is no line of a take",
-                "restore the file from a copy");
+    return fail(Errc::BadFile, fmt::format("{}:{}", path.string(), number),
+                "this line is not valid in a take", "restore the file from a copy");
   }
   return take;
 }
 
 std::string why_not_exact(const Take& take) {
   if (take.lost_entries > 0)
-    return fmt::format("{} changes of controls or of the guard could not be kept", take.lost_entries);
+    return fmt::format("{} control changes or guard events could not be recorded", take.lost_entries);
   if (!take.gaps.empty()) {
     const auto first_s = static_cast<double>(take.gaps.front().frame) / take.header.sample_rate.value;
     if (take.gaps.size() == 1) return fmt::format("frames are missing at {:.3f} s", first_s);
-    return fmt::format("frames are missing in {} places, first at {:.3f} s", take.gaps.size(), first_s);
+    return fmt::format("frames are missing at {} places, first at {:.3f} s", take.gaps.size(), first_s);
   }
   if (take.rounded_sensors > 0)
-    return fmt::format("{} samples of its sensors have more digits than a WAV file of floats keeps",
+    return fmt::format("{} sensor samples have more digits than a float WAV file can store",
                        take.rounded_sensors);
   return {};
 }

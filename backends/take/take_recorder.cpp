@@ -6,9 +6,12 @@
 #include <chrono>
 #include <utility>
 
+#include "engine/core/index.h"
+
 namespace tactus {
 namespace {
 
+constexpr auto kRelaxed = std::memory_order_relaxed;
 constexpr auto kWriteEvery = std::chrono::milliseconds{20};
 constexpr Seconds kLeastMemory{0.1};
 /// How much a take may lose when the program is killed, besides what the ring holds.
@@ -16,20 +19,86 @@ constexpr Seconds kSettleEvery{0.2};
 
 }  // namespace
 
+TakeRing::TakeRing(int in_channels, int out_channels, std::int64_t frames)
+    : in_channels_(in_channels),
+      out_channels_(out_channels),
+      capacity_(frames),
+      samples_(index(frames) * index(channels())) {}
+
+void TakeRing::applied(const JournalEntry& entry) noexcept {
+  // Frames only ever grow, until somebody prepares the stream anew.
+  if (entry.frame < next_frame_) restarted_.store(true, kRelaxed);
+  if (restarted()) return;
+  if (!events_.push(entry)) lost_entries_.fetch_add(1, kRelaxed);
+}
+
+void TakeRing::observe(const BlockIo& io, std::int64_t first_frame) noexcept {
+  if (first_frame < next_frame_) restarted_.store(true, kRelaxed);
+  if (restarted()) return;
+  if (gap_.frames == 0) gap_ = {next_frame_, first_frame - next_frame_};  // not there from the beginning
+  if (has_room(io.frames) && close_gap()) {
+    const auto at = written_.load(kRelaxed);
+    copy(io, at);
+    written_.store(at + io.frames, std::memory_order_release);
+  } else {
+    gap_.frames += io.frames;
+    dropped_.fetch_add(io.frames, kRelaxed);
+  }
+  next_frame_ = first_frame + io.frames;
+}
+
+bool TakeRing::has_room(int frames) noexcept {
+  return written_.load(kRelaxed) - read_.load(std::memory_order_acquire) + frames <= capacity_;
+}
+
+/// A gap must be known before what follows it.
+bool TakeRing::close_gap() noexcept {
+  if (gap_.frames > 0 && !events_.push(gap_)) return false;
+  gap_ = {};
+  return true;
+}
+
+void TakeRing::copy(const BlockIo& io, std::int64_t at) noexcept {
+  const auto width = index(channels());
+  std::int64_t rounded = 0;
+  for (int done = 0; done < io.frames;) {
+    const auto slot = (at + done) % capacity_;
+    const int frames = static_cast<int>(std::min<std::int64_t>(io.frames - done, capacity_ - slot));
+    float* to = samples_.data() + index(slot) * width;
+    for (int c = 0; c < in_channels_; ++c, ++to)
+      for (int n = 0; n < frames; ++n) {
+        const double sensor = io.in[c][done + n];
+        const auto kept = static_cast<float>(sensor);
+        rounded += static_cast<double>(kept) == sensor ? 0 : 1;
+        to[index(n) * width] = kept;
+      }
+    for (int c = 0; c < out_channels_; ++c, ++to)
+      for (int n = 0; n < frames; ++n) to[index(n) * width] = as_recorded(io.out[c][done + n]);
+    done += frames;
+  }
+  if (rounded > 0) rounded_.fetch_add(rounded, kRelaxed);
+}
+
+TakeRing::Segment TakeRing::front(std::int64_t written) const noexcept {
+  const auto read = read_.load(kRelaxed);
+  const auto slot = read % capacity_;
+  return {samples_.data() + index(slot) * index(channels()), std::min(written - read, capacity_ - slot)};
+}
+
 Result<TakeWriter> TakeWriter::create(const std::filesystem::path& wav, const TakeHeader& header,
                                       TakeRing& ring) {
   const auto journal = journal_path(wav);
   std::error_code ignored;
   if (std::filesystem::exists(journal, ignored))
-    return fail(Errc::BadFile, journal.string(), "the journal of a take is there already",
-                "choose another name, or move it away");
+    return fail(Errc::BadFile, journal.string(), "the journal of this take already exists",
+                "choose another name, or move the file");
   auto file = GrowingWav::create(wav, header.sample_rate, ring.channels());
   if (!file) return tl::unexpected(file.error());
   TakeWriter writer{std::move(*file), journal, header, ring};
   if (writer.journal_) return writer;
   std::filesystem::remove(wav, ignored);
   return fail(Errc::BadFile, journal.string(), "it cannot be written",
-              "check that the folder may be written to and the disk has space");
+              "check that the folder is writable and the disk has free space");
 }
 
 TakeWriter::TakeWriter(GrowingWav wav, std::filesystem::path journal, const TakeHeader& header,
@@ -121,7 +190,7 @@ void TakeWriter::finish() {
     (void)work();
   }
   if (error_.empty()) settle();
-  progress_.ended = !error_.empty() ? error_ : ring_->restarted() ? "the stream began again" : "";
+  progress_.ended = !error_.empty() ? error_ : ring_->restarted() ? "the stream restarted" : "";
   progress_.finished = true;
   if (journal_) journal_ << progress_line(progress_) << std::flush;
 }

@@ -202,14 +202,14 @@ std::string_view unit_prefix(std::string_view text) {
   return text.substr(0, end);
 }
 
-std::optional<ParsedQuantity> parse_quantity(std::string_view text) {
+std::optional<QuantityValue> parse_quantity(std::string_view text) {
   text = trim(text);
   const auto number = take_number(text);
   const auto unit = number ? parse_unit(text) : std::nullopt;
   if (!unit) return std::nullopt;
   const double si = unit->to_si(*number);
   if (!std::isfinite(si)) return std::nullopt;
-  return ParsedQuantity{si, *unit};
+  return QuantityValue{si, *unit, trim(text).empty()};
 }
 
 }  // namespace tactus

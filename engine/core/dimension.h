@@ -44,11 +44,14 @@ std::string_view unit_prefix(std::string_view text);
 /// True for one unit symbol ("ms", "ohm", "dB").
 bool is_unit_symbol(std::string_view word);
 
-/// "15 ms", "-34 dB", "0.6": number, then unit. nullopt: not a quantity.
-struct ParsedQuantity {
-  double si;
+/// A number with a unit or without.
+struct QuantityValue {
+  double si = 0;
   Unit unit;
+  bool bare = false;  ///< no unit given: counts in SI
 };
-std::optional<ParsedQuantity> parse_quantity(std::string_view text);
+
+/// "15 ms", "-34 dB", "0.6": number, then unit. nullopt: not a quantity.
+std::optional<QuantityValue> parse_quantity(std::string_view text);
 
 }  // namespace tactus

@@ -3,6 +3,7 @@
 
 #include <string>
 #include <tl/expected.hpp>
+#include <utility>
 #include <vector>
 
 namespace tactus {
@@ -23,10 +24,16 @@ enum class Errc {
 
 /// Why the control side could not do something: where, what is wrong, what to do.
 struct Error {
+  enum class Place { None, Option, File };
+
   Errc code;
-  std::string where;   ///< "file:line:column", or empty
+  std::string where;   ///< "file:line:column", "--option", or empty
   std::string what;    ///< one sentence without a full stop
   std::string remedy;  ///< what to do, or empty
+  Place place = where.empty() ? Place::None : where.starts_with("--") ? Place::Option : Place::File;
+
+  /// The same error elsewhere.
+  Error at(std::string other) const { return {code, std::move(other), what, remedy}; }
 };
 
 /// "where: what; remedy", leaving out what is empty.

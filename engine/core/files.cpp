@@ -13,8 +13,7 @@ Status write_file(const fs::path& file, const std::string& text) {
   stream << text;
   stream.close();
   if (stream) return {};
-  return fail(Errc::BadFile, file.string(), "cannot be written",
-              "choose a folder that exists and can be written");
+  return fail(Errc::BadFile, file.string(), "cannot be written", "choose an existing, writable folder");
 }
 
 Status replace_file(const fs::path& file, const std::string& text) {
@@ -25,8 +24,7 @@ Status replace_file(const fs::path& file, const std::string& text) {
   if (status) fs::rename(temporary, file, error);
   if (status && !error) return {};
   fs::remove(temporary, ignored);
-  return fail(Errc::BadFile, file.string(), "cannot be written",
-              "choose a folder that exists and can be written");
+  return fail(Errc::BadFile, file.string(), "cannot be written", "choose an existing, writable folder");
 }
 
 }  // namespace tactus

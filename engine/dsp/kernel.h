@@ -20,6 +20,11 @@ static inline tactus_real tactus_clamp(tactus_real x, tactus_real low, tactus_re
 }
 static inline int tactus_is_finite(tactus_real x) { return x - x == 0; }
 
+/// As Lanes::sum: added in halves, k and k + 4, k and k + 2, k and k + 1.
+static inline tactus_real tactus_sum_of_eight(const tactus_real* x) {
+  return ((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7]));
+}
+
 /// a * b + c, rounded once where the machine has the instruction (see engine/core/realtime.h).
 static inline tactus_real tactus_fma(tactus_real a, tactus_real b, tactus_real c) {
 #if defined(__FMA__) || defined(__aarch64__)

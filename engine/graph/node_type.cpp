@@ -17,8 +17,8 @@ int index_of(const Items& items, std::string_view name) {
 Status MemoryBudget::take(std::size_t numbers) {
   if (numbers > left_ / sizeof(double))
     return fail(Errc::OutOfRange, {},
-                "the graph would keep more than " + std::to_string(bytes_ >> 20) + " MB",
-                "take shorter delays and recordings, or fewer voices");
+                "the graph would need more than " + std::to_string(bytes_ >> 20) + " MB",
+                "use shorter delays and recordings, or fewer voices");
   left_ -= numbers * sizeof(double);
   return {};
 }
@@ -42,6 +42,5 @@ const SettingValue& NodeSetup::setting(std::string_view name) const {
 }
 
 int NodeType::input_index(std::string_view port) const { return index_of(inputs, port); }
-int NodeType::output_index(std::string_view port) const { return index_of(outputs, port); }
 
 }  // namespace tactus

@@ -106,8 +106,7 @@ struct NodeSetup {
   const NodeType* type = nullptr;
   std::vector<InputInfo> inputs;       ///< declaration order
   std::vector<SettingValue> settings;  ///< declaration order
-  int lane = 0;                        ///< which lane of how many
-  int lanes = 1;
+  int lane = 0;
   MemoryBudget* memory = nullptr;  ///< nullptr: as much as there is
 
   /// [control] Must be called before a node allocates more numbers than its settings hold.
@@ -149,15 +148,14 @@ struct NodeType {
   /// its signal moves far enough. nullopt: such an input is event-driven and has no small-signal gain.
   std::optional<double> small_signal_gain = {};
   /// Unread outputs may be given as nullptr (networks: hundreds of outputs, few of them read).
-  bool skips_unread = false;
+  bool skips_unused_outputs = false;
   /// Distinguishes declarations of one name (networks).
   std::uint64_t fingerprint = 0;
   /// Range of an output, given the ranges of the inputs; empty: OutputPort::range.
   std::function<Interval(int output, const NodeSetup&)> range = {};
 
-  /// Index in `inputs` / `outputs`, or -1.
+  /// Index in `inputs`, or -1.
   int input_index(std::string_view port) const;
-  int output_index(std::string_view port) const;
 };
 
 struct NetworkSpec;

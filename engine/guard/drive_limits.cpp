@@ -30,31 +30,31 @@ Status first_violation(std::initializer_list<Rule> rules) {
 Status check(const HeatLimits& heat, double ceiling, double slew_per_second, Hertz sample_rate) {
   return first_violation(
       {{positive(heat.watts_at_full_scale) && positive(heat.watts_for_ever) && positive(heat.rise_kelvin),
-        "a power or a rise in the heat limit of a drive is not positive"},
+        "the powers and the temperature rise of a drive's heat limit must be positive"},
        {within(heat.coil_time.value, kShortestTime_s, kLongestTime_s) &&
             within(heat.body_time.value, kShortestTime_s, kLongestTime_s),
-        "a time constant in the heat limit of a drive is outside 10 ms to a million seconds"},
+        "the time constants of a drive's heat limit must be between 10 ms and 1e6 s"},
        {heat.coil_share > 0.0 && heat.coil_share < 1.0,
-        "the coil's share of the heat of a drive is outside 0 to 1"},
+        "the coil's share of a drive's temperature rise must be between 0 and 1"},
        {!(fastest_rise(heat, ceiling) * kGuardGroup / sample_rate.value > 0.125),
-        "the coil of a drive would burn before the guard could act",
+        "the coil of a drive would overheat before the guard could act",
         "lower its ceiling or the volts per full scale"},
        {!(rise_on_the_way_down(heat, ceiling, slew_per_second) > 0.125),
-        "the coil of a drive would burn before its slew limit lets it come down",
-        "lower its ceiling, or let it move faster"}});
+        "the coil of a drive would overheat before its slew limit allows the level to fall",
+        "lower its ceiling, or raise its slew limit"}});
 }
 
 Status check(const ExcursionLimits& excursion) {
   return first_violation(
       {{positive(excursion.metres) && positive(excursion.metres_at_full_scale) && positive(excursion.q),
-        "a length or the quality factor in the excursion limit of a drive is not positive"},
+        "the lengths and the quality factor of a drive's excursion limit must be positive"},
        {positive(excursion.resonance.value),
-        "the resonance in the excursion limit of a drive is not positive"}});
+        "the resonance frequency of a drive's excursion limit must be positive"}});
 }
 
 }  // namespace
 
-DriveLimits cautious_limits() {
+DriveLimits conservative_limits() {
   DriveLimits limits;
   limits.ceiling = 0.5;
   limits.slew_per_second = 1000.0;
@@ -66,14 +66,16 @@ DriveLimits cautious_limits() {
 
 Status check(const DriveLimits& limits, Hertz sample_rate) {
   auto status = first_violation(
-      {{limits.ceiling > 0.0 && limits.ceiling <= 1.0, "the ceiling of a drive is outside (0, 1] full scale",
-        "give it as a fraction of what the converter can put out"},
-       {limits.slew_per_second > 0.0, "the slew limit of a drive is not positive",
-        "leave it out for no limit, or give full scales a second"},
-       {within(limits.soft_start.value, 0.0, 60.0), "the soft start of a drive is outside 0 s to 60 s"},
-       {within(limits.fade_out.value, 0.0, 1.0), "the fade out of a drive is outside 0 s to 1 s"},
-       {positive(limits.dc.level), "the DC level of a drive is not positive"},
-       {within(limits.dc.time.value, 0.0, 3600.0), "the DC time of a drive is outside 0 s to an hour"}});
+      {{limits.ceiling > 0.0 && limits.ceiling <= 1.0,
+        "the ceiling of a drive must be above 0 and at most 1 full scale",
+        "give it as a fraction of the converter's full scale"},
+       {limits.slew_per_second > 0.0, "the slew limit of a drive must be positive",
+        "omit it for no limit, or give it in full scale per second"},
+       {within(limits.soft_start.value, 0.0, 60.0),
+        "the soft-start time of a drive must be between 0 s and 60 s"},
+       {within(limits.fade_out.value, 0.0, 1.0), "the fade-out time of a drive must be between 0 s and 1 s"},
+       {positive(limits.dc.level), "the DC level of a drive must be positive"},
+       {within(limits.dc.time.value, 0.0, 3600.0), "the DC time of a drive must be between 0 s and 1 h"}});
   if (status && limits.heat)
     status = check(*limits.heat, limits.ceiling, limits.slew_per_second, sample_rate);
   if (status && limits.excursion) status = check(*limits.excursion);

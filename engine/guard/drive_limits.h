@@ -49,7 +49,7 @@ struct DriveLimits {
 };
 
 /// [any] For a drive whose actuator is unknown. Why these: docs/decisions.md.
-DriveLimits cautious_limits();
+DriveLimits conservative_limits();
 
 /// [control] OutOfRange if a limit makes no sense, or cannot be kept at this rate: no coil may go
 /// through more than an eighth of its heat in 64 frames at the ceiling, or on the way from there to 0.

@@ -71,7 +71,7 @@ Status Guarded::prepare(const StreamFormat& format) {
   before.swap(channels_);
   for (std::size_t c = 0; c < outputs; ++c) {
     const auto config =
-        c < config_.size() ? config_[c] : GuardedChannel{DriveGuard::Kind::Drive, cautious_limits()};
+        c < config_.size() ? config_[c] : GuardedChannel{DriveGuard::Kind::Drive, conservative_limits()};
     auto& channel =
         channels_.emplace_back(DriveGuard{config.kind, config.limits, format.sample_rate}, armed_at_start_);
     if (c >= before.size()) continue;

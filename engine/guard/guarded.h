@@ -72,7 +72,7 @@ class GuardSwitch {
 /// faded. A user mutes; `fade` is for the program, which stops or has lost its user.
 class Guarded final : public BlockProcessor {
  public:
-  /// [control] `inner` must outlive this. Channels beyond the list are drives with the cautious limits.
+  /// [control] `inner` must outlive this. Channels beyond the list are drives with the conservative limits.
   Guarded(BlockProcessor& inner, std::vector<GuardedChannel> channels, bool armed = true);
   ~Guarded() override;
 

@@ -34,7 +34,7 @@ inline Setting choice(std::string name, std::string doc, std::vector<std::string
 inline Setting unit_setting(std::string of_what) {
   return {.name = "unit",
           .kind = Setting::Kind::Text,
-          .doc = "unit of the " + of_what + "; left out: a plain number",
+          .doc = "unit of the " + of_what + "; default: a plain number",
           .optional = true,
           .unit = true};
 }
@@ -51,11 +51,12 @@ inline InputPort cutoff_input(std::string doc, std::optional<double> fallback = 
   return {"cutoff", "Hz", std::move(doc), fallback, 0};
 }
 inline InputPort loss_input() {
-  return {"loss", "", "how much faster high partials die; 0: not at all (one_pole: at most 0.99)", 0.5, 0, 1};
+  return {"loss", "", "additional damping of high partials; 0: none (one_pole: at most 0.99)", 0.5, 0, 1};
 }
 inline Setting loss_filter_setting() {
   return choice("loss_filter",
-                "one_zero takes at most this much away, at half the rate; one_pole darkens from lower down",
+                "one_zero reduces the gain by at most this, at half the sample rate; one_pole damps from "
+                "lower frequencies on",
                 {"one_zero", "one_pole"}, "one_zero");
 }
 
@@ -63,6 +64,14 @@ inline Setting loss_filter_setting() {
 template <class SomeNode>
 Result<std::unique_ptr<Node>> make_node(const NodeSetup& setup) {
   return std::make_unique<SomeNode>(setup);
+}
+
+/// Range of the values of the setting `points`; unbounded where there are none.
+inline Interval range_of_points(int, const NodeSetup& setup) {
+  Interval range{kUnlimited, -kUnlimited};
+  for (const auto& point : setup.setting("points").points)
+    range = range.joined(Interval::exactly(point.second));
+  return range.low <= range.high ? range : Interval{};
 }
 
 /// Range of an output that starts at 0 and goes no further than an input.

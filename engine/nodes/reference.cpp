@@ -208,18 +208,18 @@ void write_type(Page& page, const NodeType& type) {
 
 /// The fields that name other elements, by ElementType::Ends.
 const char* ends_text(ElementType::Ends ends) {
-  static constexpr const char* kTexts[] = {"", " `on` names the mass.",
-                                           " `on` names the point that it acts on.",
-                                           " `between` names its two points, the lower one first."};
+  static constexpr const char* kTexts[] = {"", " `on` gives the mass.",
+                                           " `on` gives the point that it acts on.",
+                                           " `between` gives its two points, the lower one first."};
   return kTexts[static_cast<int>(ends)];
 }
 
 void write_networks(Page& page) {
   page.title("Networks", 2);
   page.paragraph(
-      "Elements of `[networks.<name>]`. Up is positive. Outputs at a frame are the state at that frame; "
-      "inputs act on the step to the next one. An output is named `network.element.output`; "
-      "`network.element` alone is its first one.");
+      "Elements of `[networks.<name>]`. Up is positive. The outputs of a frame are the state at that frame; "
+      "the inputs act on the step to the next frame. An output is written `network.element.output`; "
+      "`network.element` alone is the first output.");
   for (const auto& element : network_elements()) {
     page.title(element.name, 3);
     page.paragraph(element.doc + ends_text(element.ends));
@@ -258,10 +258,9 @@ std::string reference_overview(const NodeTable& table) {
   for (const auto& element : network_elements())
     text += wrapped("  " + padded(element.name, kNameWidth), element.doc);
   return text + "\n" +
-         wrapped(
-             "",
-             "`tactus nodes NAME` describes one type in full, `tactus nodes network` about the elements of "
-             "networks.");
+         wrapped("",
+                 "`tactus nodes NAME` describes one type in full, `tactus nodes network` the elements of "
+                 "networks.");
 }
 
 std::string reference_text(const NodeType& type) {
@@ -280,9 +279,9 @@ std::string reference_markdown(const NodeTable& table) {
   Page page{true};
   page.title("Nodes", 1);
   page.paragraph(
-      "Everything that a graph file can name behind `type`. Made from the declarations in `engine/nodes` by "
-      "`scripts/renew_docs`; a test keeps it up to date. Numbers are in SI units unless a unit is given; how "
-      "graph files are written is described in [graph_files.md](graph_files.md).");
+      "All values of `type` in graph files. Generated from the declarations in `engine/nodes` by "
+      "`scripts/renew_docs`; a test checks that it is up to date. Numbers are in SI units unless a unit is "
+      "given; the format of graph files is described in [graph_files.md](graph_files.md).");
   for (const auto& group : groups_of(table)) {
     std::string heading = group;
     heading[0] = static_cast<char>(std::toupper(heading[0]));

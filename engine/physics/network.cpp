@@ -6,7 +6,6 @@
 
 #include "engine/core/index.h"
 #include "engine/dsp/simd/lanes.h"
-#include "engine/physics/reference/reference_solver.h"
 
 namespace tactus {
 namespace {
@@ -21,7 +20,7 @@ double before(const NetworkState& state, const NetworkInput& input) {
 
 Result<std::unique_ptr<NetworkSolver>> make_solver(const NetworkModel& model, Solver solver) {
   if (solver == Solver::Exact) return make_exact_solver(model);
-  if (solver == Solver::Reference) return std::make_unique<ReferenceSolver>(model);
+  if (solver == Solver::Reference) return make_reference_solver(model);
   return make_centred_solver(model, solver);
 }
 
@@ -84,7 +83,6 @@ void Network::reset(NetworkState& state) const noexcept {
   std::fill(state.low_pass.begin(), state.low_pass.end(), CriticalLowPass::State{});
   state.active.clear();
   state.settled = false;
-  state.supplied = state.dissipated = 0.0;
   network_solver_->start(state);
 }
 

@@ -79,10 +79,6 @@ struct NetworkState {
   std::vector<CriticalLowPass::State> low_pass;  ///< of each input with a bandwidth
   bool settled = false;                          ///< driven points have found their first place
 
-  /// With `audit` each step of a solver that keeps account adds up what went in and what was lost [J].
-  bool audit = false;
-  double supplied = 0.0, dissipated = 0.0;
-
   /// All lists of numbers that the next step depends on.
   static constexpr auto memory() {
     using S = NetworkState;

@@ -44,7 +44,7 @@ class Drawing {
               kSubtitleRow * static_cast<double>(subtitle_.size()) + 4;
     for (auto& layout : layouts_) {
       // Events of the whole plot are named once, at the top.
-      if (&layout == &layouts_.front()) label_events(layout, plot.events, plot.bands);
+      if (&layout == &layouts_.front()) label_events(layout, plot.events, {});
       label_events(layout, layout.subplot->events, layout.subplot->bands);
       place_in_rows(layout.event_labels, kEventRows, kPad, plot.width - kPad);
       for (const auto& label : layout.event_labels)
@@ -93,7 +93,6 @@ class Drawing {
 
   void draw_subplot(const Layout& layout, const std::string& clip) {
     const auto& subplot = *layout.subplot;
-    draw_bands(layout, plot_.bands);
     draw_bands(layout, subplot.bands);
     if (!subplot.map) draw_grid(layout);
     draw_events(layout, plot_.events);
@@ -125,13 +124,12 @@ class Drawing {
   }
 
   void draw_bands(const Layout& layout, const std::vector<PlotBand>& bands) {
-    for (const auto& band : bands) {
-      const auto pixel = [&](double x) {
-        return std::clamp(x_.scale.pixel(std::clamp(x, x_.scale.low, x_.scale.high)), left_, right_);
-      };
+    const auto pixel = [&](double x) {
+      return std::clamp(x_.scale.pixel(std::clamp(x, x_.scale.low, x_.scale.high)), left_, right_);
+    };
+    for (const auto& band : bands)
       canvas_.rect(pixel(band.from), 0, std::max(0.0, pixel(band.to) - pixel(band.from)), layout.height,
                    fmt::format("class=\"{}\" opacity=\"0.14\"", css('f', band.color)));
-    }
   }
 
   void draw_events(const Layout& layout, const std::vector<PlotEvent>& events) {
@@ -328,7 +326,7 @@ Status write_svg(const std::filesystem::path& path, const std::vector<Plot>& pag
   file.close();
   if (file) return {};
   return fail(Errc::BadFile, path.string(), "the plot cannot be written",
-              "check that the folder exists and may be written to");
+              "check that the folder exists and is writable");
 }
 
 }  // namespace tactus

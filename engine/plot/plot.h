@@ -115,9 +115,8 @@ struct Plot {
   PlotAxis x = {};
   std::vector<Subplot> subplots = {};
   std::vector<PlotEvent> events = {};  ///< through all subplots
-  std::vector<PlotBand> bands = {};
-  int width = 900;           ///< [px]
-  int subplot_height = 130;  ///< of a subplot of height 1 [px]
+  int width = 900;                     ///< [px]
+  int subplot_height = 130;            ///< of a subplot of height 1 [px]
 };
 
 /// A trace of samples `step` apart, the first at `start`.

@@ -18,8 +18,8 @@ void report_lanes(const RigPort& port, int lanes, ErrorList& errors) {
   errors.add(Errc::OutOfRange, port.at,
              fmt::format("'{}' has {} lane{}, but {} channel{}", port.name, lanes, lanes == 1 ? "" : "s",
                          port.channels.size(), port.channels.size() == 1 ? "" : "s"),
-             lanes == 1 ? "give one, as in channel = 1"
-                        : fmt::format("give each lane one, as in channel = [{}{}]",
+             lanes == 1 ? "give one channel, as in channel = 1"
+                        : fmt::format("give one channel per lane, as in channel = [{}{}]",
                                       lanes > 3 ? example : example.substr(0, example.size() - 2),
                                       lanes > 3 ? "…" : ""));
 }
@@ -37,7 +37,7 @@ class RigCheck {
     check_complete(instrument_.outputs, rig_.outputs, "output");
     for (const auto& input : instrument_.inputs) check_input(input);
     for (const auto& output : instrument_.outputs)
-      if (is_audio(output)) check_audio(output.name);
+      if (output.use == OutputUse::Audio) check_audio(output.name);
     for (const auto& control : rig_.controls) check_control(control);
     for (const auto& midi : rig_.midi) check_midi(midi);
     return errors_.take();
@@ -45,44 +45,41 @@ class RigCheck {
 
  private:
   void report_unknown(const std::string& what, const std::string& name, const Source& at,
-                      const std::vector<EntrySpec>& known) {
+                      const std::vector<std::string>& names) {
     if (instrument_.incomplete) return;
-    const auto names = names_of(known);
     errors_.add(Errc::UnknownName, at, "the instrument has no " + what + " '" + name + "'",
                 suggest(name, names, names.empty() ? "it has none" : "it has " + listed(names)));
   }
 
-  template <class Items>
-  void check_names(const Items& items, const std::vector<EntrySpec>& known, const char* what) {
+  template <class Items, class Known>
+  void check_names(const Items& items, const Known& known, const char* what) {
     for (const auto& item : items)
-      if (find_named(known, item.name) == nullptr) report_unknown(what, item.name, item.at, known);
+      if (find_named(known, item.name) == nullptr) report_unknown(what, item.name, item.at, names_of(known));
   }
 
   template <class Ports>
-  void check_complete(const std::vector<EntrySpec>& needed, const Ports& ports, const std::string& what) {
+  void check_complete(const std::vector<PortSpec>& needed, const Ports& ports, const std::string& what) {
     if (rig_.incomplete) return;
     for (const auto& port : needed)
       if (find_named(ports, port.name) == nullptr)
         errors_.add(Errc::Missing, {rig_.file.file, 1, 1},
                     what + " '" + port.name + "' of the instrument has no channel",
                     "under [" + what + "s], write " + port.name +
-                        " = { channel = 1 }, or { channel = \"none\" } to leave it out");
+                        " = { channel = 1 }, or { channel = \"none\" } to leave it unconnected");
   }
 
-  void check_input(const EntrySpec& port) {
+  void check_input(const PortSpec& port) {
     const auto* input = find_named(rig_.inputs, port.name);
     if (input == nullptr || input->channels.empty()) return;
-    ErrorList reported_elsewhere;
-    const int lanes = read_input(port, reported_elsewhere).lanes;
-    if (index(lanes) != input->channels.size()) report_lanes(*input, lanes, errors_);
-    const auto volt = parse_unit("V")->dimension, wanted = volt / dimension_of(port);
+    if (index(port.lanes) != input->channels.size()) report_lanes(*input, port.lanes, errors_);
+    const auto volt = parse_unit("V")->dimension, wanted = volt / port.dimension;
     const auto per = to_string(volt / wanted);
     const auto unit = per.empty() ? "V" : volts_per(wanted);
     const auto example =
-        per.empty() ? "\"50 mV\"" : "the volts for 1 " + per + ", such as \"2 " + unit + "\"";
+        per.empty() ? "\"50 mV\"" : "the voltage for 1 " + per + ", such as \"2 " + unit + "\"";
     if (!input->sensitivity && !(wanted == volt))
       errors_.add(Errc::Missing, input->at,
-                  "'" + port.name + "' is in " + per + ", and nothing says how many volts that is",
+                  "'" + port.name + "' is in " + per + ", but its voltage is not given",
                   "give volts_per_full_scale, and as sensitivity " + example);
     if (!input->sensitivity || input->sensitivity->bare) return;
     if (!(input->sensitivity->unit.dimension == wanted))
@@ -96,20 +93,17 @@ class RigCheck {
       if (const auto* actuator = rig_.actuator_on(channel)) {
         const auto& profile = actuator->drive.profile;
         return errors_.add(Errc::BadArgument, output->at,
-                           fmt::format("'{}' is sound, but channel {} drives an actuator{}", name, channel,
-                                       profile.empty() ? "" : " (" + profile + ")"),
-                           "sound is limited less than drives; give it another channel, or make it a "
-                           "drive in the instrument");
+                           fmt::format("'{}' is an audio output, but channel {} drives an actuator{}", name,
+                                       channel, profile.empty() ? "" : " (" + profile + ")"),
+                           "audio outputs have weaker limits than drives; use another channel, or make this "
+                           "output a drive in the instrument");
       }
   }
 
   void check_control(const Rig::Control& set) {
     const auto* entry = find_named(instrument_.controls, set.name);
-    if (entry == nullptr) return;
-    ErrorList reported_elsewhere;
-    const auto read = read_control(*entry, reported_elsewhere);
-    if (!read.unit_known || reported_elsewhere.any()) return;
-    const auto& control = read.control;
+    if (entry == nullptr || !entry->unit_known) return;
+    const auto& control = entry->control;
     if (!set.value.bare && !(set.value.unit.dimension == control.unit.dimension))
       errors_.add(Errc::UnitMismatch, set.at,
                   "'" + set.name + "' is set in " + named(set.value.unit.dimension) + ", but it is in " +
@@ -124,10 +118,11 @@ class RigCheck {
 
   void check_midi(const RigMidi& midi) {
     const auto* entry = find_named(instrument_.controls, midi.control);
-    if (entry == nullptr) return report_unknown("control", midi.control, midi.at, instrument_.controls);
+    if (entry == nullptr)
+      return report_unknown("control", midi.control, midi.at, names_of(instrument_.controls));
     if (find(entry->fields, "range") == nullptr)
-      errors_.add(Errc::Missing, midi.at, "'" + midi.control + "' has no range for a MIDI control to cover",
-                  "give it one in the instrument, as in range = [0, 1]");
+      errors_.add(Errc::Missing, midi.at, "'" + midi.control + "' has no range, which a MIDI control needs",
+                  "give it a range in the instrument, as in range = [0, 1]");
   }
 
   static std::string named(const Dimension& dimension) {
@@ -142,15 +137,13 @@ class RigCheck {
 bool left_out(const RigPort& port) { return port.channels.empty(); }
 
 /// 0 in the unit of a port, in each of its lanes, under its name.
-NodeSpec resting(const EntrySpec& input) {
-  ErrorList reported_elsewhere;
-  const auto unit = to_string(dimension_of(input));
+NodeSpec resting(const PortSpec& input) {
+  const auto unit = to_string(input.dimension);
   const Value zero{unit.empty() ? std::string{"0"} : "0 " + unit, input.at};
-  const auto lanes = static_cast<std::size_t>(read_input(input, reported_elsewhere).lanes);
   NodeSpec node;
   node.name = input.name;
   node.at = node.type_at = input.at;
-  node.value = lanes == 1 ? zero : Value{Value::List(lanes, zero), input.at};
+  node.value = input.lanes == 1 ? zero : Value{Value::List(index(input.lanes), zero), input.at};
   return node;
 }
 
@@ -158,16 +151,6 @@ NodeSpec resting(const EntrySpec& input) {
 std::string port_of(const std::string& channel) { return channel.substr(0, channel.find('[')); }
 
 }  // namespace
-
-Dimension dimension_of(const EntrySpec& port) {
-  ErrorList reported_elsewhere;
-  return read_unit(port, reported_elsewhere).value_or(Unit{}).dimension;
-}
-
-bool is_audio(const EntrySpec& output) {
-  const auto* kind = find(output.fields, "kind");
-  return kind != nullptr && kind->text() != nullptr && *kind->text() == "audio";
-}
 
 std::vector<Error> check_rig(const Rig& rig, const GraphSpec& instrument) {
   return RigCheck{rig, instrument}.run();
@@ -228,14 +211,15 @@ Result<int> padding_frames(std::optional<Seconds> measured, Seconds target, Hert
                            const std::string& where) {
   if (!measured)
     return fail(
-        Errc::Missing, where, "the delay of this device was never measured, so nothing can be added to it",
+        Errc::Missing, where, "the delay of this device has not been measured, so it cannot be extended",
         "measure it with tactus latency measure, or write it into the rig: [delay] measured = \"12.4 ms\"");
   const double frames = frames_in(target - *measured, sample_rate);
   if (frames < -0.5)
     return fail(Errc::OutOfRange, where,
-                "the device's own delay is " + short_quantity(measured->value, parse_unit("s")->dimension) +
-                    ", longer than " + short_quantity(target.value, parse_unit("s")->dimension),
-                "ask for a longer delay, or use shorter blocks");
+                "the delay of the device itself is " +
+                    short_quantity(measured->value, parse_unit("s")->dimension) + ", longer than " +
+                    short_quantity(target.value, parse_unit("s")->dimension),
+                "request a longer delay, or use smaller blocks");
   return static_cast<int>(std::lround(std::max(frames, 0.0)));
 }
 

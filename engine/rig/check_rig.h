@@ -11,11 +11,6 @@
 
 namespace tactus {
 
-/// [control] The dimension of a port's unit; plain if that cannot be read.
-Dimension dimension_of(const EntrySpec& port);
-/// [control] Does an output of the kind audio go to the ears?
-bool is_audio(const EntrySpec& output);
-
 /// [control] What of a rig does not fit an instrument, in file order: ports without a channel that are not
 /// left out, names that the instrument does not have, units, ranges of controls. An output of kind audio may
 /// not go to a channel with an actuator: the guard passes sound that would burn a coil.

@@ -77,23 +77,23 @@ Result<LearntSensor> SensorLearner::result() const {
     return fail(
         Errc::Missing, "",
         fmt::format("{} of {} hits were detected", hits() == 0 ? "none" : std::to_string(hits()), kHits),
-        hits() == 0 ? "is this the sensor's channel, and is its gain up?"
-                    : "hit once more, a little harder, or turn the sensor's gain up");
+        hits() == 0 ? "check that this is the sensor's channel and that its gain is not too low"
+                    : "hit again, a little harder, or raise the sensor's gain");
   if (highest_ >= kClips)
     return fail(Errc::OutOfRange, "", "the hits clip at the card's input",
-                "turn the sensor's gain down, and hit again");
+                "lower the sensor's gain, and hit again");
   const auto [softest, loudest] = std::minmax_element(peaks_.begin(), peaks_.end());
   const double over_noise = noise_ > 0 ? amplitude_to_db(*softest / noise_) : 1e3;
   if (over_noise < kOverNoise_db)
     return fail(Errc::OutOfRange, "",
-                fmt::format("the softest hit is only {:.0f} dB above the noise, and {:.0f} dB are needed",
+                fmt::format("the softest hit is only {:.0f} dB above the noise; {:.0f} dB are needed",
                             over_noise, kOverNoise_db),
-                "hit a little harder, turn the sensor's gain up, or look for what makes the noise");
+                "hit a little harder, raise the sensor's gain, or find the source of the noise");
   const double unequal = amplitude_to_db(*loudest / *softest);
   if (unequal > kMostUnequal_db)
     return fail(Errc::OutOfRange, "",
-                fmt::format("the hits differ by {:.0f} dB, more than {:.0f}", unequal, kMostUnequal_db),
-                "hit five times alike");
+                fmt::format("the hits differ by {:.0f} dB, more than {:.0f} dB", unequal, kMostUnequal_db),
+                "hit five times with equal force");
   const double soft = median(peaks_);
   return LearntSensor{soft, noise_, soft * amplitude_from_db(-kSoft_db)};
 }
@@ -101,10 +101,10 @@ Result<LearntSensor> SensorLearner::result() const {
 Status use_learnt(Rig& rig, const std::string& name, const LearntSensor& learnt, const Dimension& unit) {
   auto* const input = find_named(rig.inputs, name);
   if (input == nullptr)
-    return fail(Errc::UnknownName, "", "the rig has no input '" + name + "'", "name one of its [inputs]");
+    return fail(Errc::UnknownName, "", "the rig has no input '" + name + "'", "give one of its [inputs]");
   if (!unit.plain())
     return fail(Errc::UnitMismatch, "",
-                "'" + name + "' is in " + to_string(unit) + ", which hits cannot measure",
+                "'" + name + "' is in " + to_string(unit) + ", for which hits are not suitable",
                 "take the sensitivity from the sensor's data sheet");
   if (!input->volts) input->volts = 1.0;
   const auto volt = *parse_unit("V");

@@ -89,30 +89,33 @@ const SectionType& profile_fields() {
   static const auto number = [](const char* key, const char* unit, double low, double high, const char* doc) {
     return required(quantity_field(key, unit, low, high, doc));
   };
-  static const SectionType drive{"the terminals",
-                                 {number("resistance", "ohm", 0.01, 1e6, "of the coil, cold"),
-                                  number("peak", "V", 1e-3, 1000, "largest voltage"),
-                                  quantity_field("slew", "V/s", 1e-3, 1e9, "slew rate", "no limit"),
-                                  number("soft_start", "s", 0, 60, "time from silence to full"),
-                                  number("fade_out", "s", 0, 1, "time to silence")}};
+  static const SectionType drive{
+      "limits at the terminals",
+      {number("resistance", "ohm", 0.01, 1e6, "resistance of the cold coil"),
+       number("peak", "V", 1e-3, 1000, "largest voltage"),
+       quantity_field("slew", "V/s", 1e-3, 1e9, "slew rate", "no limit"),
+       number("soft_start", "s", 0, 60, "soft-start time from silence to full level"),
+       number("fade_out", "s", 0, 1, "fade-out time to silence")}};
   static const SectionType heat{
-      "limits of heat",
-      {number("power", "W", 1e-3, 1e5, "steady, leads to the limit in the end"),
-       number("coil_time", "s", 0.01, 1e5, "time constant of the coil"),
-       number("body_time", "s", 0.01, 1e6, "time constant of the body around it"),
-       number("coil_share", "", 0.01, 0.99, "of the rise that lies between coil and body"),
-       number("rise", "", 1, 500, "kelvin above the room")}};
-  static const SectionType travel{
-      "limits of excursion",
-      {number("limit", "m", 1e-6, 1, "to either side"), number("mass", "kg", 1e-6, 100, "that moves"),
-       number("stiffness", "N/m", 1e-3, 1e9, "of its suspension"),
-       number("damping", "kg/s", 0, 1e6, "without the coil"),
-       number("force_factor", "T m", 1e-3, 1e4, "Bl")}};
-  static const SectionType direct{"limits of DC",
-                                  {number("level", "V", 1e-6, 1000, "allowed for ever"),
-                                   number("time", "s", 0, 3600, "that the mean may lie above it")}};
+      "heat limit",
+      {number("power", "W", 1e-3, 1e5, "continuous power that reaches the limit in the steady state"),
+       number("coil_time", "s", 0.01, 1e5, "thermal time constant of the coil"),
+       number("body_time", "s", 0.01, 1e6, "thermal time constant of the body (magnet and frame)"),
+       number("coil_share", "", 0.01, 0.99,
+              "fraction of the temperature rise that lies between coil and body"),
+       number("rise", "", 1, 500, "temperature rise above the room, in kelvin")}};
+  static const SectionType travel{"excursion limit",
+                                  {number("limit", "m", 1e-6, 1, "excursion to either side"),
+                                   number("mass", "kg", 1e-6, 100, "moving mass"),
+                                   number("stiffness", "N/m", 1e-3, 1e9, "stiffness of the suspension"),
+                                   number("damping", "kg/s", 0, 1e6, "mechanical damping, without the coil"),
+                                   number("force_factor", "T m", 1e-3, 1e4, "force factor Bl")}};
+  static const SectionType direct{
+      "DC limit",
+      {number("level", "V", 1e-6, 1000, "DC level allowed continuously"),
+       number("time", "s", 0, 3600, "time for which the mean may exceed the DC level")}};
   static const SectionType section{
-      "the limits of an actuator",
+      "an actuator profile: the limits of an actuator",
       joined(heading_fields(), {required(section_field("drive", drive)), section_field("heat", heat),
                                 section_field("travel", travel), section_field("direct", direct)})};
   return section;
@@ -133,7 +136,7 @@ Result<std::filesystem::path> find_profile(const std::string& name, const std::f
   if (std::binary_search(names.begin(), names.end(), name)) return folder / "profiles" / (name + ".toml");
   if (names.empty())
     return fail(Errc::BadFile, where, "there is no profiles folder in '" + folder.string() + "'",
-                "name the profile's file, as in \"my_woofer.toml\"");
+                "give the profile's file, as in \"my_woofer.toml\"");
   return fail(Errc::UnknownName, where, "there is no profile '" + name + "'", suggest(name, names));
 }
 
@@ -171,11 +174,10 @@ Status raise_limit(DriveLimits& limits, const std::string& name, const std::stri
     return fail(Errc::UnknownName, where, "there is no limit '" + name + "'",
                 "there are " + listed(names_of(kRaisable)));
   const auto value = read_quantity(Value{text, {}}, *parse_unit(type->unit), name);
-  if (!value) return fail(value.error().code, where, value.error().what, value.error().remedy);
+  if (!value) return tl::unexpected(value.error().at(where));
   double* const limit = type->of(limits);
   if (limit == nullptr || !std::isfinite(*limit))
-    return fail(Errc::OutOfRange, where, "this drive has no limit on '" + name + "' to raise",
-                "leave it out");
+    return fail(Errc::OutOfRange, where, "this drive has no limit on '" + name + "' to raise", "remove it");
   if (!(*value > *limit))
     return fail(Errc::OutOfRange, where, "'" + name + "' is already " + short_number(*limit),
                 "a limit can only be raised here");
@@ -183,14 +185,14 @@ Status raise_limit(DriveLimits& limits, const std::string& name, const std::stri
   auto status = check(limits);
   if (status) return status;
   *limit = before;
-  status.error().where = where;
-  return status;
+  return tl::unexpected(status.error().at(where));
 }
 
 std::vector<FieldType> actuator_fields() {
   return {text_field("profile", "woofer, bass_shaker, tactor_lra, voice_coil, …, or a path"),
-          quantity_field("volts_per_full_scale", "V", 1e-3, 1000, "what a sample of 1 puts on its terminals"),
-          quantity_field("ceiling", "", 1e-6, 1, "less than the profile allows, in full scale"),
+          quantity_field("volts_per_full_scale", "V", 1e-3, 1000,
+                         "voltage at the terminals for a sample value of 1"),
+          quantity_field("ceiling", "", 1e-6, 1, "ceiling below that of the profile, in full scale"),
           about_field()};
 }
 

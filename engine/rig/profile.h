@@ -49,7 +49,7 @@ Status raise_limit(DriveLimits& limits, const std::string& name, const std::stri
 /// Limits of the drives of an instrument, by the name of the output or of one of its lanes.
 struct DriveBook {
   std::map<std::string, DriveLimits> named;
-  DriveLimits others = cautious_limits();
+  DriveLimits others = conservative_limits();
 
   /// `channel`: an output, or one of its lanes, as in "strings[2]".
   const DriveLimits& of(const std::string& channel) const;
@@ -65,10 +65,10 @@ struct ProfilePlaces {
 /// What a file says of one actuator, as written:
 ///   { profile = "woofer", volts_per_full_scale = "10 V", ceiling = 0.8 }
 struct DriveEntry {
-  std::string profile;          ///< empty: cautious limits
+  std::string profile;          ///< empty: conservative limits
   std::optional<double> volts;  ///< per full scale
   std::optional<double> ceiling;
-  DriveLimits limits = cautious_limits();  ///< that result from all this
+  DriveLimits limits = conservative_limits();  ///< that result from all this
 };
 
 /// [any] The keys of an actuator.

@@ -87,7 +87,7 @@ class RigReader {
     errors_.add(Errc::OutOfRange, value.at,
                 whole ? "there is no channel " + short_number(*number)
                       : "a channel must be a whole number, not " + value.kind(),
-                "channels count from 1, as on the card; \"none\" leaves the port out");
+                "channels are counted from 1; \"none\" leaves the port unconnected");
   }
 
   void read_input(const EntrySpec& entry) {
@@ -101,7 +101,7 @@ class RigReader {
     if (!(size >= 1e-12 && size <= 1e12)) {
       errors_.add(Errc::OutOfRange, input.sensitivity_at,
                   "'sensitivity' cannot be " + short_number(input.sensitivity->si),
-                  "give the volts for one unit, such as \"50 mV\" or \"2 V/m\"");
+                  "give the voltage for one unit, such as \"50 mV\" or \"2 V/m\"");
       input.sensitivity.reset();
     }
     rig_.inputs.push_back(std::move(input));
@@ -150,10 +150,11 @@ class RigReader {
     if (control) midi.number = number("control", midi.fine ? 31 : 127);
     if (note) midi.number = number("note");
     if (midi.fine && !control)
-      errors_.add(Errc::BadArgument, fields.value("fine")->at, "only controllers come in fine pairs",
-                  "remove 'fine'");
+      errors_.add(Errc::BadArgument, fields.value("fine")->at,
+                  "'fine' is only allowed with a controller below 32", "remove 'fine'");
     if (midi.gate && !note)
-      errors_.add(Errc::BadArgument, fields.value("gate")->at, "only a note is a gate", "remove 'gate'");
+      errors_.add(Errc::BadArgument, fields.value("gate")->at, "'gate' is only allowed with 'note'",
+                  "remove 'gate'");
     return midi;
   }
 
@@ -186,7 +187,7 @@ class RigReader {
           errors_.add(
               Errc::Duplicate, port.at,
               fmt::format("{} '{}' and '{}' share channel {}", what, port.name, user->second, channel),
-              "give each a channel of its own");
+              "give each its own channel");
   }
 
   ProfilePlaces places_;
@@ -205,43 +206,47 @@ std::vector<FieldType> rig_heading() {
 
 const SectionType& rig_fields() {
   using Kind = FieldType::Kind;
-  static const SectionType device{
-      "as `tactus devices` prints it",
-      {required(text_field("output", "id")), text_field("input", "id", "that of the output"),
-       quantity_field("rate", "Hz", 8e3, 192e3, "sample rate"), whole_field("block", 1, 8192, "frames"),
-       whole_field("periods", 1, 64, "blocks in the driver's buffer")}};
-  static const auto channel = required(field(
-      "channel", Kind::Channels, "of the card, from 1; one for each lane; \"none\" leaves the port out"));
+  static const SectionType device{"the sound device, as listed by `tactus devices`",
+                                  {required(text_field("output", "id of the device")),
+                                   text_field("input", "id of the device", "that of the output"),
+                                   quantity_field("rate", "Hz", 8e3, 192e3, "sample rate"),
+                                   whole_field("block", 1, 8192, "block size in frames"),
+                                   whole_field("periods", 1, 64, "blocks in the driver's buffer")}};
+  static const auto channel = required(
+      field("channel", Kind::Channels,
+            "channel of the card, counted from 1, one per lane; \"none\" leaves the port unconnected"));
   static const SectionType input{
       "a sensor",
-      {channel, quantity_field("volts_per_full_scale", "V", 1e-6, 1000, "at the connector"),
-       field("sensitivity", Kind::Any, "volts for one unit of the port, as in \"2 V/m\""), about_field()},
+      {channel,
+       quantity_field("volts_per_full_scale", "V", 1e-6, 1000, "voltage at the connector for full scale"),
+       field("sensitivity", Kind::Any, "voltage for one unit of the port, as in \"2 V/m\""), about_field()},
       {},
       {"sensitivity", "volts_per_full_scale"}};
   static const SectionType output{"an output and its actuator",
                                   joined({channel}, actuator_fields()),
                                   {},
                                   {"profile", "volts_per_full_scale"}};
-  static const SectionType midi{"what moves a control",
-                                {text_field("device", "a part of the port's name", "any"),
-                                 whole_field("channel", 1, 16, "channel", "any"),
-                                 whole_field("control", 0, 127, "number of the controller"),
-                                 whole_field("note", 0, 127, "its velocity moves the control"),
-                                 field("pitch_bend", Kind::Flag, "the pitch wheel moves the control"),
-                                 field("fine", Kind::Flag, "14 bits, with controller + 32"),
-                                 field("gate", Kind::Flag, "a note opens and closes")}};
+  static const SectionType midi{
+      "a MIDI source of a control",
+      {text_field("device", "part of the port's name", "any"),
+       whole_field("channel", 1, 16, "MIDI channel", "any"),
+       whole_field("control", 0, 127, "number of the controller"),
+       whole_field("note", 0, 127, "note number; its velocity sets the control"),
+       field("pitch_bend", Kind::Flag, "the pitch wheel sets the control"),
+       field("fine", Kind::Flag, "14-bit value, with controller + 32 as its low bits"),
+       field("gate", Kind::Flag, "the control is 1 while the note is held")}};
   static const SectionType delay{"system delay",
-                                 {quantity_field("measured", "s", 0, 10, "of the card"),
-                                  quantity_field("pad", "s", 0, 10, "total delay to pad to")}};
+                                 {quantity_field("measured", "s", 0, 10, "measured delay of the card"),
+                                  quantity_field("pad", "s", 0, 10, "total delay, reached by adding delay")}};
   static const SectionType section{
-      "the hardware that an instrument plays on",
+      "a rig file: the hardware of an instrument",
       joined(rig_heading(),
              {required(section_field("device", device)),
-              entries_field("inputs", input, "where the instrument's inputs come from"),
-              entries_field("outputs", output, "where the instrument's outputs go"),
-              entries_field("actuators", output, "on channels that sound must never reach"),
+              entries_field("inputs", input, "channels of the instrument's inputs"),
+              entries_field("outputs", output, "channels of the instrument's outputs"),
+              entries_field("actuators", output, "actuators on channels that must never carry sound"),
               field("controls", Kind::Settings, "initial values of controls"),
-              entries_field("midi", midi, "what moves the controls"), section_field("delay", delay)})};
+              entries_field("midi", midi, "MIDI sources of the controls"), section_field("delay", delay)})};
   return section;
 }
 

@@ -42,7 +42,6 @@ void Player::process_timed(const BlockIo& io) noexcept { run_block<true>(io); }
 
 template <bool kTimed>
 void Player::run_block(const BlockIo& io) noexcept {
-  const NoDenormals no_denormals;
   io_ = &io;
   for (offset_ = 0; offset_ < io.frames;) {
     const int frames = frames_to_next_entry(std::min(io.frames - offset_, kMaxSubBlock));

@@ -59,7 +59,7 @@ class Player final : public BlockProcessor, private Outside {
   /// [control & stopped] Starts again at frame 0 with everything reset. Inputs and outputs beyond those of
   /// the format read zero and are not written. Errors: BadArgument if the sample rate is not the plan's.
   [[nodiscard]] Status prepare(const StreamFormat& format) override;
-  /// [realtime & prepared]
+  /// [realtime & prepared] The thread must flush denormals to zero, as it does inside Guarded and ClosedLoop.
   void process(const BlockIo& io) noexcept TACTUS_NONBLOCKING override;
   /// [control & stopped] Runs like `process` and adds up what each step took. For `tactus explain`.
   void process_timed(const BlockIo& io) noexcept;

@@ -27,8 +27,8 @@ class Replacement {
 
   /// [control & stopped] Only the newest version is left, and no fault is counted.
   Running& restart();
-  /// [control, one thread] Makes the version that takes over at `frame`. Errors: of `plan_handover`;
-  /// BadArgument if the last version has not taken over yet.
+  /// [control, one thread] Makes the version that takes over at `frame`. Errors: BadArgument if
+  /// sample rate, inputs, outputs or taps differ, or if the last version has not taken over yet.
   [[nodiscard]] Status offer(std::unique_ptr<Plan> plan, std::int64_t frame, int max_frames);
   /// [control, one thread] The last version has not taken over yet.
   bool waits() const { return before_ != nullptr && !retired_.load(std::memory_order_acquire); }
@@ -53,14 +53,5 @@ class Replacement {
   std::atomic<Running*> incoming_{nullptr};
   std::atomic<bool> retired_{false};  // `before_` no longer plays
 };
-
-/// [control] Fills in what `after` takes over from `before`, which may be running meanwhile:
-///  - A node of the same path and made from the same things continues with its state.
-///  - A control keeps its value and its number; one whose value in the file is another moves there.
-///  - A constant that differs at a place that is otherwise the same moves from the old number to the new.
-///  - An output jumps if a step that feeds it, directly or through others, is new, was made anew, or reads
-///    something else. What differs in constants alone does not jump.
-/// Errors: BadArgument if sample rate, inputs, outputs or taps are not the same.
-[[nodiscard]] Status plan_handover(const Running& before, Running& after);
 
 }  // namespace tactus

@@ -25,7 +25,7 @@ Running::Running(std::unique_ptr<Plan> made, int max_frames)
     SmoothedControl control;
     control.buffer = planned.buffer;
     control.readers = planned.readers;
-    control.decibel = planned.control.decibel;
+    control.decibel = planned.control.unit.decibel;
     control_of.push_back(static_cast<int>(controls.size()));
     control_names.push_back(planned.control.name);
     controls.push_back(std::move(control));

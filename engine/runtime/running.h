@@ -62,7 +62,7 @@ struct ConstantRamp {
   std::vector<double> samples;
 };
 
-/// What carries over from the plan before, worked out on the control side (see `plan_handover`).
+/// What carries over from the plan before, worked out on the control side (see Replacement).
 struct Handover {
   struct Pair {
     int before, after;

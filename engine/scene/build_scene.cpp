@@ -97,7 +97,7 @@ class SceneBuilder {
     unknown.broken = true;
     if (!instrument_known() || instrument_->graph->incomplete) return world_.nodes.push_back(unknown);
     for (const auto& output : instrument_->graph->outputs)
-      world_.inputs.push_back({"instrument." + output.name, output.at, {}});
+      world_.inputs.push_back({{"instrument." + output.name, output.at, {}}});
   }
 
   void wire_instrument() {
@@ -106,12 +106,13 @@ class SceneBuilder {
       const auto* wire = find(instrument_->wires, input.name);
       if (wire == nullptr) {
         errors_.add(Errc::Missing, instrument_->at,
-                    "input '" + input.name + "' of the instrument is not wired",
-                    "say where it comes from, as in " + input.name + " = \"plant." + input.name + "\"");
+                    "input '" + input.name + "' of the instrument is not connected",
+                    "give its source, as in " + input.name + " = \"plant." + input.name + "\"");
         continue;
       }
-      EntrySpec output{"instrument." + input.name, wire->at, {{"from", wire->at, *wire}}};
-      if (const auto* unit = find(input.fields, "unit")) output.fields.push_back({"unit", unit->at, *unit});
+      PortSpec output{{"instrument." + input.name, wire->at, {{"from", wire->at, *wire}}}};
+      output.dimension = input.dimension;
+      output.unit_known = input.unit_known;
       world_.outputs.push_back(std::move(output));
     }
     for (const auto& field : instrument_->wires) {
@@ -130,7 +131,7 @@ class SceneBuilder {
                 suggest(field.key, names, "see its [inputs] and [controls]"));
   }
 
-  void wire_control(const EntrySpec& control, const Field& field) {
+  void wire_control(const ControlSpec& control, const Field& field) {
     const auto wired = tactus::wire_control(scene_, control, field, errors_);
     if (!wired) return;
     const bool asked = !controls_.try_emplace(control.name, wired->start).second;
@@ -197,10 +198,10 @@ class SceneBuilder {
       const auto lanes = output_names(from).size(), wired = to.input_names.size();
       if (lanes != wired)
         errors_.add(Errc::OutOfRange, instrument_ != nullptr ? instrument_->at : scene_.file,
-                    fmt::format("{} have {} lanes, but {} are wired", what, lanes, wired),
-                    "in a scene, give each lane an input or output of its own, or 'mix' them");
+                    fmt::format("{} have {} lanes, but {} are connected", what, lanes, wired),
+                    "in a scene, give each lane its own input or output, or 'mix' them");
     };
-    check(*built_.plant, *built_.instrument, "the wires to the instrument");
+    check(*built_.plant, *built_.instrument, "the connections to the instrument");
     check(*built_.instrument, *built_.plant, "the instrument's outputs");
   }
 

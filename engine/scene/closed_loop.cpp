@@ -39,15 +39,19 @@ void ClosedLoop::run(int frames, const Listener& listener) {
 }
 
 void ClosedLoop::run_block(int frames) noexcept {
+  const auto run_plant = [&](const ChannelBuffers& sensors) {
+    const NoDenormals no_denormals;  // no guard lies around the plant
+    plant_.process({delayed_.data(), sensors.data(), frames});
+  };
   // With no delay `sensors_` is filled by `process`, converted.
-  if (delay_ == 0) return plant_.process({delayed_.data(), unused_.data(), frames});
+  if (delay_ == 0) return run_plant(unused_);
   for (std::size_t c = 0; c < ring_.size(); ++c) {
     const auto& ring = ring_[c];
     const std::size_t first = written_ + ring.size() - static_cast<std::size_t>(delay_);
     double* const delayed = delayed_[static_cast<int>(c)];
     for (int n = 0; n < frames; ++n) delayed[n] = ring[(first + static_cast<std::size_t>(n)) % ring.size()];
   }
-  plant_.process({delayed_.data(), sensors_.data(), frames});
+  run_plant(sensors_);
   answer(frames);
   for (std::size_t c = 0; c < ring_.size(); ++c)
     for (int n = 0; n < frames; ++n)

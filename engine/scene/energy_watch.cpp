@@ -54,10 +54,11 @@ std::vector<PortEnergy> PortWatches::energies(Hertz sample_rate) const {
 }
 
 std::string describe(const PortEnergy& energy) {
-  const auto gave = fmt::format("{:.3g} J where {:.3g} J are allowed", energy.given, energy.allowed);
-  if (!energy.active_at_s) return fmt::format("{}: gave at most {}", energy.name, gave);
-  return fmt::format("{}: the loop turned active at {:.3g} s: it gave {}, {:.3g} W on average from then on",
-                     energy.name, *energy.active_at_s, gave, energy.growth_w);
+  const auto gave = fmt::format("{:.3g} J ({:.3g} J allowed)", energy.given, energy.allowed);
+  if (!energy.active_at_s) return fmt::format("{}: delivered at most {}", energy.name, gave);
+  return fmt::format(
+      "{}: the loop became active at {:.3g} s: it delivered {}, {:.3g} W on average from then on",
+      energy.name, *energy.active_at_s, gave, energy.growth_w);
 }
 
 }  // namespace tactus

@@ -22,14 +22,14 @@ constexpr std::array<NamedText, kGuardStages> kStages = {{
 
 constexpr std::array<NamedText, 3> kEvents = {{
     {"howl",
-     "howl at {:.3f} s: the guard limited it for more than half of 200 ms and faded it; lower the loop gain, "
-     "and arm it again"},
+     "feedback at {:.3f} s: the guard limited this drive for more than half of 200 ms and faded it out; "
+     "lower the loop gain, and arm it again"},
     {"sensor railed",
-     "the sensor lay at the end of its range for 40 ms at {:.3f} s, and all drives were faded; check its "
-     "cable and its supply, and arm them again"},
+     "the sensor was at the limit of its range for 40 ms at {:.3f} s, and all drives were faded out; check "
+     "its cable and power supply, and arm the drives again"},
     {"sensor stuck",
-     "the sensor repeated the same value for 40 ms at {:.3f} s, and all drives were faded; check its "
-     "converter and its driver, and arm them again"},
+     "the sensor repeated the same value for 40 ms at {:.3f} s, and all drives were faded out; check its "
+     "converter and driver, and arm the drives again"},
 }};
 
 std::string describe(const GuardReport& report, const GuardEvent& event, Hertz sample_rate) {

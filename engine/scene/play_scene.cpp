@@ -9,40 +9,25 @@
 namespace tactus {
 namespace {
 
-/// Copies what goes by into the recording, which has its names: sensors, drives, then the taps of both
-/// engines.
-class Recorder {
- public:
-  Recorder(SceneRecording& recording, BuiltScene& built, std::size_t frames)
-      : recording_(recording), built_(built) {
-    for (const auto& name : recording.inputs) add("instrument." + name, {}, frames);
-    for (const auto& name : recording.outputs) add("instrument." + name, {}, frames);
-    for (const auto& tap : built.plant_taps) add(tap.name, tap.dimension, frames);
-    for (const auto& tap : built.instrument_taps) add(tap.name, tap.dimension, frames);
-  }
+/// Sensors, drives, then the taps of both engines.
+void name_signals(SceneRecording& recording, const BuiltScene& built, std::size_t frames) {
+  for (const auto* names : {&recording.inputs, &recording.outputs})
+    for (const auto& name : *names) recording.signals.push_back({"instrument." + name, {}, {}});
+  for (const auto* taps : {&built.plant_taps, &built.instrument_taps})
+    for (const auto& tap : *taps) recording.signals.push_back({tap.name, tap.dimension, {}});
+  for (auto& signal : recording.signals) signal.samples.reserve(frames);
+}
 
-  void take(const ClosedLoop::Block& io) {
-    std::size_t next = 0;
-    for (const auto* sensor : io.sensors) append(next++, sensor, io.frames);
-    for (const auto* drive : io.drives) append(next++, drive, io.frames);
-    for (int t = 0; t < built_.plant->tap_count(); ++t) append(next++, built_.plant->tap(t), io.frames);
-    for (int t = 0; t < built_.instrument->tap_count(); ++t)
-      append(next++, built_.instrument->tap(t), io.frames);
+void record(SceneRecording& recording, const BuiltScene& built, const ClosedLoop::Block& io) {
+  std::vector<const double*> samples(io.sensors.begin(), io.sensors.end());
+  samples.insert(samples.end(), io.drives.begin(), io.drives.end());
+  for (const auto* engine : {built.plant.get(), built.instrument.get()})
+    for (int t = 0; t < engine->tap_count(); ++t) samples.push_back(engine->tap(t));
+  for (std::size_t s = 0; s < samples.size(); ++s) {
+    auto& to = recording.signals[s].samples;
+    to.insert(to.end(), samples[s], samples[s] + io.frames);
   }
-
- private:
-  void add(std::string name, Dimension dimension, std::size_t frames) {
-    recording_.signals.push_back({std::move(name), dimension, {}});
-    recording_.signals.back().samples.reserve(frames);
-  }
-  void append(std::size_t signal, const double* samples, int frames) {
-    auto& to = recording_.signals[signal].samples;
-    to.insert(to.end(), samples, samples + frames);
-  }
-
-  SceneRecording& recording_;
-  BuiltScene& built_;
-};
+}
 
 void collect_faults(SceneRecording& recording, const Player& engine, const std::string& prefix) {
   for (auto fault : engine.faults()) {
@@ -85,13 +70,13 @@ Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int
   recording.inputs = built.instrument->plan().input_names;
   recording.outputs = output_names(built.instrument->plan());
   recording.sounds = sound_names(built.instrument->plan());
-  Recorder recorder{recording, built, static_cast<std::size_t>(frames)};
+  name_signals(recording, built, static_cast<std::size_t>(frames));
   PortWatches ports{scene, built.plant_taps};
   const auto started = std::chrono::steady_clock::now();
   const int part = std::max(block, frames / 100);
   for (int done = 0; done < frames; done += part) {
     loop.run(std::min(part, frames - done), [&](const ClosedLoop::Block& io) {
-      recorder.take(io);
+      record(recording, built, io);
       ports.take(*built.plant, io.frames);
     });
     if (progress) progress(std::min(1.0, static_cast<double>(done + part) / frames));

@@ -37,14 +37,14 @@ std::string range_text(const FlatControl& control) {
 void check_gesture(const Gesture& gesture, const FlatControl& control, const Source& at, ErrorList& errors) {
   if (!gesture.bare && !(gesture.unit.dimension == control.unit.dimension))
     return errors.add(Errc::UnitMismatch, at,
-                      "control '" + control.name + "' is like " + in_unit(control.value, control.unit) +
-                          ", but gesture '" + gesture.name + "' is like " +
-                          in_unit(gesture.points.front().value, gesture.unit),
+                      "control '" + control.name + "' has the unit of " +
+                          in_unit(control.value, control.unit) + ", but gesture '" + gesture.name +
+                          "' has the unit of " + in_unit(gesture.points.front().value, gesture.unit),
                       "give the points of the gesture the unit of the control");
   for (const auto& point : gesture.points)
     if (!control.range.contains(point.value))
       return errors.add(Errc::OutOfRange, at,
-                        "gesture '" + gesture.name + "' moves control '" + control.name + "' to " +
+                        "gesture '" + gesture.name + "' sets control '" + control.name + "' to " +
                             in_unit(point.value, control.unit) + ", which is outside its range",
                         range_text(control));
 }
@@ -95,11 +95,7 @@ void strike_by_hand(const GraphSpec& part, NodeSpec& node, GraphSpec& world) {
   if (find_named(part.controls, kStrike) == nullptr) return;
   const auto& at = node.at;
   if (find_named(world.controls, kStrike) == nullptr) {
-    const Value::List ends{{0.0, at}, {1.0, at}};
-    world.controls.push_back(
-        {kStrike,
-         at,
-         {{"value", at, {0.0, at}}, {"range", at, {ends, at}}, {"smooth", at, text_value("0 ms", at)}}});
+    world.controls.push_back({{kStrike, at, {}}, {.name = kStrike, .range = {0, 1}, .smooth_s = 0}});
   }
   put(node.fields, kStrike, text_value(kStrike, at));
 }
@@ -112,28 +108,27 @@ bool check_range(const FlatControl& control, double value, const Source& at, Err
   return false;
 }
 
-std::optional<WiredControl> wire_control(const SceneSpec& scene, const EntrySpec& control, const Field& field,
+std::optional<WiredControl> wire_control(const SceneSpec& scene, const ControlSpec& entry, const Field& field,
                                          ErrorList& errors) {
-  if (control.broken) return std::nullopt;
-  ErrorList reported_elsewhere;
-  const auto read = read_control(control, reported_elsewhere);
+  if (entry.broken) return std::nullopt;
+  const auto& control = entry.control;
   const auto* text = field.value.text();
   if (const auto* gesture = text != nullptr ? scene.gesture(*text) : nullptr) {
     if (gesture->points.empty()) return std::nullopt;
-    if (read.unit_known) check_gesture(*gesture, read.control, field.value.at, errors);
+    if (entry.unit_known) check_gesture(*gesture, control, field.value.at, errors);
     return WiredControl{gesture->points.front().value, gesture};
   }
   if (text != nullptr && !parse_quantity(*text)) {
     if (!scene.incomplete)
       errors.add(Errc::WrongType, field.value.at,
                  "'" + *text + "' is neither a value for control '" + control.name + "' nor a gesture",
-                 "give a quantity, or name a gesture that moves it");
+                 "give a number or a quantity, or the name of a gesture");
     return std::nullopt;
   }
-  if (!read.unit_known) return std::nullopt;
-  const auto value = read_quantity(field.value, read.control.unit, control.name);
+  if (!entry.unit_known) return std::nullopt;
+  const auto value = read_quantity(field.value, control.unit, control.name);
   if (errors.keep(value) == nullptr) return std::nullopt;
-  if (!check_range(read.control, *value, field.value.at, errors)) return std::nullopt;
+  if (!check_range(control, *value, field.value.at, errors)) return std::nullopt;
   return WiredControl{*value, nullptr};
 }
 

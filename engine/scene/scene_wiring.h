@@ -34,7 +34,7 @@ struct WiredControl {
   const Gesture* gesture = nullptr;  ///< of the scene
 };
 /// `field` is what the scene writes beside the control. Nothing after an error.
-std::optional<WiredControl> wire_control(const SceneSpec& scene, const EntrySpec& control, const Field& field,
+std::optional<WiredControl> wire_control(const SceneSpec& scene, const ControlSpec& entry, const Field& field,
                                          ErrorList& errors);
 
 /// False after an error: "control 'strength' cannot be set to 7; it goes from 0 to 1"

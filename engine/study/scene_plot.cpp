@@ -66,16 +66,13 @@ class ScenePlotter {
     plot.subtitle += " Detected: " + describe(melody->notes) + ".";
   }
 
-  static bool is_pitch(const RecordedSignal& signal) {
-    static const auto kHertz = parse_unit("Hz")->dimension;
-    return signal.dimension == kHertz;
-  }
-
   /// The plant's outputs, those of one unit together.
   void add_motion(Plot& plot) const {
     std::vector<std::pair<std::string, Subplot>> subplots;
     for (const auto& signal : recording_.signals) {
-      if (signal.name.starts_with("instrument.") || signal.dimension.plain() || is_pitch(signal)) continue;
+      if (signal.name.starts_with("instrument.") || signal.dimension.plain() ||
+          signal.dimension == Dimension{.second = -1})
+        continue;
       const auto unit = to_string(signal.dimension);
       auto subplot = std::ranges::find(subplots, unit, &std::pair<std::string, Subplot>::first);
       if (subplot == subplots.end()) {

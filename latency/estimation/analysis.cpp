@@ -217,7 +217,8 @@ Status check(const LoopRecording& recording, const AnalysisSettings& settings) {
   if (captured.empty())
     return fail(Errc::BadArgument, "", "nothing was recorded", "record at least one probe");
   if (settings.profile && settings.profile->sample_rate != recording.sample_rate)
-    return fail(Errc::BadArgument, "", "the profile was measured at another sample rate than this recording",
+    return fail(Errc::BadArgument, "",
+                "the profile was measured at a different sample rate than this recording",
                 "calibrate again at this rate");
   if (!all_finite(recording.played) || !all_finite(captured))
     return fail(Errc::BadArgument, "", "a sample is non-finite", "record it again");

@@ -22,10 +22,15 @@ double neighbours_slope(std::span<const DelayPoint> points) {
   return median(slopes);
 }
 
-/// Segments between steps, as lists of points.
-std::vector<std::vector<std::size_t>> segments(std::span<const DelayPoint> points, double slope,
-                                               double least_step, std::vector<DelayStep>& steps) {
-  std::vector<std::vector<std::size_t>> found{{0}};
+/// The points between two steps, and their means.
+struct Segment {
+  std::vector<std::size_t> points;
+  double time = 0.0, delay = 0.0;
+};
+
+std::vector<Segment> segments(std::span<const DelayPoint> points, double slope, double least_step,
+                              std::vector<DelayStep>& steps) {
+  std::vector<Segment> found{{{0}}};
   for (std::size_t n = 1; n < points.size(); ++n) {
     const double time = static_cast<double>(points[n].played_at - points[n - 1].played_at);
     const double jump = points[n].delay_frames - points[n - 1].delay_frames - slope * time;
@@ -33,23 +38,14 @@ std::vector<std::vector<std::size_t>> segments(std::span<const DelayPoint> point
       steps.push_back({points[n].played_at, jump});
       found.emplace_back();
     }
-    found.back().push_back(n);
+    found.back().points.push_back(n);
   }
+  for (auto& part : found)
+    for (const auto n : part.points) {
+      part.time += static_cast<double>(points[n].played_at) / static_cast<double>(part.points.size());
+      part.delay += points[n].delay_frames / static_cast<double>(part.points.size());
+    }
   return found;
-}
-
-struct Means {
-  double time = 0.0, delay = 0.0;
-};
-
-Means means(std::span<const DelayPoint> points, const std::vector<std::size_t>& segment) {
-  Means mean;
-  const auto count = static_cast<double>(segment.size());
-  for (const auto n : segment) {
-    mean.time += static_cast<double>(points[n].played_at) / count;
-    mean.delay += points[n].delay_frames / count;
-  }
-  return mean;
 }
 
 }  // namespace
@@ -59,29 +55,27 @@ DelayTrend DelayTrend::of(std::span<const DelayPoint> points, double least_step)
   if (points.empty()) return trend;
   const auto parts = segments(points, neighbours_slope(points), least_step, trend.steps);
   double times = 0.0, common = 0.0;
-  for (const auto& part : parts) {
-    const auto mean = means(points, part);
-    for (const auto n : part) {
-      const double time = static_cast<double>(points[n].played_at) - mean.time;
+  for (const auto& part : parts)
+    for (const auto n : part.points) {
+      const double time = static_cast<double>(points[n].played_at) - part.time;
       times += time * time;
-      common += time * (points[n].delay_frames - mean.delay);
+      common += time * (points[n].delay_frames - part.delay);
     }
-  }
   if (times > 0.0) trend.slope = common / times;
 
   double squares = 0.0;
   for (const auto& part : parts) {
-    const auto mean = means(points, part);
     double of_part = 0.0;
-    for (const auto n : part) {
-      const double off = points[n].delay_frames - mean.delay -
-                         trend.slope * (static_cast<double>(points[n].played_at) - mean.time);
+    for (const auto n : part.points) {
+      const double off = points[n].delay_frames - part.delay -
+                         trend.slope * (static_cast<double>(points[n].played_at) - part.time);
       of_part += off * off;
     }
     squares += of_part;
-    if (part.size() <= trend.longest.size()) continue;
-    trend.longest = part;
-    if (part.size() > 1) trend.scatter = std::sqrt(of_part / static_cast<double>(part.size() - 1));
+    const auto count = part.points.size();
+    if (count <= trend.longest.size()) continue;
+    trend.longest = part.points;
+    if (count > 1) trend.scatter = std::sqrt(of_part / static_cast<double>(count - 1));
   }
   const auto left = static_cast<double>(points.size()) - static_cast<double>(parts.size()) - 1.0;
   if (left > 0.0 && times > 0.0) trend.slope_deviation = std::sqrt(squares / left / times);

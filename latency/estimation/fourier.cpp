@@ -24,34 +24,18 @@ constexpr double kToeplitzSettled = 1e-9;  // of the right side
 
 using Vector = std::vector<double>;
 
-/// Multiplies by the Toeplitz matrix of r, or divides by what is nearly the same: the circle of r under a
-/// triangle, whose spectrum is never negative.
-class Circle {
- public:
-  Circle(std::size_t at_least, std::span<const double> r, std::size_t length, bool under_triangle)
-      : fourier_(at_least) {
-    const auto size = fourier_.size();
-    Vector circle(size, 0.0);
-    circle[0] = r[0];
-    for (std::size_t k = 1; k < length; ++k) {
-      const double weight = under_triangle ? 1.0 - static_cast<double>(k) / static_cast<double>(length) : 1.0;
-      circle[k] = circle[size - k] = weight * r[k];
-    }
-    spectrum_ = fourier_.forward(circle);
+/// The spectrum of the circle of r, whose products are those of r's Toeplitz matrix; under a triangle it is
+/// nearly the same and never negative.
+Spectrum circle(Fourier& fourier, std::span<const double> r, std::size_t length, bool under_triangle) {
+  const auto size = fourier.size();
+  Vector circle(size, 0.0);
+  circle[0] = r[0];
+  for (std::size_t k = 1; k < length; ++k) {
+    const double weight = under_triangle ? 1.0 - static_cast<double>(k) / static_cast<double>(length) : 1.0;
+    circle[k] = circle[size - k] = weight * r[k];
   }
-  Vector apply(const Vector& x, bool inverse) {
-    auto spectrum = fourier_.forward(x);
-    for (std::size_t b = 0; b < spectrum.size(); ++b)
-      spectrum[b] *= inverse ? 1.0 / std::max(spectrum_[b].real(), 1e-300) : spectrum_[b].real();
-    auto y = fourier_.inverse(spectrum);
-    y.resize(x.size());
-    return y;
-  }
-
- private:
-  Fourier fourier_;
-  Spectrum spectrum_;
-};
+  return fourier.forward(circle);
+}
 
 }  // namespace
 
@@ -106,20 +90,29 @@ std::vector<double> Fourier::inverse(const Spectrum& spectrum) {
 }
 
 std::vector<double> solve_toeplitz(std::span<const double> r, std::span<const double> c) {
-  Circle matrix{2 * c.size(), r, c.size(), false}, nearly{2 * c.size(), r, c.size(), true};
+  Fourier fourier{2 * c.size()};
+  const auto matrix = circle(fourier, r, c.size(), false), nearly = circle(fourier, r, c.size(), true);
+  const auto product_with = [&](const Vector& x, bool inverse) {
+    auto spectrum = fourier.forward(x);
+    for (std::size_t b = 0; b < spectrum.size(); ++b)
+      spectrum[b] *= inverse ? 1.0 / std::max(nearly[b].real(), 1e-300) : matrix[b].real();
+    auto y = fourier.inverse(spectrum);
+    y.resize(x.size());
+    return y;
+  };
   Vector h(c.size(), 0.0), rest(c.begin(), c.end());
-  auto z = nearly.apply(rest, true);
+  auto z = product_with(rest, true);
   auto direction = z;
   double strength = product(rest, z);
   const double settled = kToeplitzSettled * std::sqrt(product(rest, rest));
   for (int round = 0; round < kToeplitzRounds && std::sqrt(product(rest, rest)) > settled; ++round) {
-    const auto turned = matrix.apply(direction, false);
+    const auto turned = product_with(direction, false);
     const double step = strength / product(direction, turned);
     for (std::size_t n = 0; n < h.size(); ++n) {
       h[n] += step * direction[n];
       rest[n] -= step * turned[n];
     }
-    z = nearly.apply(rest, true);
+    z = product_with(rest, true);
     const double next = product(rest, z);
     for (std::size_t n = 0; n < h.size(); ++n) direction[n] = z[n] + next / strength * direction[n];
     strength = next;

@@ -31,7 +31,7 @@ std::array<double, kFree> derivatives(double w) {
   return {-w, 1.0, -u, -u * u, u * u * u, v, v * v};
 }
 
-PathModel moved(PathModel model, const Step& step) {
+PathModel stepped(PathModel model, const Step& step) {
   model.delay_frames += step[0];
   model.log_gain += step[1];
   for (int k = 2; k < kFree; ++k) model.shape[index(k - 2)] += step[k];
@@ -60,10 +60,10 @@ struct Equations {
     ++bins;
     const auto slope = derivatives(w);
     const double strength = weight * std::norm(answer);
-    const Complex pull = weight * std::conj(answer) * rest;
+    const Complex weighted_residual = weight * std::conj(answer) * rest;
     for (std::size_t i = 0; i < index(free); ++i) {
       const auto row = static_cast<Eigen::Index>(i);
-      gradient[row] += slope[i] * (kImaginary[i] ? pull.imag() : pull.real());
+      gradient[row] += slope[i] * (kImaginary[i] ? weighted_residual.imag() : weighted_residual.real());
       for (std::size_t j = 0; j <= i; ++j)
         if (kImaginary[i] == kImaginary[j])
           matrix(row, static_cast<Eigen::Index>(j)) += strength * slope[i] * slope[j];
@@ -119,7 +119,7 @@ PathFit fit_path(const CapturedWindow& window, const PathModel& start, PathShape
   double damping = 1e-3;
   for (int round = 0; round < kPathModelRounds && damping < 1e9; ++round) {
     const auto step = solve(equations, damping, free);
-    const auto next = moved(model, step);
+    const auto next = stepped(model, step);
     const auto tried = equations_of(window, next, free);
     if (!(tried.cost <= equations.cost)) {
       damping = damping * 30.0 + 1e-9;

@@ -40,9 +40,9 @@ std::optional<Burst> as_repetition(std::span<const double> played, const Burst& 
   for (std::int64_t k = 0; k <= 2 * kBurstsSearch && highest < kSame; ++k) {
     const auto at = burst.at + (k % 2 == 0 ? -k / 2 : (k + 1) / 2);
     if (at < 0 || at + length > static_cast<std::int64_t>(played.size())) continue;
-    const auto here = played.subspan(index(at), waveform.size());
-    const double common = product(here, waveform);
-    const double alike = common * common / (product(here, here) * product(waveform, waveform));
+    const auto section = played.subspan(index(at), waveform.size());
+    const double common = product(section, waveform);
+    const double alike = common * common / (product(section, section) * product(waveform, waveform));
     if (!(alike > highest)) continue;
     highest = alike;
     best = Burst{at, length, common / product(waveform, waveform)};

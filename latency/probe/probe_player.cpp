@@ -22,7 +22,8 @@ constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
 Status ProbePlayer::prepare(const StreamFormat& format) {
   if (script_.input >= format.in_channels || format.out_channels < 1)
-    return fail(Errc::BadArgument, "", "a path cannot be measured without its input and output", "open both");
+    return fail(Errc::BadArgument, "", "a path cannot be measured without an input and an output",
+                "open both");
   format_ = format;
   const auto rate = format.sample_rate;
   level_probe_ = level_probe(rate).samples(rate);

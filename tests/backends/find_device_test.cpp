@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "tests/support/messages.h"
+
 using namespace tactus;
 
 namespace {
@@ -27,7 +29,7 @@ std::string found(const std::string& text) {
   return one ? one->id : to_string(one.error());
 }
 
-std::string refusal(const StreamRequest& request) {
+test::Messages refusal(const StreamRequest& request) {
   const auto status = fits(request, kDevices[0], kDevices[1]);
   return status ? "" : to_string(status.error());
 }
@@ -43,11 +45,12 @@ TEST_CASE("find device: an id, a part of an id or name in any case, or the defau
 }
 
 TEST_CASE("find device: what may be several, or none, is refused with what there is", "[backends]") {
-  CHECK(found("scarl") == "'scarl' may be several devices; write one of 'jack:scarlett', 'jack:scarlett-2'");
+  CHECK(found("scarl") == "'scarl' matches several devices; write one of 'jack:scarlett', 'jack:scarlett-2'");
   CHECK(found("fireface") ==
         "there is no device 'fireface'; there is 'jack:system', 'jack:scarlett', 'jack:scarlett-2'");
   CHECK(to_string(find_device({}, "x").error()) ==
-        "there is no device 'x'; there is none; is it plugged in, is the sound server running?");
+        "there is no device 'x'; no device was found; check that it is connected and that the sound server "
+        "is running");
   CHECK(to_string(find_device({kDevices[0]}, "").error()) ==
         "there is no default device; there is 'jack:system'");
 }
@@ -75,19 +78,19 @@ TEST_CASE("find device: channels that are not there are named", "[backends]") {
   StreamRequest request;
   request.in_channels = 3;
   CHECK(refusal(request) ==
-        "'jack:system' has 2 inputs, and number 3 is asked for; choose channels from 1 to 2");
+        "'jack:system' has 2 inputs, but number 3 is requested; choose channels from 1 to 2");
   request = {};
   request.out_channels = 2;
   request.out_map = {1, 4};
   CHECK(refusal(request) ==
-        "'jack:scarlett' has 4 outputs, and number 5 is asked for; choose channels from 1 to 4");
+        "'jack:scarlett' has 4 outputs, but number 5 is requested; choose channels from 1 to 4");
   request.out_map = {1};
-  CHECK(refusal(request) == "1 outputs are named for 2");
+  CHECK(refusal(request) == "1 outputs are mapped, but 2 are requested");
   request.out_map = {0, -1};
   CHECK_FALSE(refusal(request).empty());
   request = {};
   request.out_channels = -1;
-  CHECK(refusal(request) == "there are no -1 outputs");
+  CHECK(refusal(request) == "there cannot be -1 outputs");
 }
 
 TEST_CASE("find device: two outputs may not add up on one channel, two inputs may hear the same",
@@ -106,15 +109,15 @@ TEST_CASE("find device: rates, blocks and periods that cannot be are refused", "
   StreamRequest request;
   request.sample_rate = 96_kHz;
   CHECK(refusal(request) ==
-        "'jack:system' does not run at 96000 Hz; it runs at 44100, 48000 Hz; leave the rate out, or set the "
+        "'jack:system' does not run at 96000 Hz; it runs at 44100, 48000 Hz; omit the rate, or set the "
         "device "
         "to another");
   request.sample_rate = 4_kHz;
-  CHECK(refusal(request) == "4000 Hz is no rate of a sound card; choose 8 kHz to 192 kHz");
+  CHECK(refusal(request) == "4000 Hz is not a sample rate of sound cards; choose 8 kHz to 192 kHz");
   request = {};
   request.block_frames = 8193;
-  CHECK(refusal(request) == "no block has 8193 frames; choose 1 to 8192");
+  CHECK(refusal(request) == "a block cannot have 8193 frames; choose 1 to 8192");
   request = {};
   request.periods = 0;
-  CHECK(refusal(request) == "no buffer has 0 periods; choose 2 or 3");
+  CHECK(refusal(request) == "a buffer cannot have 0 periods; choose 2 or 3");
 }

@@ -119,7 +119,7 @@ TEST_CASE("kept stream: a device that comes back is opened again, and all of it 
   CHECK(f.stream->state() == StreamState::Running);
   CHECK(f.stream->returns() == 1);
   CHECK(f.silence.prepared == 2);
-  CHECK(f.events() == Events{"'fake:one': disconnected; outputs are silent until it is back",
+  CHECK(f.events() == Events{"'fake:one': disconnected; outputs are silent until it reconnects",
                              "'fake:one': waiting for it: there is no device 'fake:one'",
                              "'fake:one': reconnected after 1.1 s"});
 }
@@ -163,7 +163,7 @@ TEST_CASE("kept stream: what cannot come back in this process is told once and l
   CHECK(f.world.tried == tried);
   CHECK(f.world.destroyed == destroyed);
   CHECK(f.stream->state() == StreamState::Lost);
-  CHECK(f.events() == Events{"'fake:one': disconnected; start the program again to reopen it"});
+  CHECK(f.events() == Events{"'fake:one': disconnected; restart the program to reopen it"});
 }
 
 TEST_CASE("kept stream: what was stopped stays away, until it is started", "[backends]") {

@@ -153,7 +153,7 @@ TEST_CASE("wav_file: a header that lies is found out", "[backends]") {
 
   // 100 frames of 2 channels of 3 bytes are 600 bytes; the last 90 are cut off.
   put(folder / "cut.wav", bytes.substr(0, bytes.size() - 90));
-  CHECK(message_of(folder / "cut.wav") == "its header promises 600 bytes of samples, but 510 are there");
+  CHECK(message_of(folder / "cut.wav") == "its header announces 600 bytes of samples, but the file has 510");
   put(folder / "head.wav", bytes.substr(0, 30));
   CHECK(message_of(folder / "head.wav") == "it ends before its samples begin");
 
@@ -171,7 +171,7 @@ TEST_CASE("wav_file: a lossy encoding is refused", "[backends]") {
       "data\x08\0\0\0",
       44};
   put(folder / "law.wav", head + "01234567");
-  CHECK(message_of(folder / "law.wav") == "its samples are coded with loss");
+  CHECK(message_of(folder / "law.wav") == "its samples are in a lossy format");
 }
 
 TEST_CASE("wav_file: what cannot be written is said in words", "[backends]") {
@@ -180,7 +180,7 @@ TEST_CASE("wav_file: what cannot be written is said in words", "[backends]") {
   CHECK(write_wav(folder / "a.wav", {Hertz{0.5}, {{0.0}}}).error().what ==
         "a WAV file cannot have a rate of 0.5 Hz");
   CHECK(write_wav(folder / "a.wav", {48_kHz, {{0.0}, {0.0, 1.0}}}).error().what ==
-        "its channels are not equally long");
+        "its channels differ in length");
   const auto lost = write_wav(folder / "no" / "such" / "a.wav", {48_kHz, {{0.0}}});
   REQUIRE_FALSE(lost);
   CHECK(lost.error().code == Errc::BadFile);

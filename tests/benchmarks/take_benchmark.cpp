@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "backends/take/take_ring.h"
+#include "backends/take/take_recorder.h"
 
 namespace {
 

@@ -25,7 +25,7 @@ using test::Way;
 namespace {
 
 constexpr int kPeriod = 256, kKept = 9600;
-constexpr std::chrono::milliseconds kPatience = seconds{10};
+constexpr std::chrono::milliseconds kPatience = seconds{30};
 
 /// A stream that is looked after, as an app does it.
 struct Player {
@@ -268,7 +268,7 @@ void loses_server(const char* name) {
     CHECK(player.stream->stop());
     CHECK(player.probe.probe.frames() == frames);
   }
-  is_over(way, *rig, "PortAudio's JACK client cannot come back");
+  is_over(way, *rig, "PortAudio's JACK client cannot reconnect");
 }
 
 }  // namespace
@@ -285,13 +285,13 @@ TEST_CASE("portaudio loses a server while no stream runs", "[.own_process]") {
   rig->server->kill();
   REQUIRE_FALSE((*stream)->start());
   stream->reset();
-  is_over(way, *rig, "PortAudio's JACK client cannot come back");
+  is_over(way, *rig, "PortAudio's JACK client cannot reconnect");
 }
 
 TEST_CASE("portaudio is closed while its server does not answer", "[.own_process]") {
   const auto way = way_called("portaudio:jack");
   const auto rig = start_card();
   close_during_stall(*way.backend(), way, *rig);
-  is_over(way, *rig, "PortAudio does not answer any more");
+  is_over(way, *rig, "PortAudio does not respond any more");
   rig->server->go_on();
 }

@@ -49,6 +49,8 @@ class RandomGraph {
   }
 
  private:
+  static constexpr int kSlowestRate = 91;  ///< 1/91
+
   int pick(int count) { return static_cast<int>(bits_() % static_cast<unsigned>(count)); }
   double between(double low, double high) {
     return low + (high - low) * static_cast<double>(bits_()) / 4294967296.0;
@@ -86,8 +88,9 @@ class RandomGraph {
     const auto unit = port.unit == "=in/s"        ? std::string{" Hz"}
                       : free || port.unit.empty() ? ""
                                                   : " " + port.unit;
-    if (port.fixed || (!free && pick(2) == 0))
-      return "\"" + number(between(range.low, range.high)) + unit + "\"";
+    // A part may run at 1/91 of the rate, where a shorter period than two frames is an error in the file.
+    const double low = part_ && port.name == "period" ? 2 * kSlowestRate / 48e3 : range.low;
+    if (port.fixed || (!free && pick(2) == 0)) return "\"" + number(between(low, range.high)) + unit + "\"";
     const double middle = 0.5 * (range.low + range.high), half = 0.499 * (range.high - range.low);
     const auto in_range = [&](const std::string& s) {
       return number(middle) + unit + " + " + number(half) + unit + " * " + limited(s);
@@ -137,7 +140,7 @@ class RandomGraph {
   }
 
   std::string rate_of_its_own() {
-    return ", rate = \"1/" + std::to_string(2 + pick(90)) + "\", take = \"" +
+    return ", rate = \"1/" + std::to_string(2 + pick(kSlowestRate - 1)) + "\", take = \"" +
            (pick(2) == 0 ? "last" : "mean") + "\", between = \"" + (pick(2) == 0 ? "hold" : "line") + "\"";
   }
 

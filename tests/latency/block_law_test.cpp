@@ -112,9 +112,9 @@ TEST_CASE("block law: the recommendation names the setting, what was wrong below
   gaps.gaps = 3;
   const std::vector<SettingDelay> settings = {bad(16, Verdict::LostFrames), gaps, setting(64, 192),
                                               setting(128, 384), setting(256, 768)};
-  says(settings, "Play with 64 frames, 48 kHz: 4.00 ms, and not a frame was lost in 12 s.");
+  says(settings, "Play with 64 frames, 48 kHz: 4.00 ms, and no frame was lost in 12 s.");
   says(settings, "32 frames, 48 kHz had 3 gaps");
-  says(settings, "take 128 frames, 48 kHz, which costs 4.00 ms more");
+  says(settings, "use 128 frames, 48 kHz, which adds 4.00 ms");
 }
 
 TEST_CASE("block law: where nothing held, the recommendation says what to mend", "[latency]") {

@@ -122,7 +122,7 @@ TEST_CASE("calibrate: what is no measurement is refused", "[latency]") {
   }
   SECTION("a delay below zero") {
     settings.electrical_frames = -1.0;
-    CHECK(calibrate(recording, settings).error().what == "the card's own delay cannot be negative");
+    CHECK(calibrate(recording, settings).error().what == "the delay of the card cannot be negative");
   }
 }
 

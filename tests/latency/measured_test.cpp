@@ -64,7 +64,7 @@ TEST_CASE("measured: a broken file is told and kept aside, each one", "[latency]
   const auto file = folder.write("delays.json", text);
   auto store = MeasuredDelays::load(file);
   REQUIRE(store.load_error());
-  CHECK(store.load_error()->what.starts_with("the delays measured here cannot be read ("));
+  CHECK(store.load_error()->what.starts_with("the delays measured on this computer cannot be read ("));
   CHECK(text_of(folder.path() / "delays.json.broken") == text);
   REQUIRE(store.save(delay("a", 64, 0.001, "1")));
   folder.write("delays.json", "again");

@@ -134,7 +134,7 @@ TEST_CASE("measurement: neither blocks nor the time that passes change what is p
 
 TEST_CASE("measurement: a drive is measured within its slew limit", "[latency][measurement]") {
   auto settings = on_a_wire();
-  settings.guard = {DriveGuard::Kind::Drive, cautious_limits()};
+  settings.guard = {DriveGuard::Kind::Drive, conservative_limits()};
   const auto measurement = measured({named("20ms,noise=-110dB")}, settings);
   CHECK(code(measurement.finding.verdict) == std::string{"ok"});
   CHECK(measurement.delay_frames == Approx(960.0).epsilon(0).margin(1e-3));

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "backends/take/take_ring.h"
+#include "backends/take/take_recorder.h"
 #include "backends/wav_file.h"
 #include "engine/graph/file/load.h"
 #include "engine/nodes/table.h"

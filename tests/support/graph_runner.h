@@ -8,13 +8,14 @@
 #include "engine/graph/plan/compile.h"
 #include "engine/nodes/table.h"
 #include "engine/runtime/player.h"
+#include "tests/support/messages.h"
 
 namespace tactus::test {
 
 using Channels = std::vector<std::vector<double>>;
 
 /// Every mistake of a graph text as one string, one a line; "" if there is none.
-inline std::string mistakes(const std::string& text, CompileOptions options = {}) {
+inline Messages mistakes(const std::string& text, CompileOptions options = {}) {
   const auto schedule = compile(parse_graph_leniently(text, "test.toml"), standard_nodes(), options);
   return schedule ? "" : to_string(schedule.error());
 }
@@ -36,6 +37,7 @@ inline Channels run(Player& engine, const Channels& inputs, int frames, const st
     throw std::runtime_error(to_string(status.error()));
   Channels out(static_cast<std::size_t>(engine.out_channels() + engine.tap_count()),
                std::vector<double>(static_cast<std::size_t>(frames)));
+  const NoDenormals no_denormals;
   std::size_t next = 0;
   for (int done = 0; done < frames;) {
     const int block = std::min(blocks[next++ % blocks.size()], frames - done);

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "tests/support/graph_runner.h"
+#include "tests/support/messages.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tactus::test {
@@ -33,7 +34,7 @@ class PartGraphs {
     return std::make_unique<Player>(right(text, table, options));
   }
   /// "" if there is none.
-  std::string mistakes(const std::string& text, const CompileOptions& options = {}) const {
+  Messages mistakes(const std::string& text, const CompileOptions& options = {}) const {
     const auto made = schedule(text, standard_nodes(), options);
     return made ? "" : folder_.strip(to_string(made.error()));
   }

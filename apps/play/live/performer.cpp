@@ -49,7 +49,7 @@ class LiveInstrument final : public Performer {
     auto channels = guarded_channels(engine_->plan(), wiring_.drives);
     if (setup_.rig) return channels;
     for (auto& channel : channels)
-      if (channel.kind == DriveGuard::Kind::Audio) channel = {DriveGuard::Kind::Drive, cautious_limits()};
+      if (channel.kind == DriveGuard::Kind::Audio) channel = {DriveGuard::Kind::Drive, conservative_limits()};
     return channels;
   }
   std::vector<int> in_map() const override { return wiring_.in_map; }
@@ -180,7 +180,7 @@ class LiveWorld final : public Performer, private BlockProcessor {
   void edit() override {
     auto read = read_scene(setup_);
     if (read.compiled.delay_frames != built_.delay_frames)
-      exit_with({Errc::BadArgument, setup_.file.string(), "another delay cannot take over while it plays",
+      exit_with({Errc::BadArgument, setup_.file.string(), "the delay cannot be changed during playback",
                  "start again"});
     files_ = files_of(read.scene, setup_.file);
     if (names_of(read.compiled.plant_taps) != names_of(built_.plant_taps)) watching_ = false;

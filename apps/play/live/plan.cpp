@@ -52,7 +52,7 @@ const RigInput& find_input(const Rig& rig, const std::string& name) {
     names.push_back(input.name);
   }
   exit_with({Errc::UnknownName, "--learn",
-             fmt::format("the rig joins no input {}to a channel", name == "*" ? "" : "'" + name + "' "),
+             fmt::format("no input {}of the rig has a channel", name == "*" ? "" : "'" + name + "' "),
              names.empty() ? "" : fmt::format("there is {}", fmt::join(names, ", "))},
             kNo);
 }
@@ -87,11 +87,10 @@ void learn_sensitivity(Rig& rig, const GraphSpec& instrument, const std::string&
   (void)stream->stop();
   const auto learnt = or_exit(learner.result(), kNo);
   fmt::print(stderr,
-             "a soft hit reaches {:.1f} dB of the card, {:.0f} dB above the noise; it now "
-             "counts as -20 dB\n",
+             "a soft hit peaks at {:.1f} dBFS, {:.0f} dB above the noise; it now corresponds to -20 dB\n",
              amplitude_to_db(learnt.soft), amplitude_to_db(learnt.soft / std::max(learnt.noise, 1e-9)));
   const auto* port = find_named(instrument.inputs, input.name);
-  or_exit(use_learnt(rig, input.name, learnt, port != nullptr ? dimension_of(*port) : Dimension{}), kNo);
+  or_exit(use_learnt(rig, input.name, learnt, port != nullptr ? port->dimension : Dimension{}), kNo);
 }
 
 /// Makes a plan, step by step; each step leaves what it found in `plan_`.
@@ -119,12 +118,12 @@ class Planner {
 
   void read_rig() {
     plan_.rig_file = options_.rig.empty() ? options_.save_rig : options_.rig;
-    error_if(options_.listen && !plan_.rig_file.empty(), "--listen", "a simulated world needs no rig",
-             "leave one of them out");
-    error_if(options_.listen && !options_.record.empty(), "--record", "does not go with --listen",
-             "tactus play without --listen writes what a scene does");
-    error_if(!options_.rig.empty() && !options_.save_rig.empty(), "--save-rig", "there is a rig already",
-             "leave --rig out, or change its file");
+    error_if(options_.listen && !plan_.rig_file.empty(), "--listen", "a simulated scene does not use a rig",
+             "omit one of them");
+    error_if(options_.listen && !options_.record.empty(), "--record", "cannot be combined with --listen",
+             "omit --listen to write the signals of a scene to files");
+    error_if(!options_.rig.empty() && !options_.save_rig.empty(), "--save-rig", "a rig file is already given",
+             "omit --rig, or change the rig file");
     if (options_.rig.empty()) return;
     plan_.rig = or_exit(load_rig(options_.rig, plan_.root), kBadFile);
     device_ = plan_.rig->device;
@@ -135,7 +134,7 @@ class Planner {
           {!options_.device.empty() && options_.device != device_.output, "--device"},
           {!options_.input_device.empty() && options_.input_device != device_.input, "--input-device"}})
       error_if(given, option, "cannot be combined with --rig, which assigns the channels",
-               "change the rig file, or make another with --save-rig");
+               "change the rig file, or create another with --save-rig");
   }
 
   void choose_devices() {
@@ -168,8 +167,8 @@ class Planner {
 
   void learn() {
     if (!plan_.rig)
-      exit_with({Errc::Missing, "--learn", "there is no rig to store the sensitivity in",
-                 "give --rig, or --save-rig to make one"});
+      exit_with({Errc::Missing, "--learn", "there is no rig file to store the sensitivity in",
+                 "give --rig, or --save-rig to create one"});
     const auto graph = or_exit(load_graph(plan_.file, plan_.root), kBadFile);
     learn_sensitivity(*plan_.rig, *graph, options_.learn, *plan_.devices.backend, plan_.request);
     save(true);
@@ -246,7 +245,7 @@ std::string granted_text(const LivePlan& plan, const StreamGranted& granted) {
   const auto& asked = plan.request;
   const double rate = granted.format.sample_rate.value, ms = 1e3 / rate;
   const auto unless_asked = [](double wanted, double is, const char* unit) {
-    return wanted != is ? fmt::format(" ({:g}{} were asked for)", wanted, unit) : "";
+    return wanted != is ? fmt::format(" ({:g}{} requested)", wanted, unit) : "";
   };
   auto text = "device    " + granted.device;
   if (!granted.input_device.empty()) text += ", inputs from " + granted.input_device;
@@ -270,19 +269,19 @@ void check_delay(LivePlan& plan, const StreamGranted& granted) {
   if (!plan.delay || (block == granted.block_frames && periods == granted.periods)) return;
   const auto what =
       block != granted.block_frames
-          ? fmt::format("the delay was measured with {} frames a block, and there are {}", block,
+          ? fmt::format("the delay was measured with {} frames per block, but the block size is {}", block,
                         granted.block_frames)
-          : fmt::format("the delay was measured with {} periods, and there are {}", periods, granted.periods);
+          : fmt::format("the delay was measured with {} periods, but there are {}", periods, granted.periods);
   if (plan.padding_frames > 0)
     exit_with({Errc::BadArgument, plan.rig_file, what + ": the padding is unknown",
                "set the device to that block size, or measure again"},
               kUsage);
   plan.delay.reset();
-  fmt::print(stderr, "warning: {}; it counts as unknown\n", what);
+  fmt::print(stderr, "warning: {}; the delay is treated as unknown\n", what);
 }
 
 std::string delay_text(const LivePlan& plan) {
-  if (!plan.delay) return "delay     not measured: the instrument assumes 0; run tactus latency measure";
+  if (!plan.delay) return "delay     not measured: assumed to be 0; run tactus latency measure";
   auto text = fmt::format("delay     {:.2f} ms measured", 1e3 * plan.delay->value);
   const double padding_s = plan.padding_frames / plan.request.sample_rate->value;
   if (plan.padding_frames > 0)

@@ -19,8 +19,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* kHelp =
-    "keys: a arm or disarm | m mute | space strike | up, down select a control | left, right change it | "
-    "l MIDI learn for it | s save the rig | q quit";
+    "keys: a arm or disarm | m mute | space strike | up, down select a control | left, right change it | l "
+    "MIDI learn | s save the rig | q quit";
 
 std::string source_text(const RigMidi& binding) {
   if (binding.kind == RigMidi::Kind::PitchBend) return "the pitch wheel";
@@ -49,8 +49,8 @@ class LivePlay {
     for (const auto& event : midi_->poll()) {
       for (const auto& move : midi_map_.handle(event)) (void)controls_.turn(move.control, move.position);
       if (const auto learnt = midi_map_.take_learnt())
-        line_.print(fmt::format("{} of {} moves {}; s saves it in the rig", source_text(*learnt), event.port,
-                                learnt->control));
+        line_.print(fmt::format("{} of {} now controls {}; s saves this in the rig", source_text(*learnt),
+                                event.port, learnt->control));
     }
   }
 
@@ -90,7 +90,7 @@ class LivePlay {
     line_.print(session_.muted() ? "muted" : "unmuted");
   }
   void strike() {
-    if (!plan_.performer->strike()) line_.print("this scene has no strike; m mutes, a arms");
+    if (!plan_.performer->strike()) line_.print("this scene has no strike gesture; m mutes, a arms");
   }
   void help() { line_.print(kHelp); }
   void select(int step) {
@@ -98,7 +98,8 @@ class LivePlay {
     if (count > 0) selected_ = index((static_cast<int>(selected_) + step + count) % count);
   }
   void turn(double share) {
-    if (any() && !controls_.nudge(selected_, share)) line_.print(name() + " is fixed while it plays");
+    if (any() && !controls_.nudge(selected_, share))
+      line_.print(name() + " cannot be changed during playback");
   }
   void learn() {
     if (!any()) return;
@@ -114,7 +115,7 @@ class LivePlay {
       plan_.rig->controls.push_back({control.name, {}, {control.value, control.unit, false}});
     const auto& file = plan_.rig_file;
     const auto saved = replace_rig(*plan_.rig, file);
-    line_.print(saved ? file + ": controls and MIDI bindings saved; the former file is " + file + "~"
+    line_.print(saved ? file + ": controls and MIDI bindings saved; the previous file is " + file + "~"
                       : to_string(saved.error()));
   }
 
@@ -154,7 +155,8 @@ int run_play_live(Session& session, LivePlan& plan, const LiveOptions& options, 
 void announce(const Session& session, const LivePlan& plan, const LiveOptions& options) {
   fmt::print(stderr, "{}\n{}\n", plan.performer->name(), granted_text(plan, session.granted()));
   if (options.listen)
-    fmt::print(stderr, "sound goes to the first channels of {}: connect speakers there, no actuators\n",
+    fmt::print(stderr,
+               "the sound is played on the first channels of {}: connect speakers there, not actuators\n",
                session.granted().device);
   else
     fmt::print(stderr, "{}\n", delay_text(plan));

@@ -162,7 +162,7 @@ void Session::check_delay_after_gap() {
   if (!delay_known_ || !granted().xruns_move_delay || stream_->health().xruns == 0) return;
   set_delay_known(false);
   messages_.push_back(
-      "a gap may have changed the round-trip latency: it counts as unknown until the device is opened again");
+      "a gap may have changed the round-trip latency: it is treated as unknown until the device is reopened");
 }
 
 /// An edit waits until the one before it has taken over.
@@ -197,7 +197,7 @@ void Session::report_guard_events() {
 void Session::report_faults() {
   for (const auto& fault : performer_.instrument().faults())
     if (!std::exchange(fault_counts_[fault.path], fault.count))
-      messages_.push_back(fault.path + ": non-finite output; the node was reset and its output is silenced");
+      messages_.push_back(fault.path + ": non-finite output; the node was reset and its output set to zero");
 }
 
 Status Session::begin_take() {
@@ -287,7 +287,7 @@ void print_report(Session& session, const SessionView& view, const Performer& pe
   if (as_json) return print_json(report_json(session, view, performer));
   for (const auto* levels : {&view.highest_inputs, &view.highest_outputs})
     for (const auto& level : *levels)
-      fmt::print("  {:<18}  {} at most\n", level.name, level_text(level.peak));
+      fmt::print("  {:<18}  at most {}\n", level.name, level_text(level.peak));
   fmt::print("  load                {}\n", load_text(view.health));
   fmt::print("  gaps                {}\n", xrun_text(view.health));
   if (view.health.bad_input > 0)

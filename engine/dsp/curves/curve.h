@@ -35,42 +35,34 @@ class CubicCurve {
   std::vector<double> x_, value_, slope_;
 };
 
-/// A function given by points (x not descending), held at the end values outside them. `Step` holds each
-/// value up to the next point, `Exponential` moves by equal factors (values of one sign), `Smooth` is the
-/// monotone cubic. Two points at one x are a jump: there the later one counts.
+/// A function given by points (x not descending), held at the end values outside them; its cubic is the
+/// monotone one. Two points at one x are a jump: there the later one counts.
 class Breakpoints {
  public:
-  enum class Shape {
-    Linear = TACTUS_CURVE_LINEAR,
-    Step = TACTUS_CURVE_STEP,
-    Exponential = TACTUS_CURVE_EXPONENTIAL,
-    Smooth = TACTUS_CURVE_CUBIC
-  };
-  using Points = std::vector<std::pair<double, double>>;
+  using Shape = tactus_curve_shape;
+  using Points = CubicCurve::Points;
 
   /// [control] Why `points` are no such function, as part of a message; nullptr: they are one.
   static const char* error_in(const Points& points, Shape shape);
   /// [control] `points` without error.
-  Breakpoints(const Points& points, Shape shape);
+  Breakpoints(const Points& points, Shape shape)
+      : shape_(shape),
+        curve_(shape == TACTUS_CURVE_CUBIC ? CubicCurve::monotone(points) : CubicCurve{points}) {}
 
   /// [realtime]
   double value(double x) const {
     const auto curve = curve_.view();
-    return tactus_curve_value(&curve, static_cast<tactus_curve_shape>(shape_), x);
+    return tactus_curve_value(&curve, shape_, x);
   }
   /// [realtime] d value / d x; at a point, that of the interval to its right.
   double slope(double x) const {
     const auto curve = curve_.view();
-    return tactus_curve_slope(&curve, static_cast<tactus_curve_shape>(shape_), x);
+    return tactus_curve_slope(&curve, shape_, x);
   }
-
-  double least() const { return least_; }
-  double most() const { return most_; }
 
  private:
   Shape shape_;
   CubicCurve curve_;
-  double least_, most_;
 };
 
 }  // namespace tactus

@@ -38,7 +38,7 @@
 /// Valid: rate >= 16 kHz, high_pass below a quarter of it. It starts from silence; the first frame counts as
 /// silence, whatever its DC component.
 typedef struct tactus_onset {
-  tactus_real level;     ///< highest envelope of the last hit: so far for its first 5 ms, then held
+  tactus_real level;  ///< highest envelope of the last hit: so far for its first 5 ms, then held
   tactus_real previous;
   tactus_real fast[TACTUS_ONSET_BANDS];  ///< envelopes; the first is that above 30 Hz, in full scales
   tactus_real first[TACTUS_ONSET_BANDS], second[TACTUS_ONSET_BANDS];
@@ -58,13 +58,13 @@ typedef struct tactus_onset {
   int group_frames, window, mask_stays;  ///< the latter two in groups
 } tactus_onset;
 
-/// Of a state of zeros. Times in seconds. `ringing`: how long what is struck rings and rattles, 8 to 31 ms: the window of `ring`,
-/// and in proportion the time for which the mask stays and the upper bands detect nothing. Two strokes closer
-/// than this count as two only if the second is the louder.
+/// Of a state of zeros. Times in seconds. `ringing`: how long what is struck rings and rattles, 8 to 31 ms:
+/// the window of `ring`, and in proportion the time for which the mask stays and the upper bands detect
+/// nothing. Two strokes closer than this count as two only if the second is the louder.
 static inline void tactus_onset_start(tactus_onset* s, tactus_real rate, tactus_real high_pass,
                                       tactus_real mask_time, tactus_real ringing) {
   static const tactus_real cutoff_hz[] = {30, 400, 2000, 7000}, fall_s[] = {0.020, 0.001, 0.001, 0.001};
-  static const tactus_real blocked[] = {0, 20, 45, 60};  // groups
+  static const tactus_real blocked[] = {0, 20, 45, 60};     // groups
   static const tactus_real mask_speed[] = {0.15, 1, 1, 1};  // a fundamental rings near its peak for long
   const tactus_real window = tactus_clamp(ringing / 0.001, 8.0, TACTUS_ONSET_PAST - 1.0);
   tactus_real group_s;
@@ -113,31 +113,36 @@ static inline void tactus_onset_end_hold(tactus_onset* s, tactus_real margin) {
 
 static inline int tactus_onset_count(int groups) { return groups < TACTUS_ONSET_AGO ? groups + 1 : groups; }
 
+/// Band `b` at the end of a group.
+static inline void tactus_onset_close_band(tactus_onset* s, int b, tactus_real ring, tactus_real threshold,
+                                           tactus_real margin, tactus_real noise_margin) {
+  static const tactus_real thresholds[] = {0.89, 0.22, 0.089, 0.071};  // -1, -13, -21, -23 dB
+  static const tactus_real ring_margin[] = {1.06, 1.06, 1, 1};         // the fundamentals of a drum beat most
+  const tactus_real soft_margin = 1.41, soft = 0.63;                   // 3 dB, -4 dB
+  const tactus_real least_floor = 1e-5;  // after digital silence the floor must find its way up
+  tactus_real stroke;
+  if (s->hold > 0) s->mask[b] = s->last[b] = tactus_max(s->group[b], s->last[b]);
+  if (s->groups_free >= s->mask_stays) s->mask[b] *= s->mask_fall[b];
+  if (s->groups_since > 100) s->floor[b] *= s->floor_rise;
+  s->floor[b] = s->groups < 10 ? s->mean[b] : tactus_min(s->floor[b], s->mean[b]);
+  s->floor[b] = tactus_max(least_floor, s->floor[b]);
+  ring = ring * ring_margin[b] * margin;
+  stroke = tactus_max(tactus_min(s->last[b] * soft, ring * soft_margin), ring);
+  s->bar[b] = tactus_max(tactus_max(thresholds[b] * threshold, s->floor[b] * noise_margin),
+                         tactus_max(s->mask[b] * margin, stroke));
+  if (s->groups_since < s->blocked[b]) s->bar[b] = HUGE_VAL;
+  s->group[b] = s->fast[b];
+}
+
 static inline void tactus_onset_close_group(tactus_onset* s, tactus_real threshold, tactus_real margin,
                                             tactus_real noise_margin) {
-  static const tactus_real thresholds[] = {0.89, 0.22, 0.089, 0.071};  // -1, -13, -21, -23 dB
-  static const tactus_real ring_margin[] = {1.06, 1.06, 1, 1};  // the fundamentals of a drum beat most
-  const tactus_real soft_margin = 1.41, soft = 0.63;            // 3 dB, -4 dB
-  const tactus_real least_floor = 1e-5;  // after digital silence the floor must find its way up
   tactus_real ring[TACTUS_ONSET_BANDS];
   s->frame = 0;
   s->slot = (s->slot + 1) & (TACTUS_ONSET_PAST - 1);
   for (int b = 0; b < TACTUS_ONSET_BANDS; ++b) s->past[s->slot][b] = s->group[b];
   tactus_onset_ringing(s, ring);
-  for (int b = 0; b < TACTUS_ONSET_BANDS; ++b) {
-    tactus_real stroke;
-    if (s->hold > 0) s->mask[b] = s->last[b] = tactus_max(s->group[b], s->last[b]);
-    if (s->groups_free >= s->mask_stays) s->mask[b] *= s->mask_fall[b];
-    if (s->groups_since > 100) s->floor[b] *= s->floor_rise;
-    s->floor[b] = s->groups < 10 ? s->mean[b] : tactus_min(s->floor[b], s->mean[b]);
-    s->floor[b] = tactus_max(least_floor, s->floor[b]);
-    ring[b] = ring[b] * ring_margin[b] * margin;
-    stroke = tactus_max(tactus_min(s->last[b] * soft, ring[b] * soft_margin), ring[b]);
-    s->bar[b] = tactus_max(tactus_max(thresholds[b] * threshold, s->floor[b] * noise_margin),
-                           tactus_max(s->mask[b] * margin, stroke));
-    if (s->groups_since < s->blocked[b]) s->bar[b] = HUGE_VAL;
-    s->group[b] = s->fast[b];
-  }
+  for (int b = 0; b < TACTUS_ONSET_BANDS; ++b)
+    tactus_onset_close_band(s, b, ring[b], threshold, margin, noise_margin);
   s->groups_since = tactus_onset_count(s->groups_since);
   s->groups_free = s->hold > 0 ? 0 : tactus_onset_count(s->groups_free);
   s->groups = tactus_onset_count(s->groups);

@@ -9,13 +9,13 @@
 #include <utility>
 #include <vector>
 
+#include "engine/dsp/filters/fir_kernel.h"
 #include "engine/dsp/simd/lanes.h"
 
 namespace tactus {
 
-/// y[n] = sum over k of taps[k] x[n-k], straight from the definition: no delay of its own, one multiply-add a
-/// tap. Eight sums, of every eighth tap each, are added up at the end: a single frame goes through them in
-/// one vector, eight frames in a vector for each, with the same bits.
+/// `tactus_fir_frame`, vectorised: a single frame goes through its eight sums in one vector, eight frames in
+/// a vector for each.
 class Fir {
  public:
   /// [control] At least one tap.
@@ -51,7 +51,7 @@ class Fir {
 
  private:
   static constexpr int kChunk = 64;
-  static constexpr std::size_t kSums = Lanes::kCount;
+  static constexpr std::size_t kSums = TACTUS_FIR_SUMS;
   static constexpr std::size_t kRoom = 512;  ///< new samples before the history moves back to the front
 
   void chunk(const double* x, double* y, int frames) noexcept {
@@ -74,7 +74,7 @@ class Fir {
     for (std::size_t k = 0; k < taps_.size(); k += kSums)
       for (std::size_t i = 0; i < kSums; ++i)
         sums[i] = fused_multiply_add(Lanes::broadcast(taps_[k + i]), Lanes::load(oldest + k + i), sums[i]);
-    return total(sums);
+    return ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
   }
   double one_frame(const double* oldest) const noexcept {
     auto eight = Lanes::broadcast(0);
@@ -82,11 +82,7 @@ class Fir {
       eight = fused_multiply_add(Lanes::load(&taps_[k]), Lanes::load(oldest + k), eight);
     std::array<double, kSums> sums;
     eight.store(sums.data());
-    return total(sums);
-  }
-  template <class Sum>
-  static Sum total(const std::array<Sum, kSums>& s) noexcept {
-    return ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
+    return tactus_fir_total(sums.data());
   }
 
   /// A multiple of kSums.

@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <numeric>
 #include <optional>
 
+#include "engine/core/decibels.h"
 #include "engine/core/units.h"
 
 namespace tactus {
@@ -15,26 +17,18 @@ constexpr double kLeastClarity = 0.8, kNearHighest = 0.9;
 constexpr double kSilence = 1e-6, kFarBelow = 1e-3;
 constexpr int kPartials = 12;
 
-double rms(std::span<const double> x) {
-  double squares = 0;
-  for (const double v : x) squares += v * v;
-  return x.empty() ? 0 : std::sqrt(squares / static_cast<double>(x.size()));
-}
-
 /// Means of `by` samples each: enough for the coarse search, and so much less to multiply.
 std::vector<double> thinned(std::span<const double> x, std::size_t by) {
   std::vector<double> means(x.size() / by);
   for (std::size_t i = 0; i < means.size(); ++i) {
-    double sum = 0;
-    for (std::size_t j = 0; j < by; ++j) sum += x[i * by + j];
-    means[i] = sum / static_cast<double>(by);
+    const auto some = x.subspan(i * by, by);
+    means[i] = std::accumulate(some.begin(), some.end(), 0.0) / static_cast<double>(by);
   }
   return means;
 }
 
 std::vector<double> without_mean(std::span<const double> x) {
-  double sum = 0;
-  for (const double v : x) sum += v;
+  const double sum = std::accumulate(x.begin(), x.end(), 0.0);
   std::vector<double> rest(x.begin(), x.end());
   for (double& v : rest) v -= sum / static_cast<double>(x.size());
   return rest;
@@ -160,7 +154,7 @@ class Tracker {
     const auto start =
         static_cast<std::size_t>(std::clamp(first, 0.0, static_cast<double>(thin_.size() - reach)));
     const auto section = without_mean(std::span{thin_}.subspan(start, reach));
-    if (rms(section) < kSilence) return std::nullopt;
+    if (rms_of(section) < kSilence) return std::nullopt;
     auto coarse = coarse_period(likeness(section, window, thin_longest_), thin_shortest_);
     if (!coarse) return std::nullopt;
     return fine(time_s, middle, coarse->frames * static_cast<double>(by_), coarse->clarity);
@@ -179,7 +173,7 @@ class Tracker {
     const auto from = static_cast<std::size_t>(middle - 3 * found.period);
     const auto length = static_cast<std::size_t>(6 * found.period);
     return PitchPoint{time_s, rate_ / found.period, clarity, found.partial,
-                      rms(samples_.subspan(from, length))};
+                      rms_of(samples_.subspan(from, length))};
   }
 
   std::span<const double> samples_;

@@ -2,90 +2,132 @@
 
 // Thread: [realtime]; constructors [control].
 
+#include <algorithm>
 #include <array>
 #include <complex>
 #include <vector>
 
-#include "engine/core/units.h"
+#include "engine/dsp/resonators/modal_kernel.h"
 #include "engine/dsp/simd/lanes.h"
 
 namespace tactus {
 
-/// A damped sine: h(t) = gain e^(-t / tau) sin(2 pi frequency t), 60 dB down after `decay_s`, tau = decay /
-/// ln 1000. In a bank silent from half the sample rate up; the decay is clamped to [0.1 ms, 10000 s].
-struct Mode {
-  double frequency_hz = 0;
-  double decay_s = 1;
-  double gain = 1;
-};
+/// [any] From x to out, at any z^-1.
+inline std::complex<double> mode_response(const tactus_mode& mode, std::complex<double> delay) {
+  return mode.gain * delay / ((1.0 - delay) * (1.0 - mode.turn * delay) + mode.pull * delay * delay);
+}
 
-/// The resonator with exactly these samples (impulse invariance):
-///
-///   y[n] = 2 r cos(w) y[n-1] - r^2 y[n-2] + x[n-1],  out = gain r sin(w) y
-///   w = 2 pi frequency / fs,  r = e^(-1 / (tau fs))
-///
-/// An impulse of 1 at frame 0 gives gain r^n sin(w n). Stable: r < 1 for every decay. It runs on differences,
-/// which keep the frequency of a low mode to a rounding, where 2 r cos(w) would lose a factor 1 / w^2:
-///
-///   d[n] = y[n] - y[n-1] = turn d[n-1] - pull y[n-2] + x[n-1]
-///   turn = 2 r cos(w) - 1,  pull = 1 - 2 r cos(w) + r^2 = (1 - r)^2 + 4 r sin^2(w / 2)
-///
-/// A mode that is retuned while it rings continues with the same phase and amplitude: with P[n] = r e^(jw)
-/// (P[n-1]
-/// + x[n-1]), out = gain Im P, it is P that stays. So no movement of the frequency adds energy.
-///
-/// Source: Rabiner & Gold, Theory and Application of Digital Signal Processing, 1975, section 4.5;
-/// sensitivity: Agarwal & Burrus, "New recursive digital filter structures having very low sensitivity and
-/// roundoff noise", IEEE Trans. Circuits and Systems 22(12), 1975.
-struct ModeDesign {
-  ModeDesign(const Mode& mode, Hertz sample_rate);
-  /// From x to out, at any z^-1.
-  std::complex<double> response(std::complex<double> delay) const {
-    return gain * delay / ((1.0 - delay) * (1.0 - turn * delay) + pull * delay * delay);
-  }
-
-  double turn = -1, pull = 1, gain = 0;  ///< silent: forgets at once
-  double cosine = 0, sine = 0;           ///< r cos(w), r sin(w)
-};
-
-/// Many resonators with one input, summed. Eight modes share a vector register, and four registers step
-/// together through the frames, so that the latency of one is hidden by the others. The order of additions
-/// is fixed: each lane adds its modes in their order, the lanes are added last. So the output is the same for
-/// any cutting into blocks. Error against exact arithmetic: a rounding of y a frame while the mode lasts.
+/// `tactus_modal_step` vectorised: four registers of eight modes step together through the frames, so that
+/// the latency of one is hidden by the others. The output is the same for any cutting into blocks. Error
+/// against exact arithmetic: a rounding of y a frame while the mode lasts.
 class ModalBank {
  public:
   /// [control] All modes are silent.
-  explicit ModalBank(int modes);
+  explicit ModalBank(int modes)
+      : modes_(modes), groups_(static_cast<std::size_t>((modes + Lanes::kCount - 1) / Lanes::kCount)) {
+    for (auto& group : groups_)
+      for (int lane = 0; lane < Lanes::kCount; ++lane)
+        tactus_modes_set(&group, lane, tactus_mode_design(0, 1, 0, 1));
+  }
 
   /// [realtime] From the next frame on; ringing continues.
-  void set(int mode, const ModeDesign& design) noexcept;
+  void set(int mode, const tactus_mode& design) noexcept {
+    tactus_modes_set(&groups_[static_cast<std::size_t>(mode / Lanes::kCount)], mode % Lanes::kCount, design);
+  }
+
   /// [realtime] `in_before[n]` is the input one frame before `out[n]`; the two may be the same memory.
-  void run(const double* in_before, double* out, int frames) noexcept;
-  void reset() noexcept;
+  void run(const double* in_before, double* out, int frames) noexcept {
+    for (int done = 0; done < frames; done += kMaxFrames)
+      run_block(in_before + done, out + done, std::min(kMaxFrames, frames - done));
+  }
+
+  void reset() noexcept {
+    for (auto& group : groups_)
+      for (auto* row : {&group.last, &group.before, &group.change}) std::fill_n(*row, Lanes::kCount, 0.0);
+  }
+
   /// [realtime] Continues from the state of `other`, mode by mode, as far as there are as many, until `set`.
-  void adopt(const ModalBank& other) noexcept;
+  void adopt(const ModalBank& other) noexcept {
+    using Modes = tactus_modes;
+    for (int k = 0; k < std::min(modes_, other.modes_); ++k) {
+      const auto group = static_cast<std::size_t>(k / Lanes::kCount);
+      for (const auto row : {&Modes::turn, &Modes::minus_pull, &Modes::cosine, &Modes::sine, &Modes::last,
+                             &Modes::before, &Modes::change})
+        (groups_[group].*row)[k % Lanes::kCount] = (other.groups_[group].*row)[k % Lanes::kCount];
+    }
+  }
 
  private:
-  using Row = std::array<double, Lanes::kCount>;
-  /// Eight modes.
-  struct alignas(64) Bundle {
-    Row turn{}, minus_pull{}, gain{}, cosine{}, sine{};
-    Row last{}, before{}, change{};  ///< y[n-1], y[n-2] and their difference
-  };
-  template <int Count>
-  class InRegisters;
   static constexpr int kMaxFrames = 64;  ///< frames worked on at once
+  struct alignas(64) Group : tactus_modes {};
   struct alignas(64) Sums {
-    std::array<Row, kMaxFrames> rows;
+    std::array<std::array<double, Lanes::kCount>, kMaxFrames> rows;
   };
 
-  static void retune(Bundle& bundle, std::size_t lane, const ModeDesign& design) noexcept;
-  void run_block(const double* x, double* y, int frames) noexcept;
+  /// Count groups in registers. Written out one by one: in arrays or loops they would go through memory.
+  template <int Count, class = void>
+  class InRegisters {
+   public:
+    explicit InRegisters(const Group* group) noexcept
+        : turn_(Lanes::load(group->turn)),
+          minus_pull_(Lanes::load(group->minus_pull)),
+          gain_(Lanes::load(group->gain)),
+          last_(Lanes::load(group->last)),
+          before_(Lanes::load(group->before)),
+          change_(Lanes::load(group->change)),
+          others_(group + 1) {}
+
+    /// One frame; returns `sum` with these modes added.
+    Lanes step(Lanes in, Lanes sum) noexcept {
+      change_ = fused_multiply_add(turn_, change_, fused_multiply_add(minus_pull_, before_, in));
+      before_ = last_;
+      last_ = last_ + change_;
+      return others_.step(in, fused_multiply_add(gain_, last_, sum));
+    }
+
+    void store(Group* group) const noexcept {
+      last_.store(group->last);
+      before_.store(group->before);
+      change_.store(group->change);
+      others_.store(group + 1);
+    }
+
+   private:
+    Lanes turn_, minus_pull_, gain_, last_, before_, change_;
+    InRegisters<Count - 1> others_;
+  };
+
+  template <class None>
+  class InRegisters<0, None> {
+   public:
+    explicit InRegisters(const Group*) noexcept {}
+    Lanes step(Lanes, Lanes sum) noexcept { return sum; }
+    void store(Group*) const noexcept {}
+  };
+
   template <int Count>
-  static void advance(Bundle* bundles, const double* x, Sums& sums, int frames) noexcept;
+  static void advance(Group* groups, const double* x, Sums& sums, int frames) noexcept {
+    InRegisters<Count> modes(groups);
+    for (int n = 0; n < frames; ++n) {
+      double* sum = sums.rows[static_cast<std::size_t>(n)].data();
+      modes.step(Lanes::broadcast(x[n]), Lanes::load(sum)).store(sum);
+    }
+    modes.store(groups);
+  }
+
+  void run_block(const double* x, double* y, int frames) noexcept {
+    Sums sums;
+    std::fill_n(sums.rows.begin(), frames, std::array<double, Lanes::kCount>{});
+    std::size_t done = 0;
+    for (; done + 4 <= groups_.size(); done += 4) advance<4>(&groups_[done], x, sums, frames);
+    const auto left = groups_.size() - done;
+    if (left >= 2) advance<2>(&groups_[done], x, sums, frames);
+    if (left % 2 == 1) advance<1>(&groups_.back(), x, sums, frames);
+    for (int n = 0; n < frames; ++n) y[n] = Lanes::load(sums.rows[static_cast<std::size_t>(n)].data()).sum();
+  }
 
   int modes_;
-  std::vector<Bundle> bundles_;
+  std::vector<Group> groups_;
 };
 
 }  // namespace tactus

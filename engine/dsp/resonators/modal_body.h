@@ -2,12 +2,15 @@
 
 // Thread: [realtime]; constructors [control].
 
-#include <array>
+#include <algorithm>
+#include <cmath>
 #include <complex>
+#include <numbers>
 #include <span>
 #include <vector>
 
 #include "engine/core/units.h"
+#include "engine/dsp/resonators/modal_body_kernel.h"
 #include "engine/dsp/simd/lanes.h"
 
 namespace tactus {
@@ -23,9 +26,8 @@ struct BodyMode {
 /// One mode at one sample rate: a mass, a damper and a spring that move together, each by the trapezoidal
 /// rule,
 ///
-///   F = f_m + c v + f_k,   f_m[n] + f_m[n-1] = 2 m fs (v[n] - v[n-1]),   f_k[n] - f_k[n-1] = k / (2 fs)
-///   (v[n]
-///   + v[n-1])
+///   F = f_m + c v + f_k,   f_m[n] + f_m[n-1] = 2 m fs (v[n] - v[n-1]),
+///   f_k[n] - f_k[n-1] = k / (2 fs) (v[n] + v[n-1])
 ///
 /// which is the bilinear transform of the admittance s / (m s^2 + c s + k). c and k are chosen so that the
 /// pole of the discrete mode is exactly e^((-sigma + j 2 pi f) / fs), sigma = ln 1000 / decay:
@@ -34,61 +36,104 @@ struct BodyMode {
 ///
 /// All three are positive, hence the admittance is positive real and no frequency gains energy.
 struct BodyModeDesign {
-  BodyModeDesign(const BodyMode& mode, Hertz sample_rate);
+  BodyModeDesign(const BodyMode& mode, Hertz sample_rate) {
+    const double fs = sample_rate.value;
+    const double sigma = 3 * std::numbers::ln10 / std::clamp(mode.decay_s, 1e-4, 1e4);
+    const auto pole = std::exp(std::complex{-sigma, 2 * std::numbers::pi * mode.frequency_hz} / fs);
+    const auto p = 2 * fs * (pole - 1.0) / (pole + 1.0);
+    mass_ohm = 2 * mode.mass_kg * fs;
+    loss_ohm = -2 * mode.mass_kg * p.real();
+    spring_ohm = mode.mass_kg * std::norm(p) / (2 * fs);
+  }
   /// v / F at any z^-1 [m/(N s)].
-  std::complex<double> admittance(std::complex<double> delay) const;
+  std::complex<double> admittance(std::complex<double> delay) const {
+    // 1 / (R_m d + c + R_k / d) with d = less / more.
+    const auto less = 1.0 - delay, more = 1.0 + delay;
+    return less * more / (mass_ohm * less * less + loss_ohm * less * more + spring_ohm * more * more);
+  }
+  double give() const { return 1 / (mass_ohm + loss_ohm + spring_ohm); }
 
   double mass_ohm;    ///< R_m = 2 m fs [N s/m]
   double loss_ohm;    ///< c
   double spring_ohm;  ///< R_k = k / (2 fs)
 };
 
-/// A body of many modes, all of which move with the point where it is touched, behind a port of impedance Z
-/// for waves of force: `a` comes in, `b` goes out,
-///
-///   v = sum of v_k,   F = 2 a - Z v,   b = a - Z v
-///   v_k = g (F + s_m - s_k),   s_m <- 2 R_m v_k - s_m,   s_k <- 2 R_k v_k + s_k,   g = 1 / (R_m + c + R_k)
-///
-/// F and v of one frame depend on each other; their equation is linear and is solved once, when the body is
-/// made. The stored energy, sum of (s_m^2 / R_m + s_k^2 / R_k) / (4 fs), changes in a frame by exactly
-/// ((a^2 - b^2) / Z - sum of c v_k^2) / fs: a port of the same impedance may be joined to it by any delay,
-/// and nothing can become unstable. Source: Bilbao, Wave and Scattering Methods for Numerical Simulation,
-/// Wiley, 2004, chapter 2.
+/// `tactus_modal_body_step`, vectorised.
 class ModalBody {
  public:
   /// [control] Modes at half the sample rate or above are left out. impedance > 0 [N s/m].
-  ModalBody(std::span<const BodyMode> modes, double impedance, Hertz sample_rate);
+  ModalBody(std::span<const BodyMode> modes, double impedance, Hertz sample_rate) {
+    double give = 0;
+    int count = 0;
+    for (const auto& mode : modes) {
+      if (!(mode.frequency_hz > 0 && mode.frequency_hz < sample_rate.value / 2)) continue;
+      const BodyModeDesign design{mode, sample_rate};
+      add(design, count++, sample_rate);
+      give += design.give();
+    }
+    body_.impedance = impedance;
+    body_.half_frame = 0.5 / sample_rate.value;
+    body_.by_state = 1 / (1 + impedance * give);
+    body_.by_wave = 2 * give * body_.by_state;
+  }
 
-  /// What leaves in a frame.
-  struct Answer {
-    double wave, velocity, force, position;
-  };
   /// [realtime] One frame; `wave` is `a` [N].
-  Answer step(double wave) noexcept;
-  void reset() noexcept;
-  /// [realtime] Continues from the state of `other`, mode by mode, as far as there are as many.
-  void adopt(const ModalBody& other) noexcept;
+  tactus_body_answer step(double wave) noexcept {
+    auto answer = tactus_modal_body_answer(&body_, wave);
+    const auto push = Lanes::broadcast(answer.force);
+    auto free = Lanes::broadcast(0), held = Lanes::broadcast(0);
+    for (auto& group : groups_) {
+      const auto mass = Lanes::load(group.mass), spring = Lanes::load(group.spring);
+      const auto v = fused_multiply_add(Lanes::load(group.give), push, mass - spring);
+      const auto new_mass = Lanes::load(group.mass_turn) * v - mass;
+      const auto new_spring = fused_multiply_add(Lanes::load(group.spring_turn), v, spring);
+      new_mass.store(group.mass);
+      new_spring.store(group.spring);
+      free = free + (new_mass - new_spring);
+      held = fused_multiply_add(Lanes::load(group.per_spring), new_spring, held);
+    }
+    tactus_modal_body_close(&body_, &answer, free.sum(), held.sum());
+    return answer;
+  }
 
-  /// [any] Energy stored in the modes [J].
-  double energy() const noexcept;
+  void reset() noexcept {
+    for (auto& group : groups_)
+      for (auto* row : {&group.mass, &group.spring}) std::fill_n(*row, Lanes::kCount, 0.0);
+    body_.free_velocity = 0;
+  }
+
+  /// [realtime] Continues from the state of `other`, mode by mode, as far as there are as many.
+  void adopt(const ModalBody& other) noexcept {
+    auto free = Lanes::broadcast(0);
+    for (std::size_t i = 0; i < groups_.size(); ++i) {
+      auto& group = groups_[i];
+      if (i < other.groups_.size()) {
+        std::copy_n(other.groups_[i].mass, Lanes::kCount, group.mass);
+        std::copy_n(other.groups_[i].spring, Lanes::kCount, group.spring);
+      }
+      free = free + (Lanes::load(group.mass) - Lanes::load(group.spring));
+    }
+    body_.free_velocity = free.sum();
+  }
+
+  /// [any] Eight modes in each.
+  struct alignas(64) Group : tactus_body_modes {};
+  const std::vector<Group>& groups() const { return groups_; }
 
  private:
-  using Row = std::array<double, Lanes::kCount>;
-  /// Eight modes; the states are those of the text times g.
-  struct alignas(64) Bundle {
-    Row give{};                          ///< g
-    Row mass_turn{}, spring_turn{};      ///< 2 R_m g, 2 R_k g
-    Row per_spring{};                    ///< position of a mode from its spring's state
-    Row mass{}, spring{};                ///< g s_m, g s_k
-    Row mass_energy{}, spring_energy{};  ///< of a state of 1 [J]
-  };
-  void add(const BodyModeDesign& design, std::size_t place, Hertz sample_rate);
-  void sum_states() noexcept;
+  void add(const BodyModeDesign& design, int place, Hertz sample_rate) {
+    const double g = design.give();
+    const int lane = place % Lanes::kCount;
+    if (lane == 0) groups_.emplace_back();
+    auto& group = groups_.back();
+    group.give[lane] = g;
+    group.mass_turn[lane] = 2 * design.mass_ohm * g;
+    group.spring_turn[lane] = 2 * design.spring_ohm * g;
+    group.per_spring[lane] = 1 / (g * 2 * sample_rate.value * design.spring_ohm);
+  }
 
-  std::vector<Bundle> bundles_;
-  double impedance_, half_frame_s_;
-  double by_wave_ = 0, by_state_ = 1;  ///< v = by_wave a + by_state sum of (g s_m - g s_k)
-  double free_velocity_ = 0;           ///< that sum
+  std::vector<Group> groups_;
+  tactus_modal_body body_{};
 };
 
 }  // namespace tactus

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/core/find_root.h"
 #include "engine/core/units.h"
 
 namespace tactus {
@@ -19,23 +20,15 @@ double bar_root(int k, double sign) {
   return b;
 }
 
-double bessel_root(double order, double low, double high) {
-  const bool rises = std::cyl_bessel_j(order, low) < 0;
-  for (int i = 0; i < 60; ++i) {
-    const double middle = (low + high) / 2;
-    ((std::cyl_bessel_j(order, middle) < 0) == rises ? low : high) = middle;
-  }
-  return (low + high) / 2;
-}
-
 /// The zeros of all J_m in (0, end), rising. J_m has none up to m, and two are more than 3 apart.
 std::vector<double> membrane_roots(double end) {
   std::vector<double> roots;
   for (int order = 0; order < end; ++order) {
-    double before = std::max(0.5, 1.0 * order), value = std::cyl_bessel_j(order, before);
+    const auto bessel = [order](double x) { return std::cyl_bessel_j(order, x); };
+    double before = std::max(0.5, 1.0 * order), value = bessel(before);
     for (double at = before + 1; at < end; ++at) {
-      const double next = std::cyl_bessel_j(order, at);
-      if ((next < 0) != (value < 0)) roots.push_back(bessel_root(order, before, at));
+      const double next = bessel(at);
+      if ((next < 0) != (value < 0)) roots.push_back(root_between(before, at, bessel));
       before = at, value = next;
     }
   }

@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "engine/core/realtime.h"
+#include "engine/dsp/kernel.h"
 
 #if defined(__AVX512F__) || (defined(__AVX2__) && defined(__FMA__))
 #include <immintrin.h>
@@ -172,10 +173,7 @@ struct Lanes {
   friend Lanes fused_multiply_add(const Lanes& a, const Lanes& b, const Lanes& c) noexcept {
     return each([&](int i) { return tactus::fused_multiply_add(a.lane[i], b.lane[i], c.lane[i]); });
   }
-  double sum() const noexcept {
-    const double even = (lane[0] + lane[4]) + (lane[2] + lane[6]);
-    return even + ((lane[1] + lane[5]) + (lane[3] + lane[7]));
-  }
+  double sum() const noexcept { return tactus_sum_of_eight(lane); }
 #endif
 };
 

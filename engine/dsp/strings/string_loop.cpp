@@ -1,90 +1,13 @@
 #include "engine/dsp/strings/string_loop.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <utility>
 
 #include "engine/dsp/delays/taps.h"
 
 namespace tactus {
-namespace {
-
-/// Into [low, high]; NaN becomes `low`.
-double clamped(double x, double low, double high) { return x > low ? std::min(x, high) : low; }
-
-std::complex<double> polynomial(const double* coefficients, int count, std::complex<double> x) {
-  std::complex<double> sum = 0;
-  while (count-- > 0) sum = sum * x + coefficients[count];
-  return sum;
-}
-
-}  // namespace
-
-StringDesign::StringDesign(StringParameters p, LossFilter filter, Hertz sample_rate, double most_gain,
-                           double frames_outside) {
-  const bool zero = filter == LossFilter::OneZero;
-  const double frequency = clamped(p.pitch_hz, StringLoop::kLowestPitch, 0.3 * sample_rate.value);
-  const double gain = clamped(p.gain, 0, most_gain);
-  const double loss = clamped(p.loss, 0, zero ? 1 : 0.99);
-  const double radians = 2 * std::numbers::pi * frequency / sample_rate.value;
-  const auto delay = std::polar(1.0, -radians);
-
-  const std::array<double, 2> zeros = zero ? std::array{1 - loss / 2, loss / 2} : std::array{1 - loss, 0.0};
-  pole = zero ? 0 : loss;
-  const auto filter_response = polynomial(zeros.data(), 2, delay) / (1.0 - pole * delay);
-
-  // The middle interval of six taps starts two frames behind the newest, which itself must be in the past.
-  const double frames =
-      std::max(3.0, sample_rate.value / frequency + std::arg(filter_response) / radians - frames_outside);
-  newest = static_cast<int>(frames) - 2;
-  const double wanted = frames - newest;
-  auto weights = lagrange_weights<5>(wanted);
-  const double ahead =
-      std::arg(polynomial(weights.data(), 6, delay) * std::polar(1.0, radians * wanted)) / radians;
-  weights = lagrange_weights<5>(wanted + ahead);
-
-  for (std::size_t k = 0; k < weights.size(); ++k) {
-    taps[k] += gain * zeros[0] * weights[k];
-    taps[k + 1] += gain * zeros[1] * weights[k];
-  }
-}
-
-std::complex<double> StringDesign::loop(std::complex<double> delay) const {
-  return std::pow(delay, newest) * polynomial(taps.data(), kTaps, delay) / (1.0 - pole * delay);
-}
 
 int StringLoop::longest_delay(Hertz sample_rate, double lowest_pitch) {
   return static_cast<int>(sample_rate.value / std::max(kLowestPitch, lowest_pitch)) + StringDesign::kTaps;
-}
-
-DesignedLine::DesignedLine(LossFilter filter, int longest)
-    : filter_(filter), line_(longest, kMostFrames + StringDesign::kTaps) {}
-
-bool DesignedLine::changed(const StringParameters& parameters) noexcept {
-  if (parameters == parameters_) return false;
-  parameters_ = parameters;
-  return true;
-}
-
-void DesignedLine::set(const StringDesign& design) noexcept {
-  design_ = design;
-  losses_.design({design.pole});
-}
-
-const double* DesignedLine::newest_tap(int written) const noexcept {
-  constexpr int kOlder = StringDesign::kTaps - 1;
-  return line_.behind(design_.newest + kOlder + written) + kOlder;
-}
-
-void DesignedLine::reset() noexcept {
-  line_.reset();
-  losses_.reset();
-}
-
-void DesignedLine::adopt(DesignedLine& other) noexcept {
-  line_.adopt(other.line_);
-  if (filter_ == other.filter_) losses_.adopt(other.losses_);
 }
 
 StringLoop::StringLoop(LossFilter filter, Hertz sample_rate, double lowest_pitch)

@@ -10,6 +10,7 @@
 #include "engine/dsp/delays/delay_line.h"
 #include "engine/dsp/delays/taps.h"
 #include "engine/dsp/filters/recurrence.h"
+#include "engine/dsp/strings/string_kernel.h"
 
 namespace tactus {
 
@@ -24,55 +25,62 @@ struct StringParameters {
   bool operator==(const StringParameters&) const = default;
 };
 
-/// A waveguide string, one loop of delay N and losses:
-///
-///   y[n] = x[n] + g (h_LP * y)[n - N]
-///   H_LP(z) = (1 - loss/2) + loss/2 z^-1        one zero
-///   H_LP(z) = (1 - loss) / (1 - loss z^-1)      one pole
-///
-/// N is read between samples by Lagrange interpolation of order 5, and is chosen so that the phase once
-/// around the loop is exactly a whole turn at the pitch f0 (w = 2 pi f0 / fs):
-///
-///   N = fs/f0 + arg H_LP(w) / w - the interpolator's own phase error at w
-///
-/// So a sustained tone sits at f0. A free decay differs by what its damping does to the phase of H_LP: at 4
-/// kHz and 48 kHz 0.3 cents for g = 0.9 and a zero with loss 0.5, 1.1 cents for a pole with loss 0.3 (they
-/// die within 30 ms), less below and for what dies more slowly. The interpolator's gain is below 1 at high
-/// frequencies, a loss that grows with the pitch. Stable for all parameters: g |H_LP| |interpolator| < 1.
-/// Partial at w: T60 = 3 ln(10) / (-ln(g |H_LP(w)|)) * N / fs. Source: Jaffe & Smith, "Extensions of the
-/// Karplus-Strong plucked-string algorithm", CMJ 7(2), 1983.
+/// `tactus_string`: its loop, read through taps.
 struct StringDesign {
-  static constexpr int kTaps = 7;  ///< six of the interpolator; the one-zero filter is folded in and adds one
+  static constexpr int kTaps = TACTUS_STRING_TAPS;
 
   StringDesign() = default;
-  /// `most_gain` is 1 where the string is not itself a loop, `frames_outside` what the rest of its loop
-  /// takes.
-  StringDesign(StringParameters p, LossFilter filter, Hertz sample_rate, double most_gain = 0.9999,
-               double frames_outside = 0);
+  StringDesign(const StringParameters& p, LossFilter filter, Hertz sample_rate)
+      : StringDesign(tactus_string({filter == LossFilter::OnePole, 0.9999, 0}, p.pitch_hz, p.gain, p.loss,
+                                   sample_rate.value)) {}
+  explicit StringDesign(const tactus_string_design& design) : newest(design.newest), pole(design.pole) {
+    std::copy_n(design.taps, kTaps, taps.begin());
+  }
   /// Once around the loop, at any z^-1: the string rings where this is 1.
-  std::complex<double> loop(std::complex<double> delay) const;
+  std::complex<double> loop(std::complex<double> delay) const {
+    std::complex<double> sum = 0;
+    for (std::size_t k = kTaps; k-- > 0;) sum = sum * delay + taps[k];
+    return std::pow(delay, newest) * sum / (1.0 - pole * delay);
+  }
   /// From x to y, at any z^-1.
   std::complex<double> response(std::complex<double> delay) const { return 1.0 / (1.0 - loop(delay)); }
 
-  int newest = 0;                    ///< frames back of the first tap
-  std::array<double, kTaps> taps{};  ///< with the loss filter's zeros, and the gain
+  int newest = 0;  ///< frames back of the first tap
+  std::array<double, kTaps> taps{};
   double pole = 0;
 };
 
 /// What a string and one end of a waveguide have in common: a line that is read through a design.
 class DesignedLine {
  public:
-  void reset() noexcept;
+  void reset() noexcept {
+    line_.reset();
+    losses_.reset();
+  }
   /// [realtime] Continues from the state of `other`.
-  void adopt(DesignedLine& other) noexcept;
+  void adopt(DesignedLine& other) noexcept {
+    line_.adopt(other.line_);
+    if (filter_ == other.filter_) losses_.adopt(other.losses_);
+  }
 
  protected:
-  DesignedLine(LossFilter filter, int longest);
+  DesignedLine(LossFilter filter, int longest)
+      : filter_(filter), line_(longest, kMostFrames + StringDesign::kTaps) {}
   /// Whether the parameters are new.
-  bool changed(const StringParameters& parameters) noexcept;
-  void set(const StringDesign& design) noexcept;
+  bool changed(const StringParameters& parameters) noexcept {
+    if (parameters == parameters_) return false;
+    parameters_ = parameters;
+    return true;
+  }
+  void set(const StringDesign& design) noexcept {
+    design_ = design;
+    losses_.design({design.pole});
+  }
   /// Where the newest tap lies, `written` frames before the last that was written.
-  const double* newest_tap(int written = 0) const noexcept;
+  const double* newest_tap(int written = 0) const noexcept {
+    constexpr int kOlder = StringDesign::kTaps - 1;
+    return line_.behind(design_.newest + kOlder + written) + kOlder;
+  }
 
   static constexpr int kMostFrames = 64;  ///< written or read at once
 

@@ -3,6 +3,7 @@
 // Thread: [realtime]; constructors [control].
 
 #include "engine/dsp/strings/string_loop.h"
+#include "engine/dsp/strings/waveguide_kernel.h"
 
 namespace tactus {
 
@@ -10,49 +11,50 @@ namespace tactus {
 /// end upside down.
 enum class FarEnd { Fixed, Free };
 
-/// A string or a rod seen from one end: waves of force go in, travel to the far end and come back.
-///
-///   out[n] = +-(h * in)[n - (N - 1)]      + fixed, - free
-///
-/// h is the gain and the loss of StringDesign and N its delay, read between samples. kPortFrames
-/// are left to what the line hangs on, so that both together, N frames around, are in tune: with a rigid near
-/// end the line sounds at the pitch (fixed), or at odd multiples of half the pitch (free). It reflects at
-/// most `gain`: |out / in| = gain |H_LP| |interpolator| <= 1 at every frequency, as long as pitch and loss
-/// rest. At least `least_delay` frames lie between in and out for all parameters. Source: J. O. Smith,
-/// Physical Audio Signal Processing, W3K, 2010.
+/// `tactus_waveguide_step` for many frames.
 class WaveLine : public DesignedLine {
  public:
-  /// The range of its pitch; others are clamped to these and to [10 Hz, 0.2 fs].
+  /// The range of its pitch.
   struct Pitches {
     double lowest, highest;
   };
-  static constexpr double kMostGain = 1;
-  /// What a network's port takes to answer.
-  static constexpr double kPortFrames = 1.0;
   using DesignedLine::kMostFrames;
 
   /// [control] Allocates for the lowest pitch.
-  WaveLine(LossFilter filter, FarEnd end, Hertz sample_rate, Pitches pitches);
+  WaveLine(LossFilter filter, FarEnd end, Hertz sample_rate, Pitches pitches)
+      : WaveLine(filter,
+                 tactus_waveguide_between(pitches.lowest, pitches.highest, filter == LossFilter::OnePole,
+                                          end == FarEnd::Fixed, sample_rate.value)) {}
 
   /// [realtime] At the start of a group only (see Recurrence). Does nothing when nothing changed.
-  void tune(const StringParameters& parameters) noexcept;
+  void tune(const StringParameters& parameters) noexcept {
+    if (changed(parameters)) set(designed(parameters));
+  }
   /// [realtime] What goes in.
   void write(const double* in, int frames) noexcept { line_.write(in, frames); }
   /// [realtime] What comes back, beginning `written` frames before the last that was written. `position` is
   /// the group_position of the first frame. Not before the line's delay: frames - written <= least_delay().
-  void read(double* out, int frames, int written, int position) noexcept;
-  int least_delay() const noexcept { return least_; }
-  int most_delay() const noexcept { return most_; }
+  void read(double* out, int frames, int written, int position) noexcept {
+    tap_sums(newest_tap(written), design_.taps, nullptr, out, frames);
+    if (filter_ == LossFilter::OnePole) losses_.run(out, out, frames, position);
+  }
+  int least_delay() const noexcept { return guide_.least; }
+  int most_delay() const noexcept { return guide_.most; }
   /// [any] out / in at any z^-1.
-  std::complex<double> response(const StringParameters& parameters, std::complex<double> delay) const;
+  std::complex<double> response(const StringParameters& parameters, std::complex<double> delay) const {
+    return designed(parameters).loop(delay);
+  }
 
  private:
-  StringDesign designed(const StringParameters& parameters) const;
+  WaveLine(LossFilter filter, const tactus_waveguide& guide)
+      : DesignedLine(filter, guide.most + kMostFrames + StringDesign::kTaps), guide_(guide) {
+    set(designed(parameters_));
+  }
+  StringDesign designed(const StringParameters& p) const {
+    return StringDesign{tactus_waveguide_design(&guide_, p.pitch_hz, p.gain, p.loss)};
+  }
 
-  double sign_;
-  Hertz sample_rate_;
-  Pitches pitches_;
-  int least_, most_;
+  tactus_waveguide guide_;
 };
 
 }  // namespace tactus

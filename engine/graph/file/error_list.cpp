@@ -1,7 +1,7 @@
 #include "engine/graph/file/error_list.h"
 
 #include <algorithm>
-#include <charconv>
+#include <cstdlib>
 #include <iterator>
 #include <set>
 #include <tuple>
@@ -12,30 +12,11 @@
 namespace tactus {
 namespace {
 
-struct Place {
-  std::string_view file;
-  int line = 0;
-  int column = 0;
-
-  auto key() const { return std::tie(file, line, column); }
-};
-
-/// Takes ":12" off the end of `text`; 0 if there is none.
-int take_number(std::string_view& text) {
-  const auto colon = text.rfind(':');
-  if (colon == text.npos) return 0;
-  int number = 0;
-  const auto* const end = text.data() + text.size();
-  const auto parsed = std::from_chars(text.data() + colon + 1, end, number);
-  if (parsed.ec != std::errc{} || parsed.ptr != end) return 0;
-  text = text.substr(0, colon);
-  return number;
-}
-
-Place place_of(std::string_view where) {
-  const int last = take_number(where);
-  const int before = take_number(where);
-  return {where, before, last};
+/// File, line and column of "file:line:column".
+std::tuple<std::string, int, int> place_of(const std::string& where) {
+  const auto column = where.rfind(':'), line = column == where.npos ? column : where.rfind(':', column - 1);
+  if (line == where.npos) return {where, 0, 0};
+  return {where.substr(0, line), std::atoi(where.c_str() + line + 1), std::atoi(where.c_str() + column + 1)};
 }
 
 // A longer name is not a misspelling, and a comparison costs the product of the lengths.
@@ -67,8 +48,8 @@ std::size_t distance(std::string_view a, std::string_view b) {
 void sort_by_place(std::vector<Error>& errors, std::string_view first) {
   std::stable_sort(errors.begin(), errors.end(), [first](const Error& a, const Error& b) {
     const auto at = place_of(a.where), bt = place_of(b.where);
-    if ((at.file == first) != (bt.file == first)) return at.file == first;
-    return at.key() < bt.key();
+    const bool a_first = std::get<0>(at) == first, b_first = std::get<0>(bt) == first;
+    return a_first != b_first ? a_first : at < bt;
   });
 }
 
@@ -117,9 +98,12 @@ void ErrorList::add(std::vector<Error> errors) {
 
 void ErrorList::unknown_keys(const Value::Table& table, std::span<const std::string> known,
                              const std::string& owner) {
-  const std::unordered_set<std::string_view> names(known.begin(), known.end());
+  constexpr std::size_t kMany = 32;  // from here on a table of them pays
+  std::unordered_set<std::string_view> names;
+  if (known.size() > kMany) names.insert(known.begin(), known.end());
   for (const auto& field : table)
-    if (!names.contains(field.key))
+    if (known.size() > kMany ? !names.contains(field.key)
+                             : std::find(known.begin(), known.end(), field.key) == known.end())
       add(Errc::UnknownName, field.at,
           (owner.empty() ? "unknown key '" : owner + " has no '") + field.key + "'",
           suggest(field.key, known));

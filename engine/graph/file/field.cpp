@@ -19,7 +19,7 @@ std::optional<double> read_whole(const Value& value, const FieldType& field, dou
   errors.add(number ? Errc::OutOfRange : Errc::WrongType, value.at,
              key_of(field.key, owner) +
                  (whole ? " cannot be " + short_number(*number) : std::string{" must be a whole number"}),
-             std::isinf(high) ? "write it without quotes and without a point"
+             std::isinf(high) ? "write it without quotes and without a decimal point"
                               : "give one from " + std::to_string(std::llround(field.low)) + " to " +
                                     std::to_string(std::llround(high)));
   return std::nullopt;
@@ -45,29 +45,18 @@ FieldType text_field(std::string key, std::string doc, std::string fallback) {
 }
 FieldType quantity_field(std::string key, std::string unit, double low, double high, std::string doc,
                          std::string fallback) {
-  return {.key = std::move(key),
-          .kind = FieldType::Kind::Quantity,
-          .doc = std::move(doc),
-          .unit = std::move(unit),
-          .low = low,
-          .high = high,
-          .fallback = std::move(fallback)};
+  return {std::move(key), FieldType::Kind::Quantity, std::move(doc), std::move(unit), low,
+          high,           std::move(fallback)};
 }
 FieldType whole_field(std::string key, double low, double high, std::string doc, std::string fallback) {
-  return {.key = std::move(key),
-          .kind = FieldType::Kind::Whole,
-          .doc = std::move(doc),
-          .low = low,
-          .high = high,
-          .fallback = std::move(fallback)};
+  return {std::move(key), FieldType::Kind::Whole, std::move(doc), {}, low, high, std::move(fallback)};
 }
 FieldType choice_field(std::string key, std::vector<std::string> choices, std::string doc,
                        std::string fallback) {
-  return {.key = std::move(key),
-          .kind = FieldType::Kind::Choice,
-          .doc = std::move(doc),
-          .fallback = std::move(fallback),
-          .choices = std::move(choices)};
+  auto made = text_field(std::move(key), std::move(doc), std::move(fallback));
+  made.kind = FieldType::Kind::Choice;
+  made.choices = std::move(choices);
+  return made;
 }
 FieldType section_field(std::string key, const SectionType& inside) {
   return {.key = std::move(key), .kind = FieldType::Kind::Section, .doc = inside.doc, .inside = &inside};
@@ -152,9 +141,16 @@ std::string FieldReader::text(std::string_view key) { return errors_.text(table_
 std::optional<double> FieldReader::number(std::string_view key, double most) {
   const auto& field = section_[key];
   const double high = std::min(field.high, most);
-  if (field.kind != FieldType::Kind::Whole)
-    return read_bounded(table_, field.key, field.unit, field.low, high, errors_, owner_);
-  return has(key) ? read_whole(*value(key), field, high, errors_, owner_) : std::nullopt;
+  const auto* found = value(key);
+  if (found == nullptr) return std::nullopt;
+  if (field.kind == FieldType::Kind::Whole) return read_whole(*found, field, high, errors_, owner_);
+  const auto unit = parse_unit(field.unit).value_or(Unit{});
+  const auto number = read_quantity(*found, unit, field.key);
+  if (errors_.keep(number) == nullptr) return std::nullopt;
+  if (*number >= field.low && *number <= high) return *number;
+  errors_.add(Errc::OutOfRange, found->at, key_of(key, owner_) + " cannot be " + in_unit(*number, unit),
+              limits_text(field.low, high, unit));
+  return std::nullopt;
 }
 
 std::optional<QuantityValue> FieldReader::any(std::string_view key) {
@@ -191,7 +187,7 @@ std::optional<Interval> FieldReader::range(std::string_view key, const Unit& uni
   const std::string name{key};
   const auto* list = found->list();
   if (list == nullptr || list->size() != 2) {
-    errors_.add(Errc::WrongType, found->at, key_of(key, owner_) + " must have two ends",
+    errors_.add(Errc::WrongType, found->at, key_of(key, owner_) + " must have two limits",
                 "write " + name + " = [low, high]");
     return std::nullopt;
   }
@@ -200,8 +196,8 @@ std::optional<Interval> FieldReader::range(std::string_view key, const Unit& uni
   errors_.keep(high);
   if (!low || !high) return std::nullopt;
   if (*low <= *high) return Interval{*low, *high};
-  errors_.add(Errc::OutOfRange, found->at, key_of(key, owner_) + " has its ends in the wrong order",
-              "write the lower end first");
+  errors_.add(Errc::OutOfRange, found->at, key_of(key, owner_) + " has its limits in the wrong order",
+              "write the lower limit first");
   return std::nullopt;
 }
 
@@ -211,19 +207,6 @@ std::pair<std::optional<double>, std::optional<double>> FieldReader::window(Seco
   if (from && to && *from >= *to)
     errors_.add(Errc::OutOfRange, value("to")->at, "'to' does not come after 'from'", "swap them");
   return {from, to};
-}
-
-std::optional<double> read_bounded(const Value::Table& table, const std::string& key, const std::string& unit,
-                                   double low, double high, ErrorList& errors, const std::string& owner) {
-  const auto* value = find(table, key);
-  if (value == nullptr) return std::nullopt;
-  const auto of = parse_unit(unit).value_or(Unit{});
-  const auto number = read_quantity(*value, of, key);
-  if (errors.keep(number) == nullptr) return std::nullopt;
-  if (*number >= low && *number <= high) return *number;
-  errors.add(Errc::OutOfRange, value->at, key_of(key, owner) + " cannot be " + in_unit(*number, of),
-             limits_text(low, high, of));
-  return std::nullopt;
 }
 
 }  // namespace tactus

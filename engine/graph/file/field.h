@@ -126,8 +126,4 @@ class FieldReader {
   std::string owner_;
 };
 
-/// A quantity called `key` from `low` to `high` (SI); nothing if it is left out or wrong.
-std::optional<double> read_bounded(const Value::Table& table, const std::string& key, const std::string& unit,
-                                   double low, double high, ErrorList& errors, const std::string& owner = {});
-
 }  // namespace tactus

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -11,6 +12,21 @@
 namespace tactus {
 namespace {
 
+namespace fs = std::filesystem;
+
+bool inside(const fs::path& path, const fs::path& root) {
+  const auto relative = path.lexically_relative(root);
+  return !relative.empty() && *relative.begin() != "..";
+}
+
+std::vector<std::string> files_in(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (fs::directory_iterator entry{folder, error}, end; !error && entry != end; entry.increment(error))
+    names.push_back(entry->path().filename().string());
+  return names;
+}
+
 using Spec = std::shared_ptr<const GraphSpec>;
 
 // Nobody nests parts so deep; each level costs stack.
@@ -19,7 +35,7 @@ constexpr std::size_t kLoadMaxDepth = 32;
 /// Reads a file and all that it uses, each file once.
 class Loader {
  public:
-  Loader(const std::filesystem::path& file, const std::filesystem::path& root)
+  Loader(const fs::path& file, const fs::path& root)
       : root_(root.empty() ? file.parent_path() : root),
         errors_(Source{std::make_shared<const std::string>(file.string()), 0, 0}) {}
 
@@ -38,12 +54,12 @@ class Loader {
     return spec;
   }
 
-  std::vector<Error> take_mistakes() { return errors_.take(); }
+  std::vector<Error> take_errors() { return errors_.take(); }
   std::map<std::string, std::string> take_texts() { return std::move(texts_); }
 
  private:
   Spec use(const NodeSpec& node) {
-    const auto folder = std::filesystem::path{open_.back().name}.parent_path();
+    const auto folder = fs::path{open_.back().name}.parent_path();
     const auto found = find_part(node.use, folder, root_, node.type_at);
     const auto* path = errors_.keep(found);
     if (path == nullptr || runs_in_circle(*path, node) || too_deep(node)) return nullptr;
@@ -62,8 +78,8 @@ class Loader {
     if (first == open_.end()) return false;
     std::string chain;
     for (auto file = first; file != open_.end(); ++file) chain += file->name + " -> ";
-    errors_.add(Errc::Cycle, node.type_at, "a file uses itself: " + chain + first->name,
-                "take one of these parts out of its file");
+    errors_.add(Errc::Cycle, node.type_at, "a file includes itself: " + chain + first->name,
+                "remove one of these parts from its file");
     return true;
   }
 
@@ -79,43 +95,61 @@ class Loader {
     std::string name;  ///< under which it was opened first
   };
 
-  std::filesystem::path root_;
+  fs::path root_;
   ErrorList errors_;
   std::vector<PartPath> open_;  ///< from the first file to the one that is being read
-  std::map<std::filesystem::path, Done> done_;
+  std::map<fs::path, Done> done_;
   std::map<std::string, std::string> texts_;  ///< by name
 };
 
-LoadedGraph read(const std::filesystem::path& file, const std::filesystem::path& root,
-                 const Result<std::string>& text) {
+LoadedGraph read(const fs::path& file, const fs::path& root, const Result<std::string>& text) {
   Loader loader{file, root};
   auto spec = loader.build({file.string(), canonical_path(file)}, text);
-  return {std::move(spec), loader.take_mistakes(), loader.take_texts()};
-}
-
-Checked<Spec> without_mistakes(LoadedGraph loaded) {
-  if (!loaded.errors.empty()) return tl::unexpected(std::move(loaded.errors));
-  return std::move(loaded.spec);
+  return {std::move(spec), loader.take_errors(), loader.take_texts()};
 }
 
 }  // namespace
 
-LoadedGraph load_graph_leniently(const std::filesystem::path& file, const std::filesystem::path& root) {
+LoadedGraph load_graph_leniently(const fs::path& file, const fs::path& root) {
   return read(file, root, read_graph_text(file));
 }
 
-LoadedGraph parse_graph_leniently(std::string_view text, const std::string& file_name,
-                                  const std::filesystem::path& root) {
+LoadedGraph parse_graph_leniently(std::string_view text, const std::string& file_name, const fs::path& root) {
   return read(file_name, root, std::string{text});
 }
 
-Checked<Spec> load_graph(const std::filesystem::path& file, const std::filesystem::path& root) {
-  return without_mistakes(load_graph_leniently(file, root));
+Checked<Spec> load_graph(const fs::path& file, const fs::path& root) {
+  auto loaded = load_graph_leniently(file, root);
+  if (!loaded.errors.empty()) return tl::unexpected(std::move(loaded.errors));
+  return std::move(loaded.spec);
 }
 
-Checked<Spec> parse_graph(std::string_view text, const std::string& file_name,
-                          const std::filesystem::path& root) {
-  return without_mistakes(parse_graph_leniently(text, file_name, root));
+fs::path canonical_path(const fs::path& path) {
+  std::error_code error;
+  const auto absolute = fs::absolute(path.empty() ? fs::path{"."} : path, error);
+  const auto resolved = fs::weakly_canonical(absolute, error);
+  return error ? absolute.lexically_normal() : resolved;
+}
+
+Result<PartPath> find_part(const std::string& use, const fs::path& folder, const fs::path& root,
+                           const Source& at) {
+  const fs::path given{use};
+  if (given.has_root_path())
+    return fail(Errc::OutOfRange, at.text(), "'" + use + "' is an absolute path",
+                "give the path relative to this file");
+  // The shortened path is the one that is checked and opened: behind a link, '..' would lead elsewhere.
+  const auto path = (folder / given).lexically_normal();
+  const PartPath part{path.string(), canonical_path(path)};
+  const auto top = canonical_path(root);
+  if (!inside(part.canonical, top))
+    return fail(Errc::OutOfRange, at.text(),
+                "'" + use + "' is outside the folder '" + top.filename().string() + "'",
+                "keep the files of an instrument inside it");
+  std::error_code error;
+  if (fs::exists(part.canonical, error)) return part;
+  return fail(Errc::BadFile, at.text(), "there is no file '" + part.name + "'",
+              suggest(part.canonical.filename().string(), files_in(part.canonical.parent_path()),
+                      "paths are relative to this file"));
 }
 
 }  // namespace tactus

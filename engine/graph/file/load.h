@@ -2,7 +2,6 @@
 
 // Thread: [control]
 
-#include <cstddef>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -21,15 +20,6 @@ Result<Value::Table> load_toml(const std::filesystem::path& file);
 Result<Value::Table> parse_toml(std::string_view text, const std::string& file_name);
 /// The text of such a file, at most as long as one may be. Errors: BadFile.
 Result<std::string> read_graph_text(const std::filesystem::path& file);
-
-inline constexpr std::size_t kMaxFileBytes = 16u << 20;
-inline constexpr std::size_t kMaxTomlDepth = 64;
-inline constexpr std::size_t kMaxTomlValues = 250'000;
-
-/// What a text must satisfy before a recursive TOML parser may see it: at most 16 MB, valid UTF-8, brackets
-/// and dots of keys at most 64 deep, at most 250000 values (counted by '=', commas and '['). Errors: Syntax,
-/// with the place.
-Status check_toml_limits(std::string_view text, const Source& file);
 
 /// Where a path of a graph file leads.
 struct PartPath {
@@ -65,10 +55,8 @@ LoadedGraph load_graph_leniently(const std::filesystem::path& file, const std::f
 LoadedGraph parse_graph_leniently(std::string_view text, const std::string& file_name,
                                   const std::filesystem::path& root = {});
 
-/// The same for those who only want a graph whose text is right.
+/// A graph whose text is right.
 Checked<std::shared_ptr<const GraphSpec>> load_graph(const std::filesystem::path& file,
                                                      const std::filesystem::path& root = {});
-Checked<std::shared_ptr<const GraphSpec>> parse_graph(std::string_view text, const std::string& file_name,
-                                                      const std::filesystem::path& root = {});
 
 }  // namespace tactus

@@ -16,7 +16,7 @@ std::string example_of(const Dimension& dimension) {
                                            "10 V",     "6 T m",     "0.2 A"};
   for (const auto* text : kExamples)
     if (parse_quantity(text)->unit.dimension == dimension) return std::string{"\""} + text + "\"";
-  return dimension.plain() ? "a plain number, such as 0.5" : "a quantity in " + to_string(dimension);
+  return dimension.plain() ? "a number without a unit, such as 0.5" : "a quantity in " + to_string(dimension);
 }
 
 /// It has the form of a quantity, whatever the size of its number.
@@ -73,17 +73,16 @@ Result<QuantityValue> read_quantity(const Value& value) {
   if (const auto* number = value.number()) return QuantityValue{*number, {}, true};
   const auto* text = value.text();
   if (text == nullptr)
-    return fail(Errc::WrongType, value.at.text(), "a quantity cannot be " + value.kind(),
+    return fail(Errc::WrongType, value.at.text(), "a number with a unit cannot be " + value.kind(),
                 "give a number, or a number with its unit in quotes, such as \"15 ms\"");
   const auto quantity = parse_quantity(*text);
   if (!quantity && has_number_and_unit(*text))
     return fail(Errc::OutOfRange, value.at.text(), "'" + *text + "' is not finite",
-                "give a number that is, in SI units, below 1e300");
+                "give a number below 1e300 in SI units");
   if (!quantity)
-    return fail(Errc::Syntax, value.at.text(), "'" + *text + "' is not a quantity",
+    return fail(Errc::Syntax, value.at.text(), "'" + *text + "' is not a number with a unit",
                 "write a number and its unit, such as \"15 ms\"");
-  const bool bare = text->find_first_not_of("+-0123456789.eE ") == std::string::npos;
-  return QuantityValue{quantity->si, quantity->unit, bare};
+  return *quantity;
 }
 
 Result<double> read_quantity(const Value& value, const Unit& expected, const std::string& what) {

@@ -11,12 +11,6 @@
 namespace tactus {
 
 /// A number (bare) or a quantity in a string, as written in a graph file.
-struct QuantityValue {
-  double si = 0;
-  Unit unit;
-  bool bare = false;  ///< no unit given: counts in SI
-};
-
 Result<QuantityValue> read_quantity(const Value& value);
 /// The same in SI, checked against what is `expected`: "'12 mm' is in m, but 'time' is in s; give a time …".
 Result<double> read_quantity(const Value& value, const Unit& expected, const std::string& what);

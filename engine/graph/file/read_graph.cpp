@@ -24,7 +24,7 @@ bool check_keys(const Value::Table& table, ErrorList& errors) {
   errors.unknown_keys(unknown, keys);
   for (const auto& field : table)
     if (among(kSceneKeys, field.key))
-      errors.add(Errc::UnknownName, field.at, "'" + field.key + "' belongs in a scene, and this is a graph",
+      errors.add(Errc::UnknownName, field.at, "'" + field.key + "' is a key of scenes, but this is a graph",
                  "move it to the scene's file");
   return std::all_of(unknown.begin(), unknown.end(),
                      [&](const Field& field) { return among(keys, field.key); });
@@ -47,7 +47,7 @@ std::string take_text(NodeSpec& node, std::string_view key, ErrorList& errors) {
   if (value == nullptr) return {};
   const auto text = errors.text(node.fields, key);
   if (value->text() != nullptr && text.empty())
-    errors.add(Errc::Missing, value->at, "'" + std::string{key} + "' is empty", "name something");
+    errors.add(Errc::Missing, value->at, "'" + std::string{key} + "' is empty", "give a name");
   node.type_at = value->at;
   std::erase_if(node.fields, [&](const Field& field) { return field.key == key; });
   return text;
@@ -58,8 +58,8 @@ std::string remedy_for(const Value::Table& fields) {
   static const std::vector<std::string> kKeys = {"type", "use"};
   for (const auto& field : fields)
     if (const auto nearest = nearest_name(field.key, kKeys); !nearest.empty())
-      return "is '" + field.key + "' meant as '" + nearest + "'?";
-  return "name a node type, as in type = \"low_pass\", or the file of a part, as in use = \"string.toml\"";
+      return "is '" + field.key + "' a misspelling of '" + nearest + "'?";
+  return "give a node type, as in type = \"low_pass\", or the file of a part, as in use = \"string.toml\"";
 }
 
 NodeSpec read_node(const Field& field, ErrorList& errors) {
@@ -98,12 +98,12 @@ NodeSpec read_element(const Field& field, const std::string& network, ErrorList&
   return element;
 }
 
-NetworkSpec read_network(const EntrySpec& entry, ErrorList& errors) {
-  NetworkSpec network{entry.name, entry.at, {}, {}, entry.broken};
+NetworkSpec read_network(EntrySpec entry, ErrorList& errors) {
+  NetworkSpec network{{entry.name, entry.at, {}, entry.broken}, {}};
   NameSpace names;
-  for (const auto& field : entry.fields) {
+  for (auto& field : entry.fields) {
     if (field.value.table() == nullptr) {
-      network.options.push_back(field);
+      network.fields.push_back(std::move(field));
       continue;
     }
     names.add(field.key, "an element", field.at, errors);
@@ -130,59 +130,60 @@ void check_names(const GraphSpec& spec, ErrorList& errors) {
 
 std::vector<FieldType> heading_fields() {
   using Kind = FieldType::Kind;
-  return {required(field("format", Kind::Format, "of the file")), field("name", Kind::Prose, "for people"),
-          field("about", Kind::Prose, "for people: what it does"),
-          field("source", Kind::Prose, "for people: where it comes from")};
+  return {required(field("format", Kind::Format, "format of the file, 1")),
+          field("name", Kind::Prose, "name for the user"), field("about", Kind::Prose, "description"),
+          field("source", Kind::Prose, "origin")};
 }
 
 namespace {
+
 FieldType unit_field() {
   return text_field("unit", "\"m/s\", \"N/m\", \"ms\", \"dB\", \"full scale\"", "a plain number");
 }
-}  // namespace
-
 const SectionType& input_fields() {
   static const SectionType section{
-      "an input", {unit_field(), about_field(), whole_field("lanes", 1, 1024, "lanes", "1")}};
+      "an input", {unit_field(), about_field(), whole_field("lanes", 1, 1024, "number of lanes", "1")}};
   return section;
 }
 
 const SectionType& control_fields() {
   static const SectionType section{
-      "what the player sets",
-      {required(field("value", FieldType::Kind::Any, "where it starts")),
-       field("range", FieldType::Kind::Range, "lowest and highest value"), unit_field(),
-       quantity_field("smooth", "s", 0, kUnlimited, "time in which it reaches a new value", "10 ms"),
-       about_field()}};
+      "controls of the player",
+      {required(field("value", FieldType::Kind::Any, "initial value")),
+       field("range", FieldType::Kind::Range, "minimum and maximum value"), unit_field(),
+       quantity_field("smooth", "s", 0, kUnlimited, "ramp time to a new value", "10 ms"), about_field()}};
   return section;
 }
 
 const SectionType& output_fields() {
   static const SectionType section{
       "an output",
-      {required(field("from", FieldType::Kind::Signal, "an expression")),
-       choice_field("kind", {"drive", "audio"}, "for a hand or for the ears", "drive"), unit_field(),
-       about_field()}};
+      {required(field("from", FieldType::Kind::Signal, "source, an expression")),
+       choice_field("kind", {"drive", "audio"}, "drive: to an actuator; audio: for listening", "drive"),
+       unit_field(), about_field()}};
   return section;
 }
 
-namespace {
-FieldType voices_field() { return whole_field("voices", 1, 1024, "how many lanes", "1"); }
+FieldType voices_field() { return whole_field("voices", 1, 1024, "number of lanes", "1"); }
 }  // namespace
 
 const SectionType& node_fields() {
   static const SectionType section{
-      "a node of a type", {required(text_field("type", "of the node")), voices_field(), about_field()}};
+      "a node of a given type",
+      {required(text_field("type", "type of the node")), voices_field(), about_field()}};
   return section;
 }
 
 const SectionType& part_fields() {
   static const SectionType section{
-      "a graph file as a node; its inputs and controls are wired by name",
-      {required(text_field("use", "path of the file, from this one")), voices_field(),
-       text_field("rate", "of its own: a fraction, \"1/16\", or \"3 kHz\"", "that around it"),
-       choice_field("take", {"last", "mean"}, "what a frame at that rate is given", "last"),
-       choice_field("between", {"hold", "line"}, "what goes out between two of them", "hold"),
+      "a graph file used as a node; its inputs and controls are connected by name",
+      {required(text_field("use", "path of the file, relative to this file")), voices_field(),
+       text_field("rate", "sample rate of the part: a fraction, such as \"1/16\", or \"3 kHz\"",
+                  "that of the enclosing graph"),
+       choice_field("take", {"last", "mean"}, "input of a frame at that rate: the last value or the mean",
+                    "last"),
+       choice_field("between", {"hold", "line"}, "output between two of its frames: held or interpolated",
+                    "hold"),
        about_field()}};
   return section;
 }
@@ -191,12 +192,12 @@ const SectionType& graph_fields() {
   using Kind = FieldType::Kind;
   static const SectionType delay{
       "system delay",
-      {field("tested", Kind::Range, "shortest and longest that the instrument was tested with")}};
+      {field("tested", Kind::Range, "shortest and longest delay that the instrument was tested with")}};
   static const SectionType section{
-      "an instrument, a plant or a part",
+      "a graph file: an instrument, a plant or a part",
       joined(heading_fields(),
-             {entries_field("inputs", input_fields(), "sensors, or what a part is given"),
-              entries_field("controls", control_fields(), "what the player sets"),
+             {entries_field("inputs", input_fields(), "sensors, or the inputs of a part"),
+              entries_field("controls", control_fields(), "controls of the player"),
               {.key = "nodes",
                .kind = Kind::Reference,
                .doc = "`tactus nodes` explains each type",
@@ -205,7 +206,7 @@ const SectionType& graph_fields() {
                .kind = Kind::Reference,
                .doc = "`tactus nodes network` explains the elements",
                .unit = "network"},
-              entries_field("outputs", output_fields(), "drives and sound, or what a part gives"),
+              entries_field("outputs", output_fields(), "drives and sound, or the outputs of a part"),
               section_field("delay", delay)})};
   return section;
 }
@@ -216,7 +217,7 @@ void check_format(const Value::Table& table, const Source& file, ErrorList& erro
     return errors.add(Errc::Missing, {file.file, 1, 1}, "'format' is missing",
                       "begin the file with format = 1");
   if (format->number() == nullptr || *format->number() != 1.0)
-    errors.add(Errc::OutOfRange, format->at, "this format is not known", "write format = 1");
+    errors.add(Errc::OutOfRange, format->at, "this format is unknown", "write format = 1");
 }
 
 const Value::Table* read_section(const Value::Table& table, const std::string& section, ErrorList& errors) {
@@ -244,66 +245,13 @@ std::vector<EntrySpec> read_entries(const Value::Table& table, const std::string
   return entries;
 }
 
-GraphSpec read_graph(const Value::Table& table, const Source& file, ErrorList& errors) {
-  GraphSpec spec;
-  spec.file = file;
-  check_format(table, file, errors);
-  spec.incomplete = !check_keys(table, errors) || !sections_are_tables(table);
-  spec.name = errors.text(table, "name");
-  spec.about = errors.text(table, "about");
-  spec.source = errors.text(table, "source");
-  spec.inputs = read_entries(table, "inputs", "{ unit = \"full scale\" }", errors);
-  spec.controls = read_entries(table, "controls", "{ value = 0.5, range = [0, 1] }", errors);
-  spec.outputs = read_entries(table, "outputs", "{ from = \"node\" }", errors);
-  if (const auto* nodes = read_section(table, "nodes", errors))
-    for (const auto& field : *nodes) spec.nodes.push_back(read_node(field, errors));
-  for (const auto& entry : read_entries(table, "networks", "{ mass = { type = \"mass\" } }", errors))
-    spec.networks.push_back(read_network(entry, errors));
-  if (const auto* delay = read_section(table, "delay", errors))
-    spec.delay = EntrySpec{"delay", find(table, "delay")->at, *delay};
-  check_names(spec, errors);
-  return spec;
-}
-
-// ---- entries
-
 namespace {
 
 std::string owner_of(const char* kind, const EntrySpec& entry) {
   return std::string{kind} + " '" + entry.name + "'";
 }
 
-/// Where the control starts, and by its unit the control's. False after an error.
-bool read_value(const EntrySpec& entry, FlatControl& control, ErrorList& errors) {
-  const auto* value = find(entry.fields, "value");
-  if (value == nullptr) {
-    errors.add(Errc::Missing, entry.at, "control '" + entry.name + "' lacks 'value'",
-               "give its start value, as in value = 0.5");
-    return false;
-  }
-  const bool unit_given = find(entry.fields, "unit") != nullptr;
-  if (unit_given && errors.keep(read_quantity(*value, control.unit, "value")) == nullptr) return false;
-  const auto quantity = read_quantity(*value);
-  if (!quantity) return errors.add(quantity.error()), false;
-  control.value = quantity->si;
-  if (!quantity->bare) control.unit = quantity->unit;
-  control.decibel = control.unit.decibel;
-  return true;
-}
-
-void read_range(const EntrySpec& entry, FieldReader& fields, FlatControl& control, ErrorList& errors) {
-  const auto range = fields.range("range", control.unit);
-  if (!range) return;
-  control.range = *range;
-  if (!range->contains(control.value))
-    errors.add(Errc::OutOfRange, fields.value("value")->at,
-               "control '" + entry.name + "' starts at " + in_unit(control.value, control.unit) +
-                   ", which is outside its range",
-               limits_text(range->low, range->high, control.unit));
-}
-
-}  // namespace
-
+/// The field `unit`: plain if it is left out, nothing after an error.
 std::optional<Unit> read_unit(const EntrySpec& entry, ErrorList& errors) {
   constexpr const char* kUnits = "write units as \"m/s\", \"N/m\", \"ms\", \"dB\" or \"full scale\"";
   const auto* value = find(entry.fields, "unit");
@@ -317,39 +265,100 @@ std::optional<Unit> read_unit(const EntrySpec& entry, ErrorList& errors) {
   return unit;
 }
 
-FlatInput read_input(const EntrySpec& entry, ErrorList& errors) {
-  FieldReader fields{entry.fields, input_fields(), errors, owner_of("input", entry)};
-  return {entry.name, static_cast<int>(fields.number("lanes").value_or(1)), {}};
+void set_unit(PortSpec& port, ErrorList& errors) {
+  const auto unit = read_unit(port, errors);
+  port.unit_known = unit.has_value();
+  if (unit) port.dimension = unit->dimension;
 }
 
-ReadControl read_control(const EntrySpec& entry, ErrorList& errors) {
-  FieldReader fields{entry.fields, control_fields(), errors, owner_of("control", entry)};
-  ReadControl read;
+PortSpec read_input(EntrySpec entry, ErrorList& errors) {
+  PortSpec input{std::move(entry)};
+  FieldReader fields{input.fields, input_fields(), errors, owner_of("input", input)};
+  set_unit(input, errors);
+  input.lanes = static_cast<int>(fields.number("lanes").value_or(1));
+  return input;
+}
+
+PortSpec read_output(EntrySpec entry, ErrorList& errors) {
+  PortSpec output{std::move(entry)};
+  FieldReader fields{output.fields, output_fields(), errors, owner_of("output", output)};
+  set_unit(output, errors);
+  output.use = fields.choice("kind") == 1 ? OutputUse::Audio : OutputUse::Drive;
+  return output;
+}
+
+/// Where the control starts, and by its unit the control's. False after an error.
+bool read_value(const ControlSpec& entry, FlatControl& control, ErrorList& errors) {
+  const auto* value = find(entry.fields, "value");
+  if (value == nullptr) {
+    errors.add(Errc::Missing, entry.at, "control '" + entry.name + "' lacks 'value'",
+               "give its initial value, as in value = 0.5");
+    return false;
+  }
+  const bool unit_given = find(entry.fields, "unit") != nullptr;
+  if (unit_given && errors.keep(read_quantity(*value, control.unit, "value")) == nullptr) return false;
+  const auto quantity = read_quantity(*value);
+  if (!quantity) return errors.add(quantity.error()), false;
+  control.value = quantity->si;
+  if (!quantity->bare) control.unit = quantity->unit;
+  return true;
+}
+
+void read_range(FieldReader& fields, FlatControl& control, ErrorList& errors) {
+  const auto range = fields.range("range", control.unit);
+  if (!range) return;
+  control.range = *range;
+  if (!range->contains(control.value))
+    errors.add(Errc::OutOfRange, fields.value("value")->at,
+               "control '" + control.name + "' starts at " + in_unit(control.value, control.unit) +
+                   ", which is outside its range",
+               limits_text(range->low, range->high, control.unit));
+}
+
+ControlSpec read_control(EntrySpec entry, ErrorList& errors) {
+  ControlSpec read{std::move(entry)};
   auto& control = read.control;
-  control.name = entry.name;
-  const auto unit = read_unit(entry, errors);
+  control.name = read.name;
+  read.unit_known = !read.broken;
+  if (read.broken) return read;
+  FieldReader fields{read.fields, control_fields(), errors, owner_of("control", read)};
+  const auto unit = read_unit(read, errors);
   if (unit) control.unit = *unit;
-  read.unit_known = unit && read_value(entry, control, errors);
-  if (read.unit_known) read_range(entry, fields, control, errors);
+  read.unit_known = unit && read_value(read, control, errors);
+  if (read.unit_known) read_range(fields, control, errors);
   control.smooth_s = fields.number("smooth").value_or(control.smooth_s);
   return read;
 }
 
-OutputUse read_use(const EntrySpec& entry, ErrorList& errors) {
-  FieldReader fields{entry.fields, output_fields(), errors, FieldReader::kKeysChecked,
-                     owner_of("output", entry)};
-  return fields.choice("kind").value_or(0) == 1 ? OutputUse::Audio : OutputUse::Drive;
+/// The table called `section`, each of its entries read by `read`.
+template <class Read>
+void read_all(const Value::Table& table, const char* section, const char* example,
+              Read (*read)(EntrySpec, ErrorList&), std::vector<Read>& specs, ErrorList& errors) {
+  for (auto& entry : read_entries(table, section, example, errors))
+    specs.push_back(read(std::move(entry), errors));
 }
 
-std::optional<Interval> tested_delays(const GraphSpec& graph, ErrorList& errors) {
-  if (!graph.delay) return std::nullopt;
-  FieldReader fields{graph.delay->fields, *graph_fields()["delay"].inside, errors, "[delay]"};
-  return fields.range("tested", *parse_unit("s"));
-}
+}  // namespace
 
-std::optional<Interval> tested_delays(const GraphSpec& graph) {
-  ErrorList reported_elsewhere{graph.file};
-  return tested_delays(graph, reported_elsewhere);
+GraphSpec read_graph(const Value::Table& table, const Source& file, ErrorList& errors) {
+  GraphSpec spec;
+  spec.file = file;
+  check_format(table, file, errors);
+  spec.incomplete = !check_keys(table, errors) || !sections_are_tables(table);
+  spec.name = errors.text(table, "name");
+  spec.about = errors.text(table, "about");
+  spec.source = errors.text(table, "source");
+  read_all(table, "inputs", "{ unit = \"full scale\" }", read_input, spec.inputs, errors);
+  read_all(table, "controls", "{ value = 0.5, range = [0, 1] }", read_control, spec.controls, errors);
+  read_all(table, "outputs", "{ from = \"node\" }", read_output, spec.outputs, errors);
+  if (const auto* nodes = read_section(table, "nodes", errors))
+    for (const auto& field : *nodes) spec.nodes.push_back(read_node(field, errors));
+  read_all(table, "networks", "{ mass = { type = \"mass\" } }", read_network, spec.networks, errors);
+  if (const auto* delay = read_section(table, "delay", errors))
+    spec.tested = FieldReader{*delay, *graph_fields()["delay"].inside, errors, "[delay]"}.range(
+        "tested", *parse_unit("s"));
+  check_names(spec, errors);
+  return spec;
 }
 
 }  // namespace tactus

@@ -10,15 +10,34 @@
 
 #include "engine/core/error.h"
 #include "engine/graph/file/value.h"
+#include "engine/graph/semantics/flat_graph.h"
 
 namespace tactus {
 
-/// Named things of a file with all their fields still as written; names are checked, meanings are not.
+/// A named thing of a file, with its fields as written.
 struct EntrySpec {
   std::string name;
   Source at;
   Value::Table fields;
   bool broken = false;  ///< its own error was reported; its meaning is unknown
+};
+
+/// An input or an output: the unit, and what else its fields mean.
+struct PortSpec : EntrySpec {
+  int lanes = 1;
+  OutputUse use = OutputUse::Drive;
+  Dimension dimension = {};
+  bool unit_known = true;  ///< false: an error left it open
+
+  /// The unit that the file gives; nothing if it gives none, or after an error.
+  std::optional<Dimension> declared() const {
+    return unit_known && find(fields, "unit") != nullptr ? std::optional{dimension} : std::nullopt;
+  }
+};
+
+struct ControlSpec : EntrySpec {
+  FlatControl control = {};
+  bool unit_known = true;  ///< as of a port
 };
 
 struct NodeSpec : EntrySpec {
@@ -28,23 +47,20 @@ struct NodeSpec : EntrySpec {
   Source type_at;
 };
 
-/// `[networks.name]`: its options ("solver", "oversample") and its elements, as written.
-struct NetworkSpec {
-  std::string name;
-  Source at;
-  Value::Table options;            ///< fields that are not tables
+/// `[networks.name]`, with its options ("solver", "oversample") as fields.
+struct NetworkSpec : EntrySpec {
   std::vector<NodeSpec> elements;  ///< name, type and fields of each element
-  bool broken = false;             ///< it or one of its elements
 };
 
-/// A graph file, read once into plain data. Nothing here was looked up yet.
+/// A graph file, read once: its document. Nothing here was looked up yet.
 struct GraphSpec {
   Source file;
   std::string name, about, source;
-  std::vector<EntrySpec> inputs, controls, outputs;
+  std::vector<PortSpec> inputs, outputs;
+  std::vector<ControlSpec> controls;
   std::vector<NodeSpec> nodes;
   std::vector<NetworkSpec> networks;
-  std::optional<EntrySpec> delay;
+  std::optional<Interval> tested;  ///< system delays between which the instrument was tested [s]
   bool incomplete = false;  ///< a section could not be read: names that are not here may be declared there
   /// Files that `use` names, by the text of `use`. A file used twice is read once.
   std::map<std::string, std::shared_ptr<const GraphSpec>> parts;

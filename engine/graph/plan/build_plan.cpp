@@ -179,7 +179,7 @@ class Builder {
     step.inputs = static_cast<int>(vertex.in.size());
     step.first_out = static_cast<int>(plan_->outputs.size());
     step.outputs = vertex.outputs;
-    const bool skips = vertex.type != nullptr && vertex.type->skips_unread;
+    const bool skips = vertex.type != nullptr && vertex.type->skips_unused_outputs;
     const auto& ports = read_[index(item.vertex)];
     for (int port = 0; port < vertex.outputs; ++port) {
       const bool read = !skips || std::find(ports.begin(), ports.end(), port) != ports.end();

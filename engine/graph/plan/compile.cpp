@@ -54,12 +54,12 @@ void set_controls(FlatGraph& flat, const std::map<std::string, ControlValue>& va
       std::vector<std::string> known;
       for (const auto& control : flat.controls) known.push_back(control.name);
       errors.add(Errc::UnknownName, {}, "there is no control '" + name + "'",
-                 known.empty() ? "this graph has none" : "this graph has " + listed(known));
+                 known.empty() ? "this graph has no controls" : "this graph has " + listed(known));
     } else if (setting.dimension && !(*setting.dimension == it->unit.dimension)) {
       errors.add(Errc::UnitMismatch, {},
-                 "control '" + name + "' is " + unit_phrase(it->unit.dimension) +
-                     ", but it is set to what is " + unit_phrase(*setting.dimension),
-                 "give it in its own unit");
+                 "control '" + name + "' is " + unit_phrase(it->unit.dimension) + ", but its new value is " +
+                     unit_phrase(*setting.dimension),
+                 "give the value in the unit of the control");
     } else if (!it->range.contains(value)) {
       errors.add(Errc::OutOfRange, {}, "control '" + name + "' cannot be set to " + in_unit(value, it->unit),
                  limits_text(it->range.low, it->range.high, it->unit));
@@ -85,9 +85,9 @@ FlatGraph flatten(const GraphSpec& spec, const NodeTable& table, const CompileOp
   infer(flat, errors);
   if (!flat.too_large && unfolded_nodes(flat) > options.most_nodes)
     errors.add(Errc::OutOfRange, spec.file,
-               "with all its lanes the graph has more than " + std::to_string(options.most_nodes) +
+               "with all lanes the graph has more than " + std::to_string(options.most_nodes) +
                    " nodes and operators",
-               "take fewer voices, or fewer parts");
+               "use fewer voices or fewer parts");
   return flat;
 }
 

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "engine/core/transpose.h"
+#include "engine/dsp/kernel.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/semantics/expression.h"
 
@@ -184,13 +185,13 @@ std::string RateConverter::about() const {
   const double half = 0.5 * (ratio_ - 1);
   if (into_) {
     const auto rate = short_quantity(fast_rate_.value / ratio_, parse_unit("Hz")->dimension);
-    if (how_ == How::Last) return "is taken once in " + frames + ", at " + rate;
-    if (how_ == How::Trigger) return "fires once in " + frames + " at most, at " + rate;
-    return "is the mean of " + frames + ", at " + rate + ": " + late(half);
+    if (how_ == How::Last) return "is sampled once per " + frames + ", at " + rate;
+    if (how_ == How::Trigger) return "triggers once in " + frames + " at most, at " + rate;
+    return "is the mean over " + frames + ", at " + rate + ": " + late(half);
   }
   if (how_ == How::Last) return "is held for " + frames + ": on average " + late(half);
-  if (how_ == How::Trigger) return "fires in the first of " + frames;
-  return "goes straight to its next value in " + frames + ": " + late(ratio_);
+  if (how_ == How::Trigger) return "triggers in the first of " + frames;
+  return "is interpolated linearly over " + frames + ": " + late(ratio_);
 }
 
 void VectorOperation::process(const NodeBlock& block) noexcept {
@@ -220,8 +221,7 @@ void LaneSum::process(const NodeBlock& block) noexcept {
   double* sum = sums_.data();
   for (int n = 0; n < block.frames; ++n, sum += kVectorWidth) {
     for (int lane = 0; lane < rest; ++lane) sum[lane] += block.in[whole].data[n * kVectorWidth + lane];
-    const auto half = [sum](int lane) { return sum[lane] + sum[lane + kVectorWidth / 2]; };
-    block.out[0][n] = (half(0) + half(2)) + (half(1) + half(3));
+    block.out[0][n] = tactus_sum_of_eight(sum);
   }
 }
 

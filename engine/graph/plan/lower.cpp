@@ -18,6 +18,7 @@ class Lowering {
   explicit Lowering(const FlatGraph& flat) : flat_(flat) {}
 
   VertexGraph run() {
+    graph_.vertices.reserve(flat_.signals.size());
     make_inputs();
     for (std::size_t i = 0; i < flat_.signals.size(); ++i) {
       const auto& signal = flat_.signals[i];
@@ -78,10 +79,11 @@ class Lowering {
   }
 
   void make_inputs() {
-    for (const auto& input : flat_.inputs) {
+    for (const auto& signal : flat_.signals) {
+      if (signal.kind != SignalKind::Input) continue;
       first_channel_.push_back(static_cast<int>(graph_.input_names.size()));
-      for (int lane = 0; lane < input.lanes; ++lane)
-        graph_.input_names.push_back(lane_path(input.name, lane, input.lanes));
+      for (int lane = 0; lane < signal.lanes; ++lane)
+        graph_.input_names.push_back(lane_path(signal.path, lane, signal.lanes));
     }
   }
 

@@ -100,8 +100,7 @@ class Maker {
       vertex.fingerprint = fingerprint(*setup);
       return;
     }
-    auto error = made.error();
-    if (error.where.empty()) error.where = node.at.text();
+    auto error = made.error().where.empty() ? made.error().at(node.at.text()) : made.error();
     // As the file at that place calls it, so that the error of a part used twice is reported once.
     const auto name = node.path.substr(node.path.rfind('.') + 1);
     error.what = node.type->name + " '" + name + "': " + error.what;
@@ -148,7 +147,7 @@ class Maker {
         if (!info.constant)
           errors_.add(Errc::WrongType, node.inputs[i]->at,
                       "'" + node.type->inputs[i].name + "' of " + node.type->name + " '" + node.path +
-                          "' must not change while it runs",
+                          "' must not change during playback",
                       "give a number, a quantity, or an expression of controls");
       }
       if (info.constant) info.range = Interval::exactly(*info.constant);
@@ -214,7 +213,7 @@ class Maker {
     errors_.add(
         Errc::BadArgument, phase_delay.at,
         "the phase delay of '" + compensated(phase_delay).path + "' cannot be compensated: it is not known",
-        "name filters that lie in the same loop");
+        "list filters in the same loop");
   }
 
   VertexGraph& graph_;

@@ -180,20 +180,21 @@ class Ordering {
     while (names.size() > 1 && names.back() == names.front()) names.pop_back();
     std::string loop;
     for (const auto& name : names) loop += name + " -> ";
-    return {Errc::Cycle, at.text(), loop + names.front() + " has no delay in it", remedy(cycle)};
+    return {Errc::Cycle, at.text(), loop + names.front() + " contains no delay", remedy(cycle)};
   }
 
   std::string remedy(const std::vector<int>& cycle) const {
     if (std::any_of(cycle.begin(), cycle.end(), [this](int v) { return is_outside(v); }))
-      return "a sensor answers its drive in the same frame: give the scene at least a frame of delay";
+      return "a sensor responds to its drive in the same frame: give the scene a delay of at least one frame";
     for (std::size_t i = 0; i < cycle.size(); ++i) {
       const int next = cycle[(i + 1) % cycle.size()];
       for (const auto& edge : readers(cycle[i]))
         if (edge.to == next && edge.late)
           return "'" + vertex_at(next).path +
-                 "' can be shorter than a frame: keep its time at one or more, with 'min' if need be";
+                 "' can be shorter than one frame: keep its time at one frame or more, with 'min' if "
+                 "necessary";
     }
-    return "put a 'delay' node on one of these edges";
+    return "insert a 'delay' node in one of these connections";
   }
 
   /// A cycle in `stuck`, from its first vertex on. Everything stuck waits for something stuck, so that

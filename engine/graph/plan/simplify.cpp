@@ -1,4 +1,5 @@
 #include <functional>
+#include <map>
 #include <optional>
 
 #include "engine/graph/file/quantity.h"
@@ -19,15 +20,14 @@ class Simplifier {
       : graph_(graph), flat_(flat), sample_rate_(sample_rate) {}
 
   void run() {
-    const std::size_t written = graph_.vertices.size();  // constants added later are not of the file
-    mark_named(written);
+    find_named();
     skip_copies();
     fold();
-    sweep(written, "reaches no output");
+    sweep("reaches no output");
     zeros_ = true;
     fold();
-    sweep(written, "reaches only what is multiplied by zero");
-    reasons_to_report(written);
+    sweep("reaches only signals that are multiplied by zero");
+    report_left_out();
     graph_.compact();
   }
 
@@ -188,7 +188,7 @@ class Simplifier {
 
   // ---- pruning
 
-  void sweep(std::size_t written, const char* reason) {
+  void sweep(const char* why) {
     std::vector<bool> reached(graph_.vertices.size(), false);
     std::vector<int> work;
     for (std::size_t v = 0; v < graph_.vertices.size(); ++v)
@@ -201,45 +201,42 @@ class Simplifier {
       for (const auto& wire : at(v).in) work.push_back(wire.vertex);
       if (at(v).kind == Kind::PhaseDelay) work.push_back(at(v).index);  // it asks that node for its phase
     }
-    reason_.resize(written);
-    for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
-      auto& vertex = graph_.vertices[v];
-      const bool folded = v < written && vertex.kind == Kind::Constant && named_[v];
-      if (v < written && reason_[v].empty()) {
-        if (folded)
-          reason_[v] = "is always " + short_number(vertex.value);
-        else if (!reached[v])
-          reason_[v] = reason;
-      }
-      if (!reached[v]) vertex.alive = false;
+    for (auto& [v, reason] : named_) {
+      if (!reason.empty()) continue;
+      if (at(v).kind == Kind::Constant)
+        reason = "is always " + short_number(at(v).value);
+      else if (!reached[index(v)])
+        reason = why;
     }
+    for (std::size_t v = 0; v < graph_.vertices.size(); ++v)
+      if (!reached[v]) graph_.vertices[v].alive = false;
   }
 
   /// Only what has a name of its own in the file is worth a line.
-  void mark_named(std::size_t written) {
-    named_.assign(written, false);
-    for (std::size_t v = 0; v < written; ++v) {
-      const auto& vertex = graph_.vertices[v];
-      named_[v] = vertex.kind == Kind::Node || vertex.kind == Kind::Control || vertex.kind == Kind::Input ||
-                  vertex.kind == Kind::RateConverter || (is_copy(vertex) && vertex.path != "system.rate");
+  void find_named() {
+    for (int v = 0; v < static_cast<int>(graph_.vertices.size()); ++v) {
+      const auto& vertex = at(v);
+      if (vertex.kind == Kind::Node || vertex.kind == Kind::Control || vertex.kind == Kind::Input ||
+          vertex.kind == Kind::RateConverter || (is_copy(vertex) && vertex.path != "system.rate"))
+        named_[v] = {};
     }
   }
 
-  void reasons_to_report(std::size_t written) {
-    for (std::size_t v = 0; v < written; ++v) {
-      if (!named_[v] || reason_[v].empty()) continue;
-      const auto& vertex = graph_.vertices[v];
-      if (v < named_.size() && is_copy(vertex)) {
+  void report_left_out() {
+    for (auto& [v, reason] : named_) {
+      if (reason.empty()) continue;
+      const auto& vertex = at(v);
+      if (is_copy(vertex)) {
         // A name for something else: gone without loss when what it names lives on.
-        const auto behind = at(behind_copies({static_cast<int>(v), 0}).vertex);
+        const auto& behind = at(behind_copies({v, 0}).vertex);
         if (behind.kind == Kind::Constant)
-          reason_[v] = "is always " + short_number(behind.value);
+          reason = "is always " + short_number(behind.value);
         else if (behind.alive || behind.kind == Kind::Node)
           continue;
       }
       if (vertex.path.find("system.") != std::string::npos) continue;
       graph_.left_out.push_back(
-          {vertex.path, vertex.kind == Kind::Control ? "nothing reads it" : reason_[v]});
+          {vertex.path, vertex.kind == Kind::Control ? "its output is not used" : reason});
     }
   }
 
@@ -248,8 +245,7 @@ class Simplifier {
   Hertz sample_rate_;
   bool zeros_ = false;
   std::vector<std::vector<int>> consumers_;
-  std::vector<std::string> reason_;
-  std::vector<bool> named_;
+  std::map<int, std::string> named_;  ///< vertices with a name in the file; why they are left out, or ""
 };
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <map>
 #include <memory>
-#include <numeric>
 #include <utility>
 
 #include "engine/graph/plan/fingerprint.h"
@@ -20,8 +19,8 @@ struct LaneGroup {
   std::vector<int> members;  ///< vertices, lane by lane; kNone where a lane was left out or never was
   int first = 0;             ///< the first lane that is there
   std::unique_ptr<Node> node;
-  bool has_state = false;
-  int vertex = kNone;  ///< the vectorised one
+  bool has_state = false;  ///< it, or one that it reads or is read by
+  int vertex = kNone;      ///< the vectorised one
 };
 
 /// What each lane reads; a wire without a vertex where there is no lane.
@@ -116,23 +115,18 @@ class LaneGroups {
 
   /// Of groups that read one another, one must have a state.
   void drop_those_without_state() {
-    std::vector<std::size_t> leader(groups_.size());
-    std::iota(leader.begin(), leader.end(), std::size_t{0});
-    const auto leader_of = [&](std::size_t g) {
-      while (leader[g] != g) g = leader[g] = leader[leader[g]];
-      return g;
-    };
+    std::vector<std::vector<int>> beside(groups_.size());
     for (std::size_t g = 0; g < groups_.size(); ++g)
       for (std::size_t i = 0; i < at(groups_[g].first).in.size(); ++i)
-        if (const int read = lined_up(input(groups_[g], i)); read != kNone)
-          leader[leader_of(index(read))] = leader_of(g);
-    std::vector<bool> has_state(groups_.size(), false);
-    for (std::size_t g = 0; g < groups_.size(); ++g)
-      if (groups_[g].has_state) has_state[leader_of(g)] = true;
-    std::vector<LaneGroup> with_state;
-    for (std::size_t g = 0; g < groups_.size(); ++g)
-      if (has_state[leader_of(g)]) with_state.push_back(std::move(groups_[g]));
-    groups_ = std::move(with_state);
+        if (const int read = lined_up(input(groups_[g], i)); read != kNone) {
+          beside[g].push_back(read);
+          beside[index(read)].push_back(static_cast<int>(g));
+        }
+    const auto has_state = [this](int g) { return groups_[index(g)].has_state; };
+    for (const auto& together : strong_components(beside, Roots::FirstToLast))
+      if (std::ranges::any_of(together, has_state))
+        for (const int g : together) groups_[index(g)].has_state = true;
+    std::erase_if(groups_, [](const LaneGroup& group) { return !group.has_state; });
     number_members();
   }
 

@@ -30,14 +30,15 @@ void VertexGraph::compact() {
   for (auto& vertex : vertices)
     if (vertex.alive) for_each_source(vertex, [&](int v) { read[index(v)] = true; });
   std::vector<int> place(vertices.size(), -1);
-  std::vector<Vertex> left;
+  std::ptrdiff_t left = 0;
   for (std::size_t v = 0; v < vertices.size(); ++v) {
     if (!vertices[v].alive || (vertices[v].kind == Vertex::Kind::Constant && !read[v])) continue;
-    place[v] = static_cast<int>(left.size());
-    left.push_back(std::move(vertices[v]));
+    place[v] = static_cast<int>(left);
+    if (index(left) != v) vertices[index(left)] = std::move(vertices[v]);
+    ++left;
   }
-  for (auto& vertex : left) for_each_source(vertex, [&](int& v) { v = place[index(v)]; });
-  vertices = std::move(left);
+  vertices.erase(vertices.begin() + left, vertices.end());
+  for (auto& vertex : vertices) for_each_source(vertex, [&](int& v) { v = place[index(v)]; });
 }
 
 }  // namespace tactus

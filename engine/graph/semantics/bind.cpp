@@ -1,5 +1,5 @@
-#include "engine/graph/file/error_list.h"
 #include "engine/graph/file/field.h"
+#include "engine/graph/file/load.h"
 #include "engine/graph/semantics/scope.h"
 
 namespace tactus {
@@ -30,9 +30,9 @@ Expression missing_with_error(ErrorList& errors, Errc code, const Source& at, co
 const SectionType& spread_fields() {
   static const SectionType section{
       "a spread over lanes",
-      {required(field("from", FieldType::Kind::Any, "of the first lane")),
-       required(field("to", FieldType::Kind::Any, "of the last lane")),
-       choice_field("curve", {"linear", "exponential"}, "from one end to the other", "linear")}};
+      {required(field("from", FieldType::Kind::Any, "value of the first lane")),
+       required(field("to", FieldType::Kind::Any, "value of the last lane")),
+       choice_field("curve", {"linear", "exponential"}, "spacing of the values", "linear")}};
   return section;
 }
 
@@ -52,9 +52,128 @@ Expression bind_spread(const Value& value, ErrorList& errors) {
   }
   if (expression.exponential && !(expression.arguments[0].number * expression.arguments[1].number > 0))
     return missing_with_error(errors, Errc::OutOfRange, value.at,
-                              "an exponential spread cannot begin, end or pass at 0",
-                              "give both ends the same sign, or take the linear curve");
+                              "an exponential spread cannot start at, end at or cross 0",
+                              "give both ends the same sign, or use the linear curve");
   return expression;
+}
+
+/// The table entry that reads the kinds which other files have too.
+SectionType section_of(const Setting& setting) {
+  FieldType::Kind kind = FieldType::Kind::Text;
+  if (setting.kind == Setting::Kind::Choice) kind = FieldType::Kind::Choice;
+  if (setting.kind == Setting::Kind::Integer) kind = FieldType::Kind::Whole;
+  auto only = field(setting.name, kind, setting.doc);
+  only.low = setting.low;
+  only.high = setting.high;
+  only.choices = setting.choices;
+  return {"", {std::move(only)}};
+}
+
+/// Reads one setting of one node; its errors have the place and the name of the node.
+struct SettingReader {
+  const Setting& setting;
+  const Value::Table& fields;
+  const std::filesystem::path& folder;
+  const std::string& owner;  ///< "delay 'echo'"
+  ErrorList& errors;
+  SettingValue result = {};
+
+  SettingValue read(const Value& value) {
+    using Kind = Setting::Kind;
+    const auto section = section_of(setting);
+    FieldReader reader{fields, section, errors, FieldReader::kKeysChecked, owner};
+    result.given = true;
+    if (setting.kind == Kind::Choice) {
+      if (const auto choice = reader.choice(setting.name)) result.text = setting.choices[index(*choice)];
+    } else if (setting.kind == Kind::Text || setting.kind == Kind::File) {
+      result.text = reader.text(setting.name);
+      if (value.text() != nullptr) check_text(value.at);
+    } else if (setting.kind == Kind::Integer) {
+      result.number = reader.number(setting.name).value_or(0);
+    } else if (setting.kind == Kind::Flag) {
+      result.number = reader.flag(setting.name) ? 1 : 0;
+    } else if (setting.kind == Kind::Quantity) {
+      read_quantity_within(value);
+    } else {
+      read_list(value);
+    }
+    return std::move(result);
+  }
+
+  void report(Errc code, const Source& at, const std::string& what, const std::string& remedy) {
+    errors.add(code, at, key_of(setting.name, owner) + " " + what, remedy);
+  }
+
+  /// Of one axis of a table: fixed, that of another setting ("=unit"), or that of a port, which is not known
+  /// here.
+  std::optional<Unit> unit(std::size_t axis) const {
+    const std::string text = axis < setting.choices.size() ? setting.choices[axis] : "";
+    if (text.empty() || text.front() != '=') return parse_unit(text);
+    const auto* named = find(fields, text.substr(1));
+    if (named == nullptr) return text == "=unit" ? std::optional{Unit{}} : std::nullopt;
+    return text == "=unit" && named->text() != nullptr ? parse_unit(*named->text()) : std::nullopt;
+  }
+
+  void check_text(const Source& at) {
+    if (setting.unit && !parse_unit(result.text))
+      report(Errc::UnknownName, at, "is not a unit: \"" + result.text + "\"",
+             "write units as \"m/s\", \"N/m\", \"ms\", \"dB\" or \"full scale\"");
+    if (setting.kind != Setting::Kind::File) return;
+    const auto found = find_part(result.text, folder, folder, at);
+    if (errors.keep(found) != nullptr) result.text = found->name;
+  }
+
+  void read_quantity_within(const Value& value) {
+    const auto number = quantity(value, 0);
+    if (!number) return;
+    result.number = *number;
+    if (*number < setting.low || *number > setting.high)
+      report(Errc::OutOfRange, value.at, "is out of range",
+             limits_text(setting.low, setting.high, unit(0).value_or(Unit{})));
+  }
+
+  std::optional<double> quantity(const Value& value, std::size_t axis) {
+    const auto expected = unit(axis);
+    const auto si = expected ? read_quantity(value, *expected, setting.name)
+                             : read_quantity(value).map([](const QuantityValue& q) { return q.si; });
+    return errors.keep(si) != nullptr ? std::optional{*si} : std::nullopt;
+  }
+
+  void read_list(const Value& value) {
+    const auto* list = value.list();
+    if (list == nullptr || list->empty())
+      return report(Errc::WrongType, value.at, "must be a non-empty list", "as in " + setting.doc);
+    for (const auto& item : *list) {
+      if (setting.kind == Setting::Kind::Names)
+        read_name(item);
+      else if (setting.kind == Setting::Kind::Points)
+        read_point(item);
+      else if (const auto number = quantity(item, 0))
+        result.numbers.push_back(*number);
+    }
+  }
+
+  void read_name(const Value& item) {
+    if (item.text() != nullptr) return result.names.push_back(*item.text());
+    report(Errc::WrongType, item.at, "must be a list of node names", "write [\"node\", \"node\"]");
+  }
+
+  void read_point(const Value& item) {
+    const auto* pair = item.list();
+    if (pair == nullptr || pair->size() != 2)
+      return report(Errc::WrongType, item.at, "must hold pairs", "write [[x, y], [x, y], …]");
+    const auto x = quantity((*pair)[0], 0);
+    const auto y = quantity((*pair)[1], 1);
+    if (x && y) result.points.emplace_back(*x, *y);
+  }
+};
+
+SettingValue fallback_of(const Setting& setting) {
+  SettingValue value;
+  value.text = setting.fallback;
+  if (setting.kind == Setting::Kind::Flag) value.number = setting.fallback == "true" ? 1 : 0;
+  if (setting.kind == Setting::Kind::Integer) value.number = std::stod(setting.fallback);
+  return value;
 }
 
 }  // namespace
@@ -82,7 +201,7 @@ Expression bind_signal(const Value& value, const Scope& scope, ErrorList& errors
     for (const auto& lane : *list) {
       if (lane.list() != nullptr || lane.table() != nullptr)
         return missing_with_error(errors, Errc::WrongType, lane.at, "a lane cannot be " + lane.kind(),
-                                  "a list holds one number, quantity or expression for each lane");
+                                  "a list must have one number, quantity or expression for each lane");
       expression.arguments.push_back(bind_signal(lane, scope, errors));
     }
     if (!expression.arguments.empty()) return expression;
@@ -92,6 +211,18 @@ Expression bind_signal(const Value& value, const Scope& scope, ErrorList& errors
       errors, Errc::WrongType, value.at,
       "a signal cannot be " + (value.list() ? "an empty list" : value.kind()),
       "give a number, a quantity such as \"15 ms\", or an expression such as \"0.5 * x\"");
+}
+
+SettingValue bind_setting(const Setting& setting, const Value::Table& fields,
+                          const std::filesystem::path& folder, const std::string& owner, const Source& at,
+                          ErrorList& errors) {
+  if (const auto* value = find(fields, setting.name))
+    return SettingReader{setting, fields, folder, owner, errors}.read(*value);
+  if (!setting.fallback.empty()) return fallback_of(setting);
+  if (!setting.optional)
+    errors.add(Errc::Missing, at, owner + " lacks '" + setting.name + "'",
+               "write " + setting.name + " = … (" + setting.doc + ")");
+  return {};
 }
 
 }  // namespace tactus

@@ -62,8 +62,8 @@ class Checks {
     const auto fact = unit(output.expression);
     if (fact.kind != UnitKind::Known || fact.dimension == *output.declared) return;
     errors_.add(Errc::UnitMismatch, output.at,
-                "output '" + output.name + "' is " + unit_phrase(*output.declared) +
-                    ", but it is given what is " + unit_phrase(fact.dimension),
+                "output '" + output.name + "' is " + unit_phrase(*output.declared) + ", but its source is " +
+                    unit_phrase(fact.dimension),
                 output.declared->plain() ? "give it a unit, as in unit = \"" + to_string(fact.dimension) +
                                                "\", or scale it to full scale"
                                          : "fix 'from' or 'unit'");
@@ -73,7 +73,7 @@ class Checks {
     const int found = lanes_of(graph_, expression);
     if (found > 1 && wanted > 1 && found != wanted)
       return errors_.add(Errc::OutOfRange, expression.at,
-                         std::to_string(found) + " lanes meet " + std::to_string(wanted),
+                         std::to_string(found) + " lanes are combined with " + std::to_string(wanted),
                          "give both the same number of lanes, or put a 'mix' between them");
     if (expression.op == Op::Signal) return;
     if (expression.op == Op::Lanes) return check_lanes_of_list(expression);
@@ -85,7 +85,7 @@ class Checks {
       if (const int found = lanes_of(graph_, lane); found > 1)
         errors_.add(Errc::OutOfRange, lane.at,
                     "this is one lane of a list, but has " + std::to_string(found) + " lanes itself",
-                    "put a 'mix' of it here, or take it out of the list");
+                    "use a 'mix' of it here, or remove it from the list");
   }
 
   void check_units(const Expression& expression) {
@@ -105,8 +105,7 @@ class Checks {
   void check_divisor(const Expression& expression) {
     const auto range = range_of(graph_, expression);
     if (range.low == 0 && range.high == 0)
-      errors_.add(Errc::OutOfRange, expression.at, "this divides by what is always 0",
-                  "divide by another number");
+      errors_.add(Errc::OutOfRange, expression.at, "the divisor is always 0", "divide by another number");
   }
 
   void check_agrees(const Expression& expression, const Expression& first, Expression::Op op) {
@@ -115,8 +114,8 @@ class Checks {
     if (a == b) return;
     const char* meets = op == Op::Add        ? "is added to"
                         : op == Op::Subtract ? "is taken from"
-                        : op == Op::Lanes    ? "is a lane beside"
-                        : op == Op::Spread   ? "ends a spread from"
+                        : op == Op::Lanes    ? "is in a list with"
+                        : op == Op::Spread   ? "is in a spread with"
                                              : "is compared with";
     errors_.add(Errc::UnitMismatch, expression.at,
                 "this is " + unit_phrase(b) + ", but it " + meets + " what is " + unit_phrase(a),

@@ -75,7 +75,7 @@ class Parser {
   Result<Expression> factor() {
     skip_space();
     if (depth_ == kExpressionMaxDepth)
-      return syntax(here_, "more than 64 signs and brackets inside one another", "use nodes");
+      return syntax(here_, "signs and brackets are nested more than 64 deep", "use nodes");
     ++depth_;
     auto value = unnested_factor();
     --depth_;
@@ -91,10 +91,9 @@ class Parser {
     if (here_ == text_.size())
       return syntax(here_,
                     text_.find_first_not_of(" \t\r\n") == text_.npos ? "the expression is empty"
-                                                                     : "the expression ends too early",
-                    "a number, a name or '(' belongs here");
-    return syntax(here_, found() + " found where a value was expected",
-                  "a number, a name or '(' belongs here");
+                                                                     : "the expression is incomplete",
+                    "write a number, a name or '(' here");
+    return syntax(here_, found() + " found where a value was expected", "write a number, a name or '(' here");
   }
 
   Result<Expression> negative() {
@@ -123,7 +122,7 @@ class Parser {
     const auto digits = text_.substr(here_, index(parsed.ptr - text_.data()) - here_);
     if (parsed.ec != std::errc{})
       return syntax(start, "the number " + std::string{digits} + " is too large or too small",
-                    "write one between 1e-300 and 1e300");
+                    "use a number between 1e-300 and 1e300");
     here_ += digits.size();
     auto whole = make(Op::Number, start);
     whole.bare = true;
@@ -140,7 +139,7 @@ class Parser {
                     "units look like ms, mm/s, N/m^1.5 or dB");
     whole.number = unit->to_si(sign * value);
     if (!std::isfinite(whole.number))
-      return syntax(start, "the number " + std::string{digits} + " is too large", "write one below 1e300");
+      return syntax(start, "the number " + std::string{digits} + " is too large", "use a number below 1e300");
     whole.dimension = unit->dimension;
     whole.bare = false;
     return whole;
@@ -153,10 +152,10 @@ class Parser {
     skip_space();
     if (word == "min" || word == "max" || word == "abs") return function(start, word);
     if (peek() == '(')
-      return syntax(start, "there is no function '" + word + "'", "there are min, max and abs");
+      return syntax(start, "there is no function '" + word + "'", "the functions are min, max and abs");
     if (!dotted_name(word))
       return syntax(start, "'" + word + "' is not a name",
-                    "names are small letters, digits and _, ports follow a dot");
+                    "names consist of small letters, digits and _; a port follows a dot");
     if (++values_ > kMaxValues) return too_long(start);
     auto whole = make(Op::Signal, start);
     whole.name = word;
@@ -168,14 +167,14 @@ class Parser {
     const std::string use = word + (count == 1 ? "(x)" : "(a, b)");
     auto whole = make(count == 1 ? Op::Abs : word == "min" ? Op::Min : Op::Max, start);
     const auto open = here_;
-    if (!take('(')) return syntax(here_, "'(' is missing behind '" + word + "'", "write " + use);
+    if (!take('(')) return syntax(here_, "'(' is missing after '" + word + "'", "write " + use);
     while (true) {
       auto argument = sum();
       if (!argument) return argument;
       whole.arguments.push_back(std::move(*argument));
       skip_space();
       if (whole.arguments.size() == count) break;
-      if (peek() == ')') return syntax(here_, "'min' and 'max' take two values", "write " + use);
+      if (peek() == ')') return syntax(here_, "'min' and 'max' need two values", "write " + use);
       if (!take(',')) return unclosed(open);
     }
     if (peek() == ',') return syntax(here_, "too many values for '" + word + "'", "write " + use);
@@ -187,7 +186,7 @@ class Parser {
     return fail(Errc::Syntax, place(offset).text(), std::move(what), std::move(remedy));
   }
   tl::unexpected<Error> too_long(std::size_t offset) const {
-    return syntax(offset, "the expression has more than 1000 values", "split it into nodes");
+    return syntax(offset, "the expression has more than 1000 values", "split it into several nodes");
   }
   Result<Expression> unclosed(std::size_t open) const {
     if (here_ == text_.size()) return syntax(open, "'(' is not closed", "put ')' where it ends");

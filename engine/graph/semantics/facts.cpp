@@ -78,7 +78,6 @@ NodeSetup setup_of(const FlatNode& node, Hertz sample_rate, int lane) {
   setup.type = node.type.get();
   setup.settings = node.settings;
   setup.lane = lane;
-  setup.lanes = node.lanes;
   return setup;
 }
 

@@ -67,19 +67,12 @@ struct FlatNode {
   std::vector<Interval> ranges;                   ///< inferred, of the inputs
 };
 
-struct FlatInput {
-  std::string name;
-  int lanes = 1;
-  Dimension dimension;
-};
-
 struct FlatControl {
   std::string name;
   double value = 0;  ///< SI
-  Unit unit;         ///< how people read it
-  Interval range;
+  Unit unit = {};    ///< how people read it; in decibels it also ramps
+  Interval range = {};
   double smooth_s = 0.010;
-  bool decibel = false;  ///< it ramps in decibels
 };
 
 enum class OutputUse { Drive, Audio, Tap };
@@ -87,10 +80,10 @@ enum class OutputUse { Drive, Audio, Tap };
 struct FlatOutput {
   std::string name;
   OutputUse use = OutputUse::Drive;
-  Expression expression;
-  Source at;
-  std::optional<Dimension> declared;
-  Dimension dimension;  ///< inferred
+  Expression expression = {};
+  Source at = {};
+  std::optional<Dimension> declared = {};
+  Dimension dimension = {};  ///< inferred
   int lanes = 1;
 };
 
@@ -99,7 +92,6 @@ struct FlatGraph {
   static constexpr int kMissing = 0;  ///< signal 0 is of kind Missing
   std::vector<FlatSignal> signals;
   std::vector<FlatNode> nodes;
-  std::vector<FlatInput> inputs;
   std::vector<FlatControl> controls;
   std::vector<FlatOutput> outputs;
   bool too_large = false;  ///< parts were left out, with an error: there are more than `most_signals`

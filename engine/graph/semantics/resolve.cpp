@@ -63,16 +63,18 @@ int read_ratio(const Value& value, Hertz around, const std::string& owner, Error
       return report(Errc::WrongType, " is not a rate",
                     "write a fraction such as \"1/16\", or a rate such as \"3 kHz\"");
     if (!(quantity->si > 0) || quantity->si > around.value)
-      return report(Errc::OutOfRange, " cannot be " + in_hertz(quantity->si),
-                    "a part runs at most at the " + in_hertz(around.value) + " around it");
+      return report(
+          Errc::OutOfRange, " cannot be " + in_hertz(quantity->si),
+          "the rate of a part must not exceed the " + in_hertz(around.value) + " of the enclosing graph");
     ratio = around.value / quantity->si;
   }
   const double whole = std::round(*ratio);
   // Rates come as decimal numbers: 44.1 kHz / 14.7 kHz is 3 but for rounding.
   if (std::abs(*ratio - whole) > 1e-9 * *ratio || whole < 1)
-    return report(Errc::OutOfRange,
-                  " is not the " + in_hertz(around.value) + " around it, divided by a whole number",
-                  nearest_rates(around.value, *ratio));
+    return report(
+        Errc::OutOfRange,
+        " is not the " + in_hertz(around.value) + " of the enclosing graph divided by a whole number",
+        nearest_rates(around.value, *ratio));
   if (whole <= PartRate::kSlowest) return static_cast<int>(whole);
   return report(Errc::OutOfRange, " is too low",
                 "give at least \"1/" + std::to_string(PartRate::kSlowest) + "\"");
@@ -88,7 +90,7 @@ PartRate read_part_rate(const NodeSpec& node, const GraphSpec& part, Hertz aroun
     if (choice && !fields.has("rate"))
       errors.add(Errc::Missing, fields.value(key)->at,
                  key_of(key, owner_of(node)) + " has no effect without a 'rate'",
-                 "give the part a rate of its own, or remove '" + std::string{key} + "'");
+                 "give the part its own rate, or remove '" + std::string{key} + "'");
     return choice == 1;
   };
   PartRate rate;
@@ -131,7 +133,6 @@ class Instance {
   void declare_top() {
     for (const auto& input : spec_.inputs) declare_input(input);
     for (const auto& control : spec_.controls) declare_control(control);
-    tested_delays(spec_, errors_);
     declare_inside();
   }
   void connect_top(const std::vector<std::string>& taps) {
@@ -172,40 +173,26 @@ class Instance {
     return id;
   }
 
-  /// The unit that the file gives; nothing if it gives none, or after an error.
-  std::optional<Dimension> declared_unit(const EntrySpec& entry) {
-    const auto unit = read_unit(entry, errors_);
-    return unit && find(entry.fields, "unit") != nullptr ? std::optional{unit->dimension} : std::nullopt;
-  }
-
   int add_expression(const std::string& name, const Source& at) {
     const int id = add_signal(name, at, FlatSignal::Kind::Expression, -1);
     signal(id).expression = missing_signal(at);  // until it is connected
     return id;
   }
 
-  void declare_input(const EntrySpec& entry) {
-    auto input = read_input(entry, errors_);
-    const auto unit = read_unit(entry, errors_);
-    const int id =
-        add_signal(entry.name, entry.at, FlatSignal::Kind::Input, static_cast<int>(flat_.inputs.size()));
-    if (unit) {
-      input.dimension = unit->dimension;
-      signal(id).declared = unit->dimension;
-    }
+  void declare_input(const PortSpec& input) {
+    const int id = add_signal(input.name, input.at, FlatSignal::Kind::Input, inputs_++);
+    if (input.unit_known) signal(id).declared = input.dimension;
     signal(id).lanes = input.lanes;
-    flat_.inputs.push_back(std::move(input));
-    if (entry.broken) scope_.hide(entry.name);
+    if (input.broken) scope_.hide(input.name);
   }
 
-  void declare_control(const EntrySpec& entry) {
+  void declare_control(const ControlSpec& entry) {
     if (entry.broken) return scope_.hide(entry.name);
-    auto read = read_control(entry, errors_);
     const int id =
         add_signal(entry.name, entry.at, FlatSignal::Kind::Control, static_cast<int>(flat_.controls.size()));
-    if (read.unit_known) signal(id).declared = read.control.unit.dimension;
-    signal(id).range = read.control.range;
-    flat_.controls.push_back(std::move(read.control));
+    if (entry.unit_known) signal(id).declared = entry.control.unit.dimension;
+    signal(id).range = entry.control.range;
+    flat_.controls.push_back(entry.control);
   }
 
   void declare_system() {
@@ -268,7 +255,7 @@ class Instance {
           entry.fields.push_back({std::move(port), field.at, field.value});
     network_entries_.push_back(std::make_unique<EntrySpec>(std::move(entry)));
     const auto& outputs = (*type)->outputs;
-    scope_.explain(network.name, "name an element of the network, such as '" + network.name + "." +
+    scope_.explain(network.name, "write an element of the network, such as '" + network.name + "." +
                                      (outputs.empty() ? "mass.position" : outputs.front().name) + "'");
     declare_outputs(*network_entries_.back(), *type, false);
   }
@@ -312,8 +299,8 @@ class Instance {
     if (flat_.signals.size() < resolving_.most_signals) return false;
     if (!std::exchange(flat_.too_large, true))
       errors_.add(Errc::OutOfRange, node.type_at,
-                  "the parts come to more than " + std::to_string(resolving_.most_signals) + " signals",
-                  "use fewer parts inside parts");
+                  "the parts contain more than " + std::to_string(resolving_.most_signals) + " signals",
+                  "use fewer nested parts");
     return true;
   }
 
@@ -327,7 +314,7 @@ class Instance {
     if (part.outputs.size() == 1)
       scope_.add(node.name, static_cast<int>(flat_.signals.size()) - 1);
     else
-      scope_.explain(node.name, "name one of its outputs, such as '" + node.name + "." +
+      scope_.explain(node.name, "write one of its outputs, such as '" + node.name + "." +
                                     (part.outputs.empty() ? "output" : part.outputs.front().name) + "'");
     if (part.incomplete) scope_.tolerate(node.name);
   }
@@ -345,20 +332,15 @@ class Instance {
   void declare_as_part() {
     for (const auto& input : spec_.inputs) {
       const int id = declare_binding(input);
-      if (input.broken) continue;
-      read_input(input, errors_);
-      signal(id).declared = declared_unit(input);
+      signal(id).declared = input.declared();
     }
-    for (const auto& control : spec_.controls) {
-      const int id = declare_binding(control);
-      if (control.broken) continue;
-      const auto read = read_control(control, errors_);
-      if (!read.unit_known) continue;
-      signal(id).declared = read.control.unit.dimension;
-      signal(id).expression =
-          number_expression(read.control.value, read.control.unit.dimension, false, control.at);
+    for (const auto& entry : spec_.controls) {
+      const int id = declare_binding(entry);
+      if (!entry.unit_known) continue;
+      const auto& control = entry.control;
+      signal(id).declared = control.unit.dimension;
+      signal(id).expression = number_expression(control.value, control.unit.dimension, false, entry.at);
     }
-    tested_delays(spec_, errors_);
     declare_inside();
   }
 
@@ -409,7 +391,7 @@ class Instance {
     std::set<std::string> named;
     for (const auto& name : node.settings.back().names) {
       if (!named.insert(name).second) {
-        errors_.add(Errc::BadArgument, value->at, "'" + name + "' is compensated twice", "name it once");
+        errors_.add(Errc::BadArgument, value->at, "'" + name + "' is compensated twice", "list it once");
         continue;
       }
       const auto known = nodes_by_name_.find(name);
@@ -417,11 +399,11 @@ class Instance {
         if (name == entry.name || flat_.nodes[index(known->second)].type->resonant)
           errors_.add(Errc::BadArgument, value->at,
                       "'" + name + "' cannot be compensated: it is not a filter",
-                      "leave it out; name what only turns the phase");
+                      "omit it; list only nodes that change the phase");
         node.compensate.push_back(known->second);
       } else if (scope_.find(name, value->at) != FlatGraph::kMissing) {
         errors_.add(Errc::UnknownName, value->at, "there is no node '" + name + "' to compensate",
-                    "name nodes of this file that have a type");
+                    "list nodes of this file that have a type");
       }
     }
   }
@@ -456,29 +438,26 @@ class Instance {
     part.connect_inside();
     int id = pending.first_output;
     for (const auto& output : part.spec_.outputs) {
-      if (!output.broken) part.bind_output(output, signal(id).expression, signal(id).declared);
+      if (!output.broken) {
+        signal(id).expression = part.bind_output(output);
+        signal(id).declared = output.declared();
+      }
       ++id;
     }
   }
 
-  void bind_output(const EntrySpec& entry, Expression& expression, std::optional<Dimension>& declared) {
-    FieldReader{entry.fields, output_fields(), errors_, "output '" + entry.name + "'"};
-    const auto* from = find(entry.fields, "from");
-    if (from == nullptr)
-      errors_.add(Errc::Missing, entry.at, "output '" + entry.name + "' lacks 'from'",
-                  "name its source, as in from = \"node\"");
-    expression = from != nullptr ? bind_signal(*from, scope_, errors_) : missing_signal(entry.at);
-    declared = declared_unit(entry);
+  Expression bind_output(const PortSpec& output) {
+    const auto* from = find(output.fields, "from");
+    if (from != nullptr) return bind_signal(*from, scope_, errors_);
+    errors_.add(Errc::Missing, output.at, "output '" + output.name + "' lacks 'from'",
+                "give its source, as in from = \"node\"");
+    return missing_signal(output.at);
   }
 
-  void connect_output(const EntrySpec& entry) {
-    FlatOutput output;
-    output.name = entry.name;
-    output.at = entry.at;
-    bind_output(entry, output.expression, output.declared);
+  void connect_output(const PortSpec& port) {
+    FlatOutput output{port.name, port.use, bind_output(port), port.at};
     // A drive is a plain number unless the file gives another unit; a wrong unit is unknown.
-    if (find(entry.fields, "unit") == nullptr) output.declared = Dimension{};
-    output.use = read_use(entry, errors_);
+    if (port.unit_known) output.declared = port.dimension;
     flat_.outputs.push_back(std::move(output));
   }
 
@@ -502,6 +481,7 @@ class Instance {
   int outer_divisor_, divisor_;  ///< engine frames between two of its user's, and of its own
   PartRate rate_;
   Scope scope_;
+  int inputs_ = 0;
   std::map<std::string, int> nodes_by_name_;
   std::map<std::string, int> bindings_;  ///< a part's inputs and controls: their signals
   std::vector<std::unique_ptr<EntrySpec>> network_entries_;

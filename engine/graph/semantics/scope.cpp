@@ -45,7 +45,7 @@ Result<int> Scope::find(const std::string& name, const Source& at) const {
                 "`tactus nodes` lists the outputs of every type");
   return fail(
       Errc::UnknownName, at.text(), "there is no '" + name + "'",
-      near.empty() ? "name an input, a control or a node of this file" : "did you mean '" + near + "'?");
+      near.empty() ? "write an input, a control or a node of this file" : "did you mean '" + near + "'?");
 }
 
 void NameSpace::add(const std::string& name, const std::string& kind, const Source& at, ErrorList& errors) {

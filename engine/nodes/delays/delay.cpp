@@ -196,11 +196,11 @@ Result<TimeRange> range_of(const NodeSetup& setup) {
   const auto known = setup.input("time").range;
   const TimeRange range{std::clamp(known.low, low, high), std::clamp(known.high, low, high)};
   if (!std::isfinite(range.high_s))
-    return fail(Errc::OutOfRange, {}, "the longest delay is not known", "give max = \"...\" a time");
+    return fail(Errc::OutOfRange, {}, "the maximum delay cannot be determined", "give max = \"...\" a time");
   if (range.high_s * setup.sample_rate.value > kDelayMostFrames)
     return fail(Errc::OutOfRange, {},
                 "it can be " + std::to_string(std::llround(std::min(range.high_s, 1e15))) +
-                    " s long, and the longest delay is " +
+                    " s long, but the longest possible delay is " +
                     std::to_string(std::llround(kDelayMostFrames / setup.sample_rate.value)) + " s",
                 "shorten 'time', or give 'max'");
   return range;
@@ -229,29 +229,29 @@ Result<std::unique_ptr<Node>> make_delay(const NodeSetup& setup) {
 NodeType delay_type() {
   return {
       .name = "delay",
-      .summary =
-          "Gives its input back later; it may close a loop, and its time may change from frame to frame.",
+      .summary = "Delays a signal. It may close a loop, and its time may change from frame to frame.",
       .equation =
           "out[n] = in(n - time fs), between frames the polynomial through 2, 4 or 6 of them.\n"
-          "Below 1 frame (linear), 2 (lagrange3) or 3 (lagrange5) the polynomial is taken outside its middle "
-          "interval, since later frames do not exist yet: high frequencies are then passed less exactly and "
-          "with a gain of up to some dB.\n"
+          "Below 1 frame (linear), 2 (lagrange3) or 3 (lagrange5) the polynomial is evaluated outside its "
+          "middle interval, because later frames do not exist yet: high frequencies are then less exact and "
+          "amplified by up to a few dB.\n"
           "Least delay = floor(shortest time fs) less 1 for lagrange3, 2 for lagrange5; at least 1 where the "
           "time is never below a frame",
       .source = "Laakso, Valimaki, Karjalainen & Laine, IEEE SP Magazine 13, 1996",
       .example = "{ type = \"delay\", in = \"string\", time = \"20 ms\" }",
-      .inputs = {late({"in", "any", "signal to delay"}), {"time", "s", "how much later", {}, 0}},
-      .outputs = {{"out", "=in", "what came in `time` ago"}},
+      .inputs = {late({"in", "any", "signal to delay"}), {"time", "s", "delay time", {}, 0}},
+      .outputs = {{"out", "=in", "the input, delayed by `time`"}},
       .settings =
           {choice("interpolation",
-                  "between frames; none rounds to whole ones. lagrange3 is within 0.1 dB up to fs/8, with "
-                  "a tap that is one frame newer; lagrange5 up to fs/6 with two, linear up to fs/21",
+                  "interpolation between frames; none: rounds to whole frames. Error below 0.1 dB: linear up "
+                  "to fs/21, lagrange3 up to fs/8 (its taps begin one frame earlier), lagrange5 up to fs/6 "
+                  "(two frames earlier)",
                   {"none", "linear", "lagrange3", "lagrange5"}, "lagrange3"),
-           optional({"min", Setting::Kind::Text, "shortest time, where the graph does not determine it"}),
-           optional({"max", Setting::Kind::Text, "longest time, where the graph does not determine it"}),
+           optional({"min", Setting::Kind::Text, "minimum delay time, if the graph does not determine it"}),
+           optional({"max", Setting::Kind::Text, "maximum delay time, if the graph does not determine it"}),
            optional({"compensate", Setting::Kind::Names,
-                     "filters in the same loop; their phase delays at the frequency 1/time are taken "
-                     "off the time, so that the loop is in tune"})},
+                     "filters in the same loop; their phase delays at the frequency 1/time are subtracted "
+                     "from the time, so that the loop is in tune"})},
       .make = make_delay,
       .compensation = PhaseCompensation{.port = kDelayTime, .period = kDelayTime, .sign = -1}};
 }

@@ -48,12 +48,11 @@ class DelayTaps {
 
   DelayAim<Order> at(double seconds) const noexcept {
     const double frames = frames_of(seconds);
-    if constexpr (Order == 0) {
-      return {.newest = static_cast<int>(frames + 0.5)};
-    } else {
-      const int newest = std::max(static_cast<int>(frames) - (Order - 1) / 2, newest_possible_);
+    const int newest = tactus_delay_newest(frames, Order, Order == 0 ? 0 : newest_possible_);
+    if constexpr (Order == 0)
+      return {.newest = newest};
+    else
       return {.newest = newest, .weights = lagrange_weights<Order>(frames - newest)};
-    }
   }
 
   std::complex<double> response(double seconds, std::complex<double> z) const {
@@ -64,12 +63,7 @@ class DelayTaps {
   }
 
  private:
-  /// Times that were meant as whole frames ("20 ms") come out a rounding beside them.
-  double frames_of(double seconds) const noexcept {
-    const double frames = seconds * sample_rate_.value;
-    const double whole = std::rint(frames);
-    return std::abs(frames - whole) < 1e-9 ? whole : frames;
-  }
+  double frames_of(double seconds) const noexcept { return tactus_delay_frames(seconds, sample_rate_.value); }
 
   TimeRange range_{};
   Hertz sample_rate_{};

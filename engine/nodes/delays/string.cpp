@@ -88,18 +88,18 @@ class StringNode final : public Node {
 NodeType string_type() {
   return {
       .name = "string",
-      .summary = "A lightly damped string: a tuned loop of delay and losses, driven by its input.",
+      .summary = "A lightly damped string: a tuned loop of a delay and losses, driven by its input.",
       .equation =
           "out[n] = in[n] + gain (h_LP * out)[n - N],  N = fs/pitch + arg H_LP(w)/w,  w = 2 pi pitch/fs\n"
           "H_LP = (1 - loss/2) + loss/2 z^-1 (one_zero) or (1 - loss) / (1 - loss z^-1) (one_pole)\n"
           "T60 of a partial = 3 ln(10) N / (-ln(gain |H_LP|) fs)",
       .source = "Jaffe & Smith, Computer Music Journal 7(2), 1983; Laakso et al., IEEE SP Magazine 13, 1996",
       .example = "{ type = \"string\", in = \"bow\", pitch = \"220 Hz\", gain = 0.995 }",
-      .inputs = {filtered_input("what excites the string"),
-                 pitch_input("of the fundamental; at most 0.3 of the sample rate"),
-                 {"gain", "", "once around the loop", 0.99, 0, 0.9999},
+      .inputs = {filtered_input("excitation of the string"),
+                 pitch_input("fundamental frequency; at most 0.3 of the sample rate"),
+                 {"gain", "", "gain of one pass through the loop", 0.99, 0, 0.9999},
                  loss_input()},
-      .outputs = {filtered_output("out", "the string where it is driven")},
+      .outputs = {filtered_output("out", "signal of the string at the driven point")},
       .settings = {loss_filter_setting()},
       .make = make_node<StringNode<>>,
       .resonant = true};

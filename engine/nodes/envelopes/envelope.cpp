@@ -14,9 +14,10 @@ NodeType envelope_type() {
       .example =
           "loudness = { type = \"envelope\", in = \"microphone\", attack = \"0.5 ms\", release = \"20 ms\" }",
       .inputs = {{"in", "any", "signal"},
-                 {"attack", "s", "time constant while the signal is above the envelope; 0: at once", 0.0005,
+                 {"attack", "s", "time constant while the signal is above the envelope; 0: immediate", 0.0005,
                   0},
-                 {"release", "s", "time constant while it is below; 0: at once", 0.020, 0}},
+                 {"release", "s", "time constant while the signal is below the envelope; 0: immediate", 0.020,
+                  0}},
       .outputs = {bounded(0, kUnlimited, {"out", "=in", "envelope, never negative"})},
       .make = make_node<KernelNode<tactus_envelope_step, 3>>,
       .range =

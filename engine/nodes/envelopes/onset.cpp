@@ -68,7 +68,9 @@ class OnsetNode final : public Node {
 NodeType onset_type() {
   return {
       .name = "onset",
-      .summary = "Triggers at each hit in a microphone signal: soft ones after loud ones, ringing ones once.",
+      .summary =
+          "Triggers at each hit in a microphone signal; detects soft hits after loud ones, and a ringing hit "
+          "only once.",
       .equation =
           "e = fast envelope of in above 30 Hz, 400 Hz, 2 kHz and 7 kHz; a hit when e > threshold in the "
           "first, and in any e > margin * last hit's mask, e > margin * highest e of the last ringing, and e "
@@ -78,24 +80,27 @@ NodeType onset_type() {
       .inputs = {{"in", "full scale", "microphone"},
                  {.name = "threshold",
                   .unit = "",
-                  .doc = "softest hit, its peak",
+                  .doc = "peak level of the softest hit",
                   .fallback = 0.01995262314968880,  // -34 dB
                   .low = 0},
-                 event_hold({"hold", "s", "time from a hit in which no other counts", 0.015, 0.001, 10}),
+                 event_hold(
+                     {"hold", "s", "time after a hit in which no other hit is detected", 0.015, 0.001, 10}),
                  {.name = "margin",
                   .unit = "",
-                  .doc = "how far a hit must stand out of what rings; larger misses more and doubles less",
+                  .doc = "ratio by which a hit must exceed the ringing of the last hit; larger: more missed, "
+                         "fewer double hits",
                   .fallback = 1.41253754462275,  // 3 dB
                   .low = 0},
-                 {"noise_margin", "", "how far a hit must stand out of the mean noise", 7.0, 0},
+                 {"noise_margin", "", "ratio by which a hit must exceed the mean noise", 7.0, 0},
                  fixed({"mask_time", "s",
                         "time in which the mask of a hit falls by 20 dB, from 10 ms after its hold", 0.020,
                         0.001, 10}),
                  fixed({"high_pass", "Hz",
-                        "hits are detected only above it: raise it where the microphone picks up an actuator",
-                        30, 1, 4000}),
+                        "lowest level of a hit; raise it if the microphone picks up an actuator", 30, 1,
+                        4000}),
                  fixed({"ringing", "s",
-                        "how long what is struck rings: shorter detects denser strokes, longer doubles less",
+                        "ringing time of the struck object; shorter: detects denser strokes, longer: fewer "
+                        "double hits",
                         0.028, 0.008, 0.031})},
       .outputs = {{.name = "hit",
                    .unit = "",
@@ -104,7 +109,8 @@ NodeType onset_type() {
                    .range = {0, 1}},
                   {.name = "level",
                    .unit = "=in",
-                   .doc = "highest envelope of the last hit: so far in its first 5 ms, then held to the next",
+                   .doc =
+                       "peak envelope of the last hit: follows its first 5 ms, then holds until the next hit",
                    .event_level = true},
                   {"envelope", "=in", "fast envelope above 30 Hz"}},
       .make = make_node<OnsetNode>,

@@ -23,38 +23,39 @@ NodeType biquad(const char* name, const char* summary, const char* transfer, con
 }
 
 InputPort resonant_cutoff() {
-  return cutoff_input("gain q here (-3.01 dB for q = 0.7071); at most 0.49 of the sample rate");
+  return cutoff_input(
+      "cutoff frequency, where the gain is q (-3.01 dB for q = 0.7071); at most 0.49 of the sample rate");
 }
 InputPort q_input(std::string doc, double fallback) {
   return {"q", "", std::move(doc), fallback, 0.01, 1000};
 }
 InputPort resonance() {
-  return q_input("gain at the cutoff; 0.7071 is flattest (Butterworth)", 0.7071067811865476);
+  return q_input("gain at the cutoff frequency; 0.7071: maximally flat (Butterworth)", 0.7071067811865476);
 }
 
 }  // namespace
 
 NodeType low_pass_type() {
-  return biquad<tactus_low_pass>("low_pass", "A resonant low-pass, 12 dB an octave.",
+  return biquad<tactus_low_pass>("low_pass", "A resonant low-pass, 12 dB per octave.",
                                  "H(s) = 1 / (s^2 + s/q + 1), bilinear, s = j at the cutoff",
                                  "{ type = \"low_pass\", in = \"string\", cutoff = \"3 kHz\" }",
                                  resonant_cutoff(), resonance());
 }
 
 NodeType high_pass_type() {
-  return biquad<tactus_high_pass>("high_pass", "A resonant high-pass, 12 dB an octave.",
+  return biquad<tactus_high_pass>("high_pass", "A resonant high-pass, 12 dB per octave.",
                                   "H(s) = s^2 / (s^2 + s/q + 1), bilinear, s = j at the cutoff",
                                   "{ type = \"high_pass\", in = \"string\", cutoff = \"3 kHz\" }",
                                   resonant_cutoff(), resonance());
 }
 
 NodeType band_pass_type() {
-  return biquad<tactus_band_pass>("band_pass",
-                                  "A band-pass with gain 1 at its centre, 6 dB an octave to both sides.",
-                                  "H(s) = (s/q) / (s^2 + s/q + 1), bilinear, s = j at the frequency",
-                                  "{ type = \"band_pass\", in = \"piezo\", frequency = \"3 kHz\", q = 10 }",
-                                  {"frequency", "Hz", "gain 1 here; at most 0.49 of the sample rate", {}, 0},
-                                  q_input("frequency / bandwidth", 1));
+  return biquad<tactus_band_pass>(
+      "band_pass", "A band-pass with gain 1 at its centre frequency and slopes of 6 dB per octave.",
+      "H(s) = (s/q) / (s^2 + s/q + 1), bilinear, s = j at the frequency",
+      "{ type = \"band_pass\", in = \"piezo\", frequency = \"3 kHz\", q = 10 }",
+      {"frequency", "Hz", "centre frequency, where the gain is 1; at most 0.49 of the sample rate", {}, 0},
+      q_input("frequency / bandwidth", 1));
 }
 
 }  // namespace tactus

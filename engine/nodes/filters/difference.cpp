@@ -16,12 +16,12 @@ struct DifferenceNode final : KernelNode<tactus_difference_step, 1> {
 
 NodeType difference_type() {
   return {.name = "difference",
-          .summary = "The rate of change from frame to frame.",
+          .summary = "Rate of change from frame to frame.",
           .equation = "out = (in - in1) fs, in1 = 0 before the first frame",
           .source = "backward difference",
           .example = "{ type = \"difference\", in = \"position\" }",
           .inputs = {filtered_input("signal, usually a position")},
-          .outputs = {{"out", "=in/s", "rate of change, half a frame late"}},
+          .outputs = {{"out", "=in/s", "rate of change, delayed by half a frame"}},
           .make = make_node<DifferenceNode>};
 }
 

@@ -45,23 +45,21 @@ Result<std::unique_ptr<Node>> make_fir(const NodeSetup& setup) {
 }  // namespace
 
 NodeType fir_type() {
-  return {
-      .name = "fir",
-      .summary = "A filter of any shape by its impulse response, one sample a tap.",
-      .equation = "out[n] = sum over k of taps[k] in[n-k]",
-      .source = "direct convolution; another rate: J. O. Smith, Digital Audio Resampling Home Page, 2002",
-      .example = "{ type = \"fir\", in = \"piezo\", rate = \"48 kHz\", taps = [0.25, 0.5, 0.25] }",
-      .inputs = {filtered_input()},
-      .outputs = {filtered_output("out", "filtered")},
-      .settings = {{"taps", Setting::Kind::Numbers, "impulse response, one number a sample"},
-                   within(1000, 1e6,
-                          optional(
-                              {"rate",
-                               Setting::Kind::Quantity,
-                               "sample rate that the taps were measured at: where the engine has another one "
-                               "they are resampled; left out: the engine's",
-                               {"Hz"}}))},
-      .make = make_fir};
+  return {.name = "fir",
+          .summary = "An FIR filter, given by its impulse response.",
+          .equation = "out[n] = sum over k of taps[k] in[n-k]",
+          .source = "direct convolution; another rate: J. O. Smith, Digital Audio Resampling Home Page, 2002",
+          .example = "{ type = \"fir\", in = \"piezo\", rate = \"48 kHz\", taps = [0.25, 0.5, 0.25] }",
+          .inputs = {filtered_input()},
+          .outputs = {filtered_output("out", "filtered")},
+          .settings = {{"taps", Setting::Kind::Numbers, "impulse response, one number per sample"},
+                       within(1000, 1e6,
+                              optional({"rate",
+                                        Setting::Kind::Quantity,
+                                        "sample rate of the taps; they are resampled if the engine runs at "
+                                        "another rate; default: the engine's",
+                                        {"Hz"}}))},
+          .make = make_fir};
 }
 
 }  // namespace tactus

@@ -48,16 +48,14 @@ class ModalNode final : public Node {
     const auto delay = 1.0 / z;
     std::complex<double> sum = 0;
     for (std::size_t k = 0; k < table_.size(); ++k)
-      sum += designed(k, at[kFrequency], at[kDecay]).response(delay);
+      sum += mode_response(designed(k, at[kFrequency], at[kDecay]), delay);
     return sum;
   }
 
  private:
-  ModeDesign designed(std::size_t mode, double frequency, double decay) const noexcept {
-    return {{.frequency_hz = table_.frequency_hz(mode, frequency),
-             .decay_s = table_.decay_s(mode, decay),
-             .gain = gains_[mode]},
-            sample_rate_};
+  tactus_mode designed(std::size_t mode, double frequency, double decay) const noexcept {
+    return tactus_mode_design(table_.frequency_hz(mode, frequency), table_.decay_s(mode, decay), gains_[mode],
+                              sample_rate_.value);
   }
 
   void tune(double frequency, double decay) noexcept {
@@ -108,25 +106,25 @@ NodeType modal_type() {
           "= e^(-6.91 / (decay_k fs))\n"
           "A series: f_k = frequency ratio_k,  decay_k = decay (f_1 / f_k)^decay_slope,  gain_k times "
           "(f_1 / f_k)^gain_slope\n"
-          "A mode at half the sample rate or above is silent. Retuned every eight frames, for some 30 ns "
-          "a mode",
+          "Modes at or above half the sample rate are silent. Retuned every eight frames, at a cost of about "
+          "30 ns per mode",
       .source =
           "Rabiner & Gold, Theory and Application of Digital Signal Processing, 1975, section 4.5; "
           "series: Fletcher & Rossing, The Physics of Musical Instruments, 2nd ed. 1998",
       .example =
           "{ type = \"modal\", in = \"strike\", frequency = \"220 Hz\", series = \"bar\", modes = 12, "
           "decay = \"1 s\" }",
-      .inputs = {late({"in", "any", "what strikes or rubs"}), mode_frequency_input(false),
-                 mode_decay_input(false)},
+      .inputs = {late({"in", "any", "excitation"}), mode_frequency_input(false), mode_decay_input(false)},
       .outputs = {filtered_output("out", "all modes together")},
-      .settings = mode_settings({optional({"gains", Setting::Kind::Numbers,
-                                           "gain of each mode; one for all, or one a mode; left out: 1"}),
-                                 within(-4, 4,
-                                        {"gain_slope",
-                                         Setting::Kind::Quantity,
-                                         "high modes are softer where it is above 0",
-                                         {},
-                                         "0"})}),
+      .settings =
+          mode_settings({optional({"gains", Setting::Kind::Numbers,
+                                   "gain of each mode: one number for all, or one per mode; default: 1"}),
+                         within(-4, 4,
+                                {"gain_slope",
+                                 Setting::Kind::Quantity,
+                                 "exponent s in gain_k * (f_1 / f_k)^s; above 0: high modes are softer",
+                                 {},
+                                 "0"})}),
       .make = make_modal};
 }
 

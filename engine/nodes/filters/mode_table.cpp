@@ -23,20 +23,20 @@ ModeSeries series_of(const std::string& word) {
 Result<std::vector<double>> listed_frequencies(const std::vector<double>& list) {
   if (list.empty() || list.size() > kMaxModes)
     return fail(Errc::OutOfRange, {},
-                "'frequencies' has " + std::to_string(list.size()) + " numbers, and there are from 1 to " +
+                "'frequencies' has " + std::to_string(list.size()) + " numbers; allowed are 1 to " +
                     std::to_string(kMaxModes) + " modes",
-                "list one frequency a mode");
+                "list one frequency per mode");
   for (const double f : list)
     if (!(f >= kLowestMode_hz))
-      return fail(Errc::OutOfRange, {}, "one of 'frequencies' is below 1 Hz", "leave it out");
+      return fail(Errc::OutOfRange, {}, "one of 'frequencies' is below 1 Hz", "remove it");
   return list;
 }
 
 Result<std::vector<double>> frequencies_of(const NodeSetup& setup) {
   const auto& list = setup.setting("frequencies");
   if (list.given && setup.setting("series").given)
-    return fail(Errc::OutOfRange, {}, "'frequencies' and 'series' both say where the modes lie",
-                "leave one of them out");
+    return fail(Errc::OutOfRange, {}, "'frequencies' and 'series' both determine the mode frequencies",
+                "omit one of them");
   if (list.given) return listed_frequencies(list.numbers);
   return mode_ratios(series_of(setup.setting("series").text), static_cast<int>(setup.setting("modes").number),
                      setup.setting("span").number);
@@ -91,22 +91,22 @@ double ModeTable::decay_s(std::size_t mode, double first_s) const noexcept {
 }
 
 InputPort mode_frequency_input(bool fixed) {
-  return {
-      .name = "frequency",
-      .unit = "Hz",
-      .doc =
-          "of the first mode, which the others follow; left out where `frequencies` are listed: as they are",
-      .fallback = 220,
-      .low = 0,
-      .fixed = fixed};
+  return {.name = "frequency",
+          .unit = "Hz",
+          .doc =
+              "frequency of the first mode; the others keep their ratio to it; default if `frequencies` are "
+              "listed: their first",
+          .fallback = 220,
+          .low = 0,
+          .fixed = fixed};
 }
 
 InputPort mode_decay_input(bool fixed) {
   return {.name = "decay",
           .unit = "s",
           .doc =
-              "time in which the first mode falls by 60 dB; the others keep their ratio to it; left out "
-              "where `decays` are listed: as they are",
+              "time in which the first mode decays by 60 dB; the others keep their ratio to it; default if "
+              "`decays` are listed: their first",
           .fallback = 0.1,
           .low = 0,
           .fixed = fixed};
@@ -114,24 +114,28 @@ InputPort mode_decay_input(bool fixed) {
 
 std::vector<Setting> mode_settings(std::vector<Setting> further) {
   std::vector<Setting> settings = {
-      optional({"frequencies", Setting::Kind::Numbers, "of the modes, instead of a series", {"Hz"}}),
-      optional({"decays",
-                Setting::Kind::Numbers,
-                "time in which each mode falls by 60 dB, instead of a slope; one for all, or one a mode",
-                {"s"}}),
+      optional(
+          {"frequencies", Setting::Kind::Numbers, "frequencies of the modes, instead of a series", {"Hz"}}),
+      optional(
+          {"decays",
+           Setting::Kind::Numbers,
+           "time in which each mode decays by 60 dB, instead of a slope: one number for all, or one per mode",
+           {"s"}}),
       choice("series",
-             "harmonic: 1, 2, 3 …; geometric: even steps of pitch; bar: free at both ends (marimba); "
-             "clamped_bar: "
-             "held at one end (kalimba); membrane: a drum's head",
+             "frequency ratios. harmonic: 1, 2, 3 …; geometric: equal pitch steps; bar: free at both ends "
+             "(marimba); clamped_bar: clamped at one end (kalimba); membrane: drum head",
              {"harmonic", "geometric", "bar", "clamped_bar", "membrane"}, "harmonic"),
-      within(1, kMaxModes, {"modes", Setting::Kind::Integer, "of a series", {}, "16"}),
-      within(
-          1, 1e4,
-          {"span", Setting::Kind::Quantity, "last frequency of a geometric series over the first", {}, "16"}),
+      within(1, kMaxModes, {"modes", Setting::Kind::Integer, "number of modes of a series", {}, "16"}),
+      within(1, 1e4,
+             {"span",
+              Setting::Kind::Quantity,
+              "ratio of the last to the first frequency of a geometric series",
+              {},
+              "16"}),
       within(-4, 4,
              {"decay_slope",
               Setting::Kind::Quantity,
-              "s in decay_k = decay (f_1 / f_k)^s: high modes die sooner where it is above 0",
+              "exponent s in decay_k = decay * (f_1 / f_k)^s; above 0: high modes decay faster",
               {},
               "0.5"})};
   for (auto& setting : further) settings.push_back(std::move(setting));

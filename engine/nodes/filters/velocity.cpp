@@ -14,7 +14,7 @@ FilterCoefficients<1> design(const VelocityNode::Parameters& p, Hertz sample_rat
 
 NodeType velocity_type() {
   return {.name = "velocity",
-          .summary = "The rate of change of a signal without the noise that a bare difference makes.",
+          .summary = "Rate of change of a signal, with less noise than `difference`.",
           .equation =
               "d = (in - in1) fs,  out = p out1 + (1-p) d,\n"
               "p^2 - 2 c p + 1 = 0 with c = 2 - cos(2 pi cutoff/fs): the low-pass is exactly -3.01 dB at the "
@@ -22,8 +22,10 @@ NodeType velocity_type() {
               "in1 = 0 before the first frame",
           .source = "pole matched to the half-power frequency",
           .example = "{ type = \"velocity\", in = \"position\", cutoff = \"200 Hz\" }",
-          .inputs = {filtered_input("signal, usually a position"),
-                     cutoff_input("of the low-pass behind the difference; at most 0.49 of the sample rate")},
+          .inputs =
+              {filtered_input("signal, usually a position"),
+               cutoff_input(
+                   "cutoff frequency of the low-pass after the difference; at most 0.49 of the sample rate")},
           .outputs = {{"out", "=in/s", "filtered rate of change"}},
           .make = VelocityNode::maker(design)};
 }

@@ -10,9 +10,7 @@ namespace {
 
 Breakpoints::Shape curve_shape(const NodeSetup& setup) {
   const auto& name = setup.setting("curve").text;
-  return name == "step"     ? Breakpoints::Shape::Step
-         : name == "smooth" ? Breakpoints::Shape::Smooth
-                            : Breakpoints::Shape::Linear;
+  return name == "step" ? TACTUS_CURVE_STEP : name == "smooth" ? TACTUS_CURVE_CUBIC : TACTUS_CURVE_LINEAR;
 }
 
 /// Times become frames; those within a millionth of a frame of a whole one become whole, so that "3 ms" at 48
@@ -64,13 +62,6 @@ Result<std::unique_ptr<Node>> make_curve(const NodeSetup& setup) {
   return std::make_unique<CurveNode>(setup, points);
 }
 
-Interval curve_range(int, const NodeSetup& setup) {
-  Interval range{kUnlimited, -kUnlimited};
-  for (const auto& [time, value] : setup.setting("points").points)
-    range = range.joined(Interval::exactly(value));
-  return range.low <= range.high ? range : Interval{};
-}
-
 }  // namespace
 
 NodeType curve_type() {
@@ -85,16 +76,17 @@ NodeType curve_type() {
           "stroke = { type = \"curve\", points = [[\"0 s\", \"0 m/s\"], [\"0.1 s\", \"0.1 m/s\"]], unit = "
           "\"m/s\" }",
       .inputs = {{"trigger", "",
-                  "starts the curve over; if it is connected, the curve waits for the first one", 0}},
+                  "restarts the curve; if it is connected, the curve waits for the first trigger", 0}},
       .outputs = {{"out", "=unit", "value of the curve"}},
       .settings = {{"points",
                     Setting::Kind::Points,
-                    "[[time, value], ...], times ascending; two points at one time are a jump",
+                    "[[time, value], ...] with ascending times; two points at the same time make a jump",
                     {"s", "=unit"}},
-                   choice("curve", "way between two points", {"linear", "step", "smooth"}, "linear"),
+                   choice("curve", "interpolation between two points", {"linear", "step", "smooth"},
+                          "linear"),
                    unit_setting("values")},
       .make = make_curve,
-      .range = curve_range,
+      .range = range_of_points,
   };
 }
 

@@ -36,17 +36,15 @@ Interval noise_range(int, const NodeSetup& setup) {
 NodeType noise_type() {
   return {
       .name = "noise",
-      .summary =
-          "White noise that is the same at every run: each value is a function of seed, lane and frame.",
-      .equation =
-          "out[n] = level u(seed, lane, n); uniform: even in [-1, 1); gaussian: normal with deviation 1",
+      .summary = "White noise, the same in every run: each value is a function of seed, lane and frame.",
+      .equation = "out[n] = level * u(seed, lane, n); uniform: in [-1, 1); gaussian: standard deviation 1",
       .source = "Steele, Lea & Flood, OOPSLA 2014 (SplitMix64); Box & Muller, Ann. Math. Stat. 1958",
       .example = "hiss = { type = \"noise\", seed = 7, level = \"-40 dB\" }",
       .inputs = {{"level", "any", "peak of uniform noise, standard deviation of gaussian noise", 1}},
       .outputs = {{"out", "=level", "the noise"}},
       .settings = {within(0, 9007199254740992,
-                          {"seed", Setting::Kind::Integer, "another seed, another noise", {}, "1"}),
-                   choice("distribution", "how the values are spread", {"uniform", "gaussian"}, "uniform")},
+                          {"seed", Setting::Kind::Integer, "seed of the noise", {}, "1"}),
+                   choice("distribution", "distribution of the values", {"uniform", "gaussian"}, "uniform")},
       .make = make_node<NoiseNode>,
       .range = noise_range,
   };

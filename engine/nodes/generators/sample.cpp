@@ -18,10 +18,6 @@ struct Recording {
   Hertz sample_rate;
 };
 
-struct CloseFile {
-  void operator()(SNDFILE* file) const { sf_close(file); }
-};
-
 // 512 MB, which is what a whole graph may keep.
 constexpr std::size_t kSoundFileMostFrames = 64 << 20;
 
@@ -44,9 +40,9 @@ std::vector<double> read_channel(SNDFILE* file, int channels, int channel) {
 Result<Recording> read_recording(const std::string& path, int channel) {
   std::error_code error;
   if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error))
-    return fail(Errc::BadFile, {}, "'" + path + "' is no ordinary file", "name a WAV, AIFF or FLAC file");
+    return fail(Errc::BadFile, {}, "'" + path + "' is not a regular file", "name a WAV, AIFF or FLAC file");
   SF_INFO info{};
-  const std::unique_ptr<SNDFILE, CloseFile> file{sf_open(path.c_str(), SFM_READ, &info)};
+  const std::unique_ptr<SNDFILE, int (*)(SNDFILE*)> file{sf_open(path.c_str(), SFM_READ, &info), sf_close};
   if (!file)
     return fail(Errc::BadFile, {}, "cannot read '" + path + "': " + sf_strerror(nullptr),
                 "name a WAV, AIFF or FLAC file, relative to the graph file");
@@ -60,11 +56,10 @@ Result<Recording> read_recording(const std::string& path, int channel) {
   if (recording.samples.size() > kSoundFileMostFrames)
     return fail(Errc::OutOfRange, {},
                 "'" + path + "' is longer than " + std::to_string(kSoundFileMostFrames) + " frames",
-                "take a shorter recording");
+                "use a shorter recording");
   if (!std::all_of(recording.samples.begin(), recording.samples.end(),
                    [](double x) { return std::isfinite(x); }))
-    return fail(Errc::BadFile, {}, "'" + path + "' holds values that are not finite",
-                "export the file again");
+    return fail(Errc::BadFile, {}, "'" + path + "' contains non-finite values", "export the file again");
   return recording;
 }
 
@@ -108,18 +103,19 @@ NodeType sample_type() {
   return {
       .name = "sample",
       .summary = "Plays a channel of a sound file from its start at each trigger; silent before and after.",
-      .equation = "out[n] = level s(p[n]); p = 0 at a trigger, p[n+1] = p[n] + speed[n] file rate / rate",
+      .equation = "out[n] = level * s(p[n]); p = 0 at a trigger, p[n+1] = p[n] + speed[n] * file_rate / rate",
       .source = "Moore, Elements of Computer Music, 1990; cubic: Catmull & Rom, 1974",
       .example = "thud = { type = \"sample\", file = \"thud.wav\", trigger = \"hit\" }",
-      .inputs = {{"trigger", "", "starts the file; 1 starts it in the first frame"},
-                 {"speed", "", "1 is the recorded speed; not band-limited above it", 1, 0, kMaxSpeed},
-                 {"level", "any", "output at full scale of the file", 1}},
-      .outputs = {{"out", "=level", "the recording"}},
-      .settings =
-          {{"file", Setting::Kind::File, "WAV, AIFF or FLAC; played at its own rate whatever the engine's"},
-           within(1, 1024,
-                  {"channel", Setting::Kind::Integer, "which channel of the file; 1 is the first", {}, "1"}),
-           choice("interpolation", "between two samples of the file", {"linear", "cubic"}, "cubic")},
+      .inputs = {{"trigger", "", "starts the file; a constant 1 starts it in the first frame"},
+                 {"speed", "", "playback speed; 1: as recorded; not band-limited above 1", 1, 0, kMaxSpeed},
+                 {"level", "any", "output level for full scale in the file", 1}},
+      .outputs = {{"out", "=level", "the played recording"}},
+      .settings = {{"file", Setting::Kind::File, "WAV, AIFF or FLAC file; played at its own sample rate"},
+                   within(
+                       1, 1024,
+                       {"channel", Setting::Kind::Integer, "channel of the file, counted from 1", {}, "1"}),
+                   choice("interpolation", "interpolation between two samples of the file",
+                          {"linear", "cubic"}, "cubic")},
       .make = make_sample,
   };
 }

@@ -28,8 +28,7 @@ class WavetableNode final : public Node {
 
 Result<std::unique_ptr<Node>> make_wavetable(const NodeSetup& setup) {
   if (setup.setting("table").numbers.empty())
-    return fail(Errc::BadArgument, {}, "'table' holds no number",
-                "write one period, as in table = [0, 1, 0, -1]");
+    return fail(Errc::BadArgument, {}, "'table' is empty", "write one period, as in table = [0, 1, 0, -1]");
   return std::make_unique<WavetableNode>(setup);
 }
 
@@ -39,18 +38,19 @@ NodeType wavetable_type() {
   return {
       .name = "wavetable",
       .summary =
-          "Repeats one period given as numbers. Not band-limited: partials above half the rate fold back.",
+          "Repeats one period given as numbers. Not band-limited: partials above half the sample rate alias.",
       .equation =
-          "out[n] = level table(N frac(p[n] + phase / 2 pi)) for N numbers; p[0] = 0, p[n+1] = p[n] + "
+          "out[n] = level * table(N * frac(p[n] + phase / (2 pi))) for N numbers; p[0] = 0, p[n+1] = p[n] + "
           "frequency[n] / rate",
       .source = "Moore, Elements of Computer Music, 1990; cubic: Catmull & Rom, 1974",
       .example = "buzz = { type = \"wavetable\", table = [0, 1, 0.5, -0.5, -1], frequency = \"60 Hz\" }",
-      .inputs = {{"frequency", "Hz", "periods a second; negative runs backwards"},
-                 {"phase", "rad", "added to the running phase", 0},
-                 {"level", "any", "multiplies the table", 1}},
-      .outputs = {{"out", "=level", "the wave"}},
-      .settings = {{"table", Setting::Kind::Numbers, "one period at even distances, at least one number"},
-                   choice("interpolation", "between two numbers", {"linear", "cubic"}, "linear")},
+      .inputs = {{"frequency", "Hz", "periods per second; negative: runs backwards"},
+                 {"phase", "rad", "phase offset, added to the running phase", 0},
+                 {"level", "any", "amplitude, multiplies the table", 1}},
+      .outputs = {{"out", "=level", "the waveform"}},
+      .settings = {{"table", Setting::Kind::Numbers, "one period at equal intervals; at least one number"},
+                   choice("interpolation", "interpolation between two numbers", {"linear", "cubic"},
+                          "linear")},
       .make = make_wavetable,
   };
 }

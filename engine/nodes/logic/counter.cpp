@@ -16,14 +16,15 @@ Interval counter_range(int, const NodeSetup& setup) {
 NodeType counter_type() {
   return {
       .name = "counter",
-      .summary = "Counts triggers from 0, and starts over when it reaches `count`.",
+      .summary = "Counts triggers from 0 and wraps to 0 when it reaches `count`.",
       .equation = "out = number of triggers since the last reset, modulo floor(count)",
       .source = "elementary",
       .example = "step = { type = \"counter\", trigger = \"hit\", count = 4 }",
-      .inputs = {{"trigger", "", "counts one up in its own frame"},
-                 {"reset", "", "trigger that goes back to 0; wins in a frame with `trigger`", 0},
-                 {"count", "", "starts over here; below 1: never", 0, 0}},
-      .outputs = {bounded(0, kUnlimited, {"out", "", "whole number from 0 on"})},
+      .inputs = {{"trigger", "", "increments the count in the frame of the trigger"},
+                 {"reset", "",
+                  "trigger that resets the count to 0; has priority over `trigger` in the same frame", 0},
+                 {"count", "", "count at which it wraps to 0; below 1: never", 0, 0}},
+      .outputs = {bounded(0, kUnlimited, {"out", "", "the count, a whole number from 0"})},
       .make = make_node<KernelNode<tactus_counter_step, 3>>,
       .range = counter_range,
   };

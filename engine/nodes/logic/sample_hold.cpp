@@ -6,11 +6,11 @@ namespace tactus {
 NodeType sample_hold_type() {
   return {
       .name = "sample_hold",
-      .summary = "Keeps the value that its input had at the last trigger; 0 before the first.",
+      .summary = "Holds the value of its input at the last trigger; 0 before the first trigger.",
       .equation = "out[n] = in[m], m <= n the frame of the last trigger",
       .source = "elementary",
       .example = "velocity = { type = \"sample_hold\", in = \"speed\", trigger = \"hit\" }",
-      .inputs = {{"in", "any", "signal"}, {"trigger", "", "when to take the value over"}},
+      .inputs = {{"in", "any", "signal"}, {"trigger", "", "trigger that samples the input"}},
       .outputs = {{"out", "=in", "held value"}},
       .make = make_node<KernelNode<tactus_sample_hold_step, 2>>,
       .small_signal_gain = 1,

@@ -62,7 +62,8 @@ NodeType threshold_type() {
   return {
       .name = "threshold",
       .summary =
-          "Triggers when a signal reaches a level, and again only after it fell below it by the hysteresis.",
+          "Triggers when a signal reaches a level, and again only after it has fallen below the level by the "
+          "hysteresis.",
       .equation =
           "high from in >= level until in < level - hysteresis;\n"
           "out = 1 in the first frame with in >= level since it was low, `hold` or more after the last",
@@ -70,18 +71,18 @@ NodeType threshold_type() {
       .example =
           "touched = { type = \"threshold\", in = \"pressure\", level = \"0.5 N\", hysteresis = \"0.1 N\" }",
       .inputs = {{"in", "any", "signal"},
-                 {"level", "=in", "level to reach"},
-                 {"hysteresis", "=in", "how far below `level` it lets go", 0, 0},
+                 {"level", "=in", "level of the threshold"},
+                 {"hysteresis", "=in", "distance below `level` at which it is released", 0, 0},
                  event_hold(
-                     {"hold", "s", "time from a trigger in which no other comes", 0, 0, kLongestHold_s})},
+                     {"hold", "s", "time after a trigger in which no other occurs", 0, 0, kLongestHold_s})},
       .outputs = {{.name = "out",
                    .unit = "",
-                   .doc = "fires at the rise",
+                   .doc = "trigger when the signal rises to the level",
                    .kind = OutputKind::Trigger,
                    .range = {0, 1}},
-                  bounded(0, 1, {"gate", "", "1 while high"})},
+                  bounded(0, 1, {"gate", "", "1 while the signal is high"})},
       .make = make_node<ThresholdNode>,
-      .skips_unread = true,
+      .skips_unused_outputs = true,
   };
 }
 

@@ -17,12 +17,12 @@ struct DamperForce {
 NodeType damper_type() {
   return {
       .name = "damper",
-      .summary = "Virtual damper: a force against the velocity of a device.",
+      .summary = "Virtual damper: a force opposite to the velocity of a device.",
       .equation = "out = -damping in",
       .source = "Berdahl, Steiner & Oldham, NIME 2008, section 6.1.1",
       .example = "drag = { type = \"damper\", in = \"speed\", damping = \"0.5 N s/m\" }",
       .inputs = {{"in", "m/s", "velocity of the device"},
-                 {"damping", "N s/m", "force for a metre a second", {}, 0}},
+                 {"damping", "N s/m", "damping coefficient (force per velocity)", {}, 0}},
       .outputs = {{"out", "N", "force on the device"}},
       .make = make_elementwise<DamperForce>,
       .stateless = true,

@@ -80,7 +80,7 @@ Result<std::vector<double>> masses_of(const NodeSetup& setup, std::size_t modes)
   for (const double m : *masses)
     if (!(m > 0))
       return fail(Errc::OutOfRange, {}, "one of 'masses' is not above 0",
-                  "leave out the modes that do not move where the body is touched");
+                  "omit the modes that do not move at the point of contact");
   if (list.given && setup.input("mass").connected) {
     const double scale = mass / masses->front();
     for (double& m : *masses) m *= scale;
@@ -108,42 +108,43 @@ Result<std::unique_ptr<Node>> make_modal_body(const NodeSetup& setup) {
 NodeType modal_body_type() {
   return {
       .name = "modal_body",
-      .summary = "A body of many modes that a network's `port` moves: bar, plate, drum head, sound board.",
+      .summary = "A body with many modes, moved by a network's `port`: bar, plate, drum head, sound board.",
       .equation =
           "force = -(wave_in + wave),  wave = wave_in + impedance velocity; up is up as for the mass at the "
           "port\n"
           "mass_k v_k' + c_k v_k + k_k integral of v_k = force,  velocity = sum of v_k,  position = its "
           "integral\n"
-          "Each mode rings at f_k and falls by 60 dB in decay_k exactly (trapezoidal rule, c_k and k_k to "
-          "match); one at half the sample rate or above is left out. Energy only goes in through the port: "
-          "sum of (wave_in^2 - wave^2) / (impedance fs) is the energy stored and lost in the body.\n"
-          "Wired to a port of the same impedance, each end responds to the other a frame later at most: like "
-          "a "
-          "thin rod of mass impedance / (2 fs) and stiffness 2 impedance fs between them",
+          "Each mode rings at f_k and decays by 60 dB in decay_k exactly (trapezoidal rule, with matching "
+          "c_k and k_k); modes at or above half the sample rate are omitted. Energy enters only through the "
+          "port: the sum of (wave_in^2 - wave^2) / (impedance fs) is the energy stored and lost in the "
+          "body.\nConnected to a port of the same impedance, each side responds to the other at most one "
+          "frame later, like a thin rod of mass impedance / (2 fs) and stiffness 2 impedance fs between them",
       .source =
           "Bilbao, Wave and Scattering Methods for Numerical Simulation, 2004, chapter 2; series: Fletcher & "
           "Rossing, The Physics of Musical Instruments, 2nd ed. 1998",
       .example =
           "{ type = \"modal_body\", wave = \"mallet.felt.wave\", impedance = \"20 N s/m\", frequency = \"220 "
           "Hz\", series = \"bar\", modes = 12, decay = \"1 s\", mass = \"50 g\" }",
-      .inputs = {{"wave", "N", "force wave that comes in, as `wave` of a network's port"},
-                 fixed({"impedance", "N s/m", "that of the port on the other side", {}, 1e-9, 1e9}),
-                 mode_frequency_input(true),
-                 mode_decay_input(true),
-                 fixed({"mass", "kg",
-                        "of the first mode, as felt at the point that is touched; without `masses`, of all",
-                        1, 1e-9, 1e9})},
-      .outputs = {{"wave", "N", "force wave that goes out"},
-                  {"velocity", "m/s", "of the point that is touched"},
-                  {"position", "m", "of the point that is touched"},
-                  {"force", "N", "on the body"}},
-      .settings = mode_settings(
-          {optional({"masses",
-                     Setting::Kind::Numbers,
-                     "of the modes, as felt at the point that is touched; one for all, or one a mode",
-                     {"kg"}})}),
+      .inputs =
+          {{"wave", "N", "incoming force wave: the `wave` of a network's port"},
+           fixed(
+               {"impedance", "N s/m", "wave impedance, equal to that of the connected port", {}, 1e-9, 1e9}),
+           mode_frequency_input(true),
+           mode_decay_input(true),
+           fixed({"mass", "kg",
+                  "effective mass of the first mode at the point of contact; without `masses`, of all modes",
+                  1, 1e-9, 1e9})},
+      .outputs = {{"wave", "N", "outgoing force wave"},
+                  {"velocity", "m/s", "velocity of the point of contact"},
+                  {"position", "m", "velocity of the point of contact"},
+                  {"force", "N", "force on the body"}},
+      .settings = mode_settings({optional(
+          {"masses",
+           Setting::Kind::Numbers,
+           "effective masses of the modes at the point of contact: one number for all, or one per mode",
+           {"kg"}})}),
       .make = make_modal_body,
-      .skips_unread = true};
+      .skips_unused_outputs = true};
 }
 
 }  // namespace tactus

@@ -20,15 +20,15 @@ struct SpringForce {
 NodeType spring_type() {
   return {
       .name = "spring",
-      .summary = "Virtual spring: the force that pulls a device back to its rest position.",
+      .summary = "Virtual spring: a force that pulls a device back to its rest position.",
       .equation = "out = -stiffness (in - rest)",
       .source =
           "Berdahl, Steiner & Oldham, NIME 2008, section 6.1.1. Stable on a device with damping b while "
           "stiffness < b / (T / 2 + delay): Gil et al., J. Comput. Inf. Sci. Eng. 9, 2009",
       .example = "pull = { type = \"spring\", in = \"lever\", stiffness = \"200 N/m\" }",
       .inputs = {{"in", "m", "position of the device"},
-                 {"stiffness", "N/m", "force for a metre", {}, 0},
-                 {"rest", "m", "position without force", 0}},
+                 {"stiffness", "N/m", "stiffness (force per displacement)", {}, 0},
+                 {"rest", "m", "rest position, where the force is 0", 0}},
       .outputs = {{"out", "N", "force on the device"}},
       .make = make_elementwise<SpringForce>,
       .stateless = true,

@@ -20,7 +20,7 @@ class TerrainNode final : public Node {
     for (int i = 0; i < block.frames; ++i) {
       const auto shape = at(in[kPosition][i], in[kHeight][i], in[kLength][i]);
       block.out[kForce][i] = tactus_terrain_force(in[kWeight][i], shape.slope);
-      block.out[kZ][i] = shape.height;
+      block.out[kZ][i] = shape.value;
     }
   }
   void reset() noexcept override {}
@@ -35,7 +35,7 @@ class TerrainNode final : public Node {
   }
 
  private:
-  tactus_terrain_shape at(double x, double height, double length) const {
+  tactus_cubic_point at(double x, double height, double length) const {
     const auto curve = curve_.view();
     return tactus_terrain_at(profile_, &curve, x, height, length);
   }
@@ -59,7 +59,7 @@ Result<std::unique_ptr<Node>> make_terrain(const NodeSetup& setup) {
     return fail(Errc::Missing, {}, "the profile 'points' needs at least two points",
                 "add points = [[x, z], ...]");
   if (!strictly_ascending(points))
-    return fail(Errc::BadArgument, {}, "'points' is not a profile: x does not ascend",
+    return fail(Errc::BadArgument, {}, "'points' is not a profile: x is not in ascending order",
                 "write [[x, z], ...] with ascending x");
   return std::make_unique<TerrainNode>(TACTUS_TERRAIN_POINTS, CubicCurve::spline(points));
 }
@@ -69,7 +69,7 @@ Result<std::unique_ptr<Node>> make_terrain(const NodeSetup& setup) {
 NodeType terrain_type() {
   return {
       .name = "terrain",
-      .summary = "Detents and textures: the force of sliding over a profile of heights, without friction.",
+      .summary = "Detents and textures: the force of sliding without friction over a height profile.",
       .equation =
           "out = -weight dz/dx. detent: z = -height exp(-x^2 / (2 length^2)), near 0 a spring of stiffness "
           "weight height / length^2; sine: z = height cos(2 pi x / length), stiffness at most 4 pi^2 weight "
@@ -79,14 +79,15 @@ NodeType terrain_type() {
           "notch = { type = \"terrain\", position = \"fader\", weight = \"1 N\", height = \"1 mm\", length = "
           "\"2 mm\" }",
       .inputs = {{"position", "m", "position of the device"},
-                 {"weight", "N", "presses the device onto the profile", 1, 0},
-                 {"height", "m", "depth of the detent, amplitude of the sine", 0.001, 0},
-                 {"length", "m", "distance of a detent's strongest force from its centre, period of the sine",
+                 {"weight", "N", "force that presses the device onto the profile", 1, 0},
+                 {"height", "m", "depth of the detent, or amplitude of the sine", 0.001, 0},
+                 {"length", "m",
+                  "distance between the centre of a detent and its largest force, or period of the sine",
                   0.002, TACTUS_TERRAIN_SHORTEST}},
       .outputs = {{"out", "N", "force on the device"}, {"z", "m", "height of the profile at the position"}},
-      .settings = {choice("profile", "shape of the ground; `points` makes no use of height and length",
+      .settings = {choice("profile", "shape of the profile; `points` ignores height and length",
                           {"detent", "sine", "points"}, "detent"),
-                   optional({"points", Setting::Kind::Points, "[[x, z], ...], x ascending", {"m", "m"}})},
+                   optional({"points", Setting::Kind::Points, "[[x, z], ...] with ascending x", {"m", "m"}})},
       .make = make_terrain,
       .stateless = true,
   };

@@ -29,17 +29,17 @@ struct WallForce {
 NodeType wall_type() {
   return {
       .name = "wall",
-      .summary = "Virtual wall: behind `at` a spring and a damper push the device out; they never pull.",
-      .equation = "out = -max(0, stiffness (position - at) + damping velocity) where position > at, else 0",
+      .summary = "Virtual wall: beyond `at`, a spring and a damper push the device out; they never pull.",
+      .equation = "out = -max(0, stiffness (position - at) + damping velocity) if position > at, else 0",
       .source =
           "Berdahl, Steiner & Oldham, NIME 2008, section 6.1.2. Stable on a device with damping b while "
           "stiffness < (b + damping) / (T / 2 + delay): Gil et al., J. Comput. Inf. Sci. Eng. 9, 2009",
       .example = "stop = { type = \"wall\", position = \"lever\", stiffness = \"800 N/m\", at = \"20 mm\" }",
       .inputs = {{"position", "m", "position of the device"},
-                 {"velocity", "m/s", "its velocity; needed for the damper", 0},
-                 {"stiffness", "N/m", "force for a metre of depth", {}, 0},
-                 {"damping", "N s/m", "force for a metre a second", 0, 0},
-                 {"at", "m", "where the wall begins", 0}},
+                 {"velocity", "m/s", "velocity of the device; needed for the damper", 0},
+                 {"stiffness", "N/m", "stiffness (force per depth)", {}, 0},
+                 {"damping", "N s/m", "damping coefficient (force per velocity)", 0, 0},
+                 {"at", "m", "position of the wall's surface", 0}},
       .outputs = {bounded(-kUnlimited, 0, {"out", "N", "force on the device, never positive"})},
       .make = make_elementwise<WallForce>,
       .stateless = true,

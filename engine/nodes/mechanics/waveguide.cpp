@@ -61,28 +61,32 @@ class WaveguideNode final : public Node {
 }  // namespace
 
 NodeType waveguide_type() {
-  return {.name = "waveguide",
-          .summary = "A string or rod as a network's `port` feels it at one end: waves go in and come back.",
-          .equation =
-              "out[n] = +-gain (h_LP * wave)[n - (N - 1)]: + from a fixed end, - from a free one\n"
-              "N = fs/pitch + arg H_LP(w)/w,  w = 2 pi pitch/fs; the frame that is missing is the port's\n"
-              "H_LP = (1 - loss/2) + loss/2 z^-1 (one_zero) or (1 - loss) / (1 - loss z^-1) (one_pole)\n"
-              "Impedance of the port: of a string of tension T and mass M a metre sqrt(T M), of a rod A "
-              "sqrt(E rho). A fixed string on a heavy mass sounds at `pitch`; on a mass m at w m = Z cot(w / "
-              "(2 pitch)). It never gives back more than came in; gain = 0 never ends",
-          .source =
-              "J. O. Smith, Physical Audio Signal Processing, 2010; Jaffe & Smith, Computer Music Journal "
-              "7(2), 1983",
-          .example = "{ type = \"waveguide\", wave = \"bridge.nut.wave\", pitch = \"220 Hz\", gain = 0.998 }",
-          .inputs = {late({"wave", "any", "what goes in: `wave` of a network's port"}),
-                     pitch_input("one over the time to the far end and back; at most 0.2 of the sample rate"),
-                     {"gain", "", "to the far end and back; 0: an endless line, that swallows all", 0.998, 0,
-                      WaveLine::kMostGain},
-                     loss_input()},
-          .outputs = {{"out", "=wave", "what comes back"}},
-          .settings = {choice("end", "what holds the far end", {"fixed", "free"}, "fixed"),
-                       loss_filter_setting()},
-          .make = make_node<WaveguideNode>};
+  return {
+      .name = "waveguide",
+      .summary =
+          "A string or rod, driven at one end by a network's `port`: waves travel to the far end and return.",
+      .equation =
+          "out[n] = +-gain (h_LP * wave)[n - (N - 1)]: + from a fixed end, - from a free one\nN = fs/pitch + "
+          "arg H_LP(w)/w,  w = 2 pi pitch/fs; the remaining frame is the delay of the port\nH_LP = (1 - "
+          "loss/2) + loss/2 z^-1 (one_zero) or (1 - loss) / (1 - loss z^-1) (one_pole)\nImpedance of the "
+          "port: sqrt(T M) for a string of tension T and mass per metre M, A sqrt(E rho) for a rod. A fixed "
+          "string on a heavy mass sounds at `pitch`; on a mass m at w m = Z cot(w / (2 pitch)). It is "
+          "passive; gain = 0: an endless line",
+      .source =
+          "J. O. Smith, Physical Audio Signal Processing, 2010; Jaffe & Smith, Computer Music Journal "
+          "7(2), 1983",
+      .example = "{ type = \"waveguide\", wave = \"bridge.nut.wave\", pitch = \"220 Hz\", gain = 0.998 }",
+      .inputs = {late({"wave", "any", "incoming wave: the `wave` of a network's port"}),
+                 pitch_input(
+                     "reciprocal of the travel time to the far end and back; at most 0.2 of the sample rate"),
+                 {"gain", "",
+                  "gain of the travel to the far end and back; 0: an endless line without reflection", 0.998,
+                  0, 1},
+                 loss_input()},
+      .outputs = {{"out", "=wave", "returning wave"}},
+      .settings = {choice("end", "termination of the far end", {"fixed", "free"}, "fixed"),
+                   loss_filter_setting()},
+      .make = make_node<WaveguideNode>};
 }
 
 }  // namespace tactus

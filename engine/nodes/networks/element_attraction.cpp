@@ -62,22 +62,23 @@ void build_attraction(NetworkBuilder& b, const NetworkElement& e, ElementParts& 
 }  // namespace
 
 std::vector<ElementType> attraction_elements() {
-  return {
-      {.name = "attraction",
-       .doc = "A magnet: pulls two points together, most at the distance `reach` and less with the square of "
-              "a larger one; at distance 0 they rest. No loss: put a damper beside it.",
-       .equation = "force = strength x (3 / (2 + x^2))^(3/2),  x = (x_second - x_first) / reach",
-       .ends = ElementType::Ends::Between,
-       .fields = {required("strength", "N", "largest force", kTiny),
-                  required("reach", "m", "distance of the largest force", kTiny)},
-       .quantities = {{"force", "N", "tension: pulls the ends together",
-                       read_part<&Network::bond_force, &ElementParts::bond>},
-                      {"distance", "m", "second end - first end",
-                       read_part<&Network::bond_distance, &ElementParts::bond>}},
-       .example = "magnet = { type = \"attraction\", between = [\"base\", \"stick\"], strength = \"2 N\", "
-                  "reach = \"3 mm\" }",
-       .build = build_attraction,
-       .linear = false}};
+  return {{.name = "attraction",
+           .doc = "A magnet: pulls two points together, with the largest force at the distance `reach` and "
+                  "an inverse-square decrease beyond it; the force at distance 0 is 0. Lossless: add a "
+                  "damper in parallel.",
+           .equation = "force = strength x (3 / (2 + x^2))^(3/2),  x = (x_second - x_first) / reach",
+           .ends = ElementType::Ends::Between,
+           .fields = {required("strength", "N", "largest force", kTiny),
+                      required("reach", "m", "distance at which the force is largest", kTiny)},
+           .quantities = {{"force", "N", "force, positive if it pulls the ends together",
+                           read_part<&Network::bond_force, &ElementParts::bond>},
+                          {"distance", "m", "second end - first end",
+                           read_part<&Network::bond_distance, &ElementParts::bond>}},
+           .example =
+               "magnet = { type = \"attraction\", between = [\"base\", \"stick\"], strength = \"2 N\", "
+               "reach = \"3 mm\" }",
+           .build = build_attraction,
+           .linear = false}};
 }
 
 }  // namespace tactus

@@ -34,23 +34,25 @@ ElementType contact() {
   return {
       .name = "contact",
       .doc =
-          "Two surfaces that push and never pull. The first one is below the second. With `restitution` the "
-          "loss is set at each impact, so that the speeds before and after have this ratio.",
+          "Two surfaces in contact: they push and never pull. The first is below the second. With "
+          "`restitution`, the loss is set at each impact to give this ratio of the speeds after and before.",
       .equation = "force = max(0, stiffness n^exponent (1 + loss n')),  n = x_first - x_second + offset > 0",
       .ends = Ends::Between,
       .settings = {whole("sides",
-                         "2: the first rattles in the second, which holds it from below and above; forces "
-                         "then have a sign",
+                         "2: the first point moves in a gap of the second, with contact below and above; the "
+                         "force is then signed",
                          1, 2, "1")},
-      .fields = {required("stiffness", "N/m^exponent", "force at an indentation of 1 m", kTiny),
-                 with_default("exponent", "", "1 linear, 1.5 a ball on a flat (Hertz)", 1.5, 1.0, 10.0),
+      .fields = {required("stiffness", "N/m^exponent", "stiffness: force at an indentation of 1 m", kTiny),
+                 with_default("exponent", "", "exponent; 1: linear, 1.5: a sphere on a plane (Hertz)", 1.5,
+                              1.0, 10.0),
                  with_default("loss", "s/m", "Hunt-Crossley loss", 0.0, 0.0),
-                 if_named("restitution", "", "speed after / speed before, instead of `loss`", 0.01, 1.0,
-                          "loss"),
-                 with_default("offset", "m", "indentation where both points are at one place", 0.0),
-                 with_default("clearance", "m", "with two sides: how far it may go either way", 0.0, 0.0)},
-      .quantities = {{"force", "N", "push, never below 0", contact_force, {0.0, kUnlimited}},
-                     {"indentation", "m", "how deep, never below 0", indentation, {0.0, kUnlimited}}},
+                 if_named("restitution", "", "speed after / speed before an impact, instead of `loss`", 0.01,
+                          1.0, "loss"),
+                 with_default("offset", "m", "indentation when both points have the same position", 0.0),
+                 with_default("clearance", "m", "for a two-sided contact: free travel in each direction", 0.0,
+                              0.0)},
+      .quantities = {{"force", "N", "contact force, never negative", contact_force, {0.0, kUnlimited}},
+                     {"indentation", "m", "indentation, never negative", indentation, {0.0, kUnlimited}}},
       .example =
           "lens = { type = \"contact\", between = [\"cone\", \"stick\"], stiffness = \"5e6 N/m^1.5\" }",
       .build = build_contact,
@@ -83,24 +85,30 @@ ElementType friction() {
   return {
       .name = "friction",
       .doc =
-          "Friction between two points: a bow on a string, a brake, a dry bearing. They stick up to normal * "
-          "holding; sliding, the coefficient falls to `kinetic`. `normal` is a signal, or the force of a "
+          "Friction between two points: a bow on a string, a brake, a dry bearing. They stick up to a force "
+          "of normal * holding; when sliding, the coefficient falls to `kinetic`. `normal` is a signal, or "
+          "the force of a "
           "contact or a spring of this network, as in normal = \"press.force\".",
       .equation =
           "force = normal mu(|v|) sgn v + viscous v,  v = x_first' - x_second',  mu(v) = kinetic + (holding "
           "- "
           "kinetic) exp(-v / speed);  rosin: mu(v) = 0.35 + 0.4 exp(-v / 0.01 m/s) + 0.45 exp(-v / 0.1 m/s)",
       .ends = Ends::Between,
-      .settings = {choice("law", "rosin has its own coefficients", {"falling", "rosin"}, "falling")},
-      .fields = {signal("normal", "N", "presses them together; below 0 it counts as 0"),
-                 with_default("kinetic", "", "coefficient of fast sliding", 0.3, 0.0),
-                 if_named("holding", "", "coefficient of holding; none: as `kinetic` (Coulomb)", 0.0),
-                 with_default("speed", "m/s", "how fast the coefficient falls", 0.1, 1e-6),
-                 with_default("viscous", "N s/m", "of the lubricant", 0.0, 0.0)},
-      .quantities = {{"force", "N", "drags the second point with the first, of the last step",
-                      read_part<&Network::friction_force, &ElementParts::friction>},
-                     {"velocity", "m/s", "of sliding; 0: they hold each other",
-                      read_part<&Network::friction_velocity, &ElementParts::friction>}},
+      .settings = {choice("law", "friction law; rosin: with its own coefficients", {"falling", "rosin"},
+                          "falling")},
+      .fields = {signal("normal", "N",
+                        "normal force, pressing the points together; negative values count as 0"),
+                 with_default("kinetic", "", "friction coefficient at high sliding speed", 0.3, 0.0),
+                 if_named("holding", "", "static friction coefficient; default: `kinetic` (Coulomb)", 0.0),
+                 with_default("speed", "m/s", "sliding speed that scales the fall of the coefficient", 0.1,
+                              1e-6),
+                 with_default("viscous", "N s/m", "viscous friction of a lubricant", 0.0, 0.0)},
+      .quantities =
+          {{"force", "N",
+            "friction force of the last step; positive: drags the second point along with the first",
+            read_part<&Network::friction_force, &ElementParts::friction>},
+           {"velocity", "m/s", "sliding velocity; 0: sticking",
+            read_part<&Network::friction_velocity, &ElementParts::friction>}},
       .example =
           "hair = { type = \"friction\", between = [\"bow\", \"string\"], normal = \"0.5 N\", law = "
           "\"rosin\" }",
@@ -119,16 +127,14 @@ ElementType pluck() {
   return {
       .name = "pluck",
       .doc =
-          "A plectrum: pulls a point along until the force exceeds `limit`, releases it, and catches it "
-          "again "
-          "when they pass "
-          "each other.",
+          "A plectrum: pulls a point along until the force exceeds `limit`, then releases it, and catches it "
+          "again when the two points meet.",
       .equation = "force = stiffness n + damping n',  n = x_first - x_second,  while stiffness |n| <= limit",
       .ends = Ends::Between,
-      .fields = {required("stiffness", "N/m", "of the plectrum", kTiny),
-                 with_default("damping", "N s/m", "of the plectrum", 0.0, 0.0),
-                 required("limit", "N", "it releases", kTiny)},
-      .quantities = {{"force", "N", "takes the second point along with the first",
+      .fields = {required("stiffness", "N/m", "stiffness of the plectrum", kTiny),
+                 with_default("damping", "N s/m", "damping of the plectrum", 0.0, 0.0),
+                 required("limit", "N", "force at which it releases", kTiny)},
+      .quantities = {{"force", "N", "force, positive if it pulls the second point along with the first",
                       read_part<&Network::bond_force, &ElementParts::bond>}},
       .example =
           "plectrum = { type = \"pluck\", between = [\"pick\", \"string\"], stiffness = \"500 N/m\", "

@@ -36,7 +36,8 @@ void build_coil(NetworkBuilder& b, const NetworkElement& e, ElementParts& parts)
 }
 
 ElementField cubic() {
-  auto field = with_default("cubic", "N/m^3", "stiffens it where it is stretched or pressed far", 0.0, 0.0);
+  auto field = with_default("cubic", "N/m^3",
+                            "cubic stiffness; positive: stiffer at large extension or compression", 0.0, 0.0);
   field.nonlinear = true;
   return field;
 }
@@ -46,12 +47,12 @@ ElementField cubic() {
 std::vector<ElementType> link_elements() {
   return {
       {.name = "spring",
-       .doc = "A spring with a damper beside it. The first end is the lower one.",
+       .doc = "A spring and a damper in parallel. The first end is the lower one.",
        .equation = "force = stiffness e + cubic e^3 + damping e',  e = x_second - x_first - rest",
        .ends = Ends::Between,
-       .fields = {required("stiffness", "N/m", "force for a metre", 0.0), cubic(),
-                  with_default("damping", "N s/m", "force for a metre a second", 0.0, 0.0),
-                  with_default("rest", "m", "length without force", 0.0)},
+       .fields = {required("stiffness", "N/m", "stiffness (force per displacement)", 0.0), cubic(),
+                  with_default("damping", "N s/m", "damping coefficient (force per velocity)", 0.0, 0.0),
+                  with_default("rest", "m", "length at zero force", 0.0)},
        .quantities = {kTension, kExtension},
        .example = "hold = { type = \"spring\", between = [\"frame\", \"cone\"], stiffness = \"1000 N/m\" }",
        .build = build_spring,
@@ -60,23 +61,23 @@ std::vector<ElementType> link_elements() {
        .doc = "A damper between two points.",
        .equation = "force = damping e',  e = x_second - x_first",
        .ends = Ends::Between,
-       .fields = {required("damping", "N s/m", "force for a metre a second", 0.0)},
+       .fields = {required("damping", "N s/m", "damping coefficient (force per velocity)", 0.0)},
        .quantities = {kTension, kExtension},
        .example = "loss = { type = \"damper\", between = [\"frame\", \"cone\"], damping = \"1.2 kg/s\" }",
        .build = build_damper},
       {.name = "coil",
-       .doc =
-           "A coil in the field of a magnet, driven by a voltage. Its magnet is fixed unless `against` names "
-           "a point.",
+       .doc = "A voice coil in the field of a magnet, driven by a voltage. The magnet is fixed unless "
+              "`against` names a point.",
        .equation = "inductance i' = voltage - resistance i - force_factor (x_on - x_against)',  force = "
                    "force_factor i",
        .ends = Ends::Against,
-       .fields = {signal("voltage", "V", "at its terminals, held from frame to frame"),
-                  required("force_factor", "T m", "Bl"), required("resistance", "ohm", "of the wire", 1e-3),
-                  with_default("inductance", "H", "of the coil", 0.0, 0.0)},
-       .quantities = {{"current", "A", "pushes `on` up where positive",
+       .fields = {signal("voltage", "V", "voltage at the terminals, held constant during each frame"),
+                  required("force_factor", "T m", "force factor Bl"),
+                  required("resistance", "ohm", "resistance of the wire", 1e-3),
+                  with_default("inductance", "H", "inductance of the coil", 0.0, 0.0)},
+       .quantities = {{"current", "A", "force; positive: pushes `on` up",
                        read_part<&Network::current, &ElementParts::coil>},
-                      {"force", "N", "on `on`", read_part<&Network::coil_force, &ElementParts::coil>}},
+                      {"force", "N", "force on `on`", read_part<&Network::coil_force, &ElementParts::coil>}},
        .example =
            "coil = { type = \"coil\", on = \"cone\", voltage = \"10 V * drive\", force_factor = \"6 T m\", "
            "resistance = \"6.5 ohm\" }",

@@ -75,12 +75,12 @@ void build_ring(NetworkBuilder& b, const NetworkElement& e, ElementParts& parts)
 
 /// What each mass of a chain, a ring or a grid is, and what joins it to its neighbours and to the ground.
 std::vector<ElementField> repeated_fields() {
-  return {required("mass", "kg", "of each", kTiny),
-          required("stiffness", "N/m", "between neighbours", 0.0),
-          with_default("damping", "N s/m", "between neighbours", 0.0, 0.0),
-          with_default("ground_stiffness", "N/m", "from each to its place", 0.0, 0.0),
-          with_default("ground_damping", "N s/m", "from each to its place", 0.0, 0.0),
-          with_default("at", "m", "position of all", 0.0)};
+  return {required("mass", "kg", "mass of each point", kTiny),
+          required("stiffness", "N/m", "stiffness between neighbours", 0.0),
+          with_default("damping", "N s/m", "damping between neighbours", 0.0, 0.0),
+          with_default("ground_stiffness", "N/m", "stiffness from each mass to its rest position", 0.0, 0.0),
+          with_default("ground_damping", "N s/m", "damping from each mass to its rest position", 0.0, 0.0),
+          with_default("at", "m", "rest position of all masses", 0.0)};
 }
 
 std::vector<ElementType> single_points() {
@@ -90,30 +90,31 @@ std::vector<ElementType> single_points() {
        .equation = "mass x'' = sum of the forces on it",
        .ends = Ends::None,
        .fields = {required("mass", "kg", "moved mass", kTiny),
-                  with_default("at", "m", "position at the start", 0.0),
-                  with_default("velocity", "m/s", "velocity at the start", 0.0)},
+                  with_default("at", "m", "initial position", 0.0),
+                  with_default("velocity", "m/s", "initial velocity", 0.0)},
        .quantities = {kPosition, kVelocity},
        .example = "stick = { type = \"mass\", mass = \"12.5 g\", at = \"20 mm\" }",
        .build = build_mass},
       {.name = "oscillator",
-       .doc = "A mass on a spring and a damper, by stiffness or by resonance and damping ratio.",
+       .doc = "A mass on a spring and a damper, given by stiffness and damping or by resonance and damping "
+              "ratio.",
        .equation =
            "mass x'' = -stiffness (x - rest) - damping x' + sum of the forces on it,  stiffness = mass "
            "(2 pi frequency)^2,  damping = 2 damping_ratio sqrt(mass stiffness)",
        .ends = Ends::None,
        .fields = {required("mass", "kg", "moved mass", kTiny),
-                  if_named("stiffness", "N/m", "of its spring", 0.0),
-                  if_named("frequency", "Hz", "undamped resonance, instead of `stiffness`", 1e-3, 1e6,
-                           "stiffness", true),
-                  if_named("damping", "N s/m", "of its damper", 0.0),
-                  if_named("damping_ratio", "", "1: critical; instead of `damping`", 0.0, kUnlimited,
-                           "damping"),
-                  with_default("rest", "m", "where its spring pulls to", 0.0),
-                  with_default("at", "m", "position at the start", 0.0),
-                  with_default("velocity", "m/s", "velocity at the start", 0.0)},
+                  if_named("stiffness", "N/m", "stiffness of its spring", 0.0),
+                  if_named("frequency", "Hz", "undamped resonance frequency, instead of `stiffness`", 1e-3,
+                           1e6, "stiffness", true),
+                  if_named("damping", "N s/m", "damping of its damper", 0.0),
+                  if_named("damping_ratio", "", "damping ratio, instead of `damping`; 1: critical", 0.0,
+                           kUnlimited, "damping"),
+                  with_default("rest", "m", "rest position of its spring", 0.0),
+                  with_default("at", "m", "initial position", 0.0),
+                  with_default("velocity", "m/s", "initial velocity", 0.0)},
        .quantities = {kPosition,
                       kVelocity,
-                      {"force", "N", "of its spring and damper, towards `rest`", tension}},
+                      {"force", "N", "force of its spring and damper, towards `rest`", tension}},
        .example =
            "bar = { type = \"oscillator\", mass = \"20 g\", frequency = \"440 Hz\", damping_ratio = 0.001 }",
        .build = build_oscillator},
@@ -126,11 +127,10 @@ std::vector<ElementType> single_points() {
        .build = build_ground,
        .takes_force = false},
       {.name = "motion",
-       .doc =
-           "A point that goes where a signal says, in a straight line from frame to frame, one frame later.",
+       .doc = "A point whose position follows a signal, one frame later and linearly within each frame.",
        .equation = "x[n + 1] = position[n]",
        .ends = Ends::None,
-       .fields = {signal("position", "m", "where it goes")},
+       .fields = {signal("position", "m", "prescribed position")},
        .quantities = {kPosition, kVelocity},
        .example = "table = { type = \"motion\", position = \"shake\" }",
        .build = build_motion,
@@ -141,34 +141,35 @@ std::vector<ElementType> single_points() {
 std::vector<ElementType> many_points() {
   return {
       {.name = "chain",
-       .doc = "Masses in a row, joined by springs: `name.1` is the first.",
+       .doc = "A row of masses connected by springs; `name.1` is the first.",
        .equation = "mass x_i'' = stiffness (x_{i+1} - 2 x_i + x_{i-1}) + damping (x_{i+1} - 2 x_i + "
                    "x_{i-1})' - ground_stiffness (x_i - at) - ground_damping x_i'",
        .ends = Ends::None,
-       .settings = {whole("masses", "how many", 1, 1'000'000),
-                    choice("ends", "whether springs hold the first and the last one, too", {"fixed", "free"},
+       .settings = {whole("masses", "number of masses", 1, 1'000'000),
+                    choice("ends", "whether springs also fix the first and the last mass", {"fixed", "free"},
                            "fixed")},
        .fields = repeated_fields(),
        .example = "string = { type = \"chain\", masses = 100, mass = \"0.1 g\", stiffness = \"57 kN/m\" }",
        .build = build_lattice,
        .dimensions = 1},
       {.name = "ring",
-       .doc = "Masses in a ring: a chain whose last mass is the neighbour of the first.",
+       .doc = "Masses in a ring: a chain whose last mass is connected to the first.",
        .equation = "as a chain, x_0 = x_n",
        .ends = Ends::None,
-       .settings = {whole("masses", "how many", 1, 1'000'000)},
+       .settings = {whole("masses", "number of masses", 1, 1'000'000)},
        .fields = repeated_fields(),
        .example = "hoop = { type = \"ring\", masses = 64, mass = \"1 g\", stiffness = \"10 kN/m\" }",
        .build = build_ring,
        .dimensions = 1},
       {.name = "grid",
-       .doc = "Masses on a square grid, each joined to its four neighbours: `name.1.1` is a corner, "
+       .doc = "Masses on a square grid, each connected to its four neighbours; `name.1.1` is a corner, "
               "`name.2.1` is in the second row.",
        .equation =
            "mass x_rc'' = stiffness (x_{r+1,c} + x_{r-1,c} + x_{r,c+1} + x_{r,c-1} - 4 x_rc) + …, as a chain",
        .ends = Ends::None,
-       .settings = {whole("rows", "how many rows", 1, 1'000), whole("columns", "how many columns", 1, 1'000),
-                    choice("ends", "whether springs hold the border, too", {"fixed", "free"}, "fixed")},
+       .settings = {whole("rows", "number of rows", 1, 1'000),
+                    whole("columns", "number of columns", 1, 1'000),
+                    choice("ends", "whether springs also fix the border", {"fixed", "free"}, "fixed")},
        .fields = repeated_fields(),
        .example = "membrane = { type = \"grid\", rows = 20, columns = 20, mass = \"0.1 g\", stiffness = \"20 "
                   "kN/m\" }",

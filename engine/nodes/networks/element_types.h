@@ -67,7 +67,8 @@ inline double point_velocity(const Network& network, const NetworkState& state, 
 inline const ElementQuantity kPosition = {"position", "m", "height; up is positive", point_position};
 inline const ElementQuantity kVelocity = {"velocity", "m/s", "second order, from the last three steps",
                                           point_velocity};
-inline const ElementQuantity kTension = {"force", "N", "tension: pulls the ends together", tension};
+inline const ElementQuantity kTension = {"force", "N", "force, positive if it pulls the ends together",
+                                         tension};
 inline const ElementQuantity kExtension = {"extension", "m", "second end - first end - rest",
                                            read_part<&Network::extension, &ElementParts::spring>};
 

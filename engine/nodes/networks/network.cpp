@@ -190,14 +190,15 @@ Checked<std::shared_ptr<const NodeType>> network_type(const NetworkSpec& spec) {
   auto type = std::make_shared<NodeType>();
   type->name = "network";
   type->group = "networks";
-  type->summary = "Masses on a line, joined by springs, contacts, frictions and coils.";
+  type->summary = "Masses on a line, connected by springs, contacts, friction and coils.";
   type->source = source_of(layout->solver);
-  type->skips_unread = true;
+  type->skips_unused_outputs = true;
   for (std::size_t i = 0; i < spec.elements.size(); ++i) {
     declare_inputs(*type, spec.elements[i], layout->elements[i]);
     declare_outputs(*type, layout->elements[i]);
   }
-  type->outputs.push_back({.name = "energy", .unit = "J", .doc = "stored in the whole network", .range = {}});
+  type->outputs.push_back(
+      {.name = "energy", .unit = "J", .doc = "energy stored in the whole network", .range = {}});
   type->fingerprint = fingerprint_of(*layout);
   type->make = [layout = std::move(*layout)](const NodeSetup& setup) {
     return make_network_node(layout, setup);

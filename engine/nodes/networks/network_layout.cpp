@@ -1,11 +1,10 @@
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <optional>
 #include <unordered_map>
 
 #include "engine/core/index.h"
-#include "engine/graph/file/error_list.h"
+#include "engine/graph/file/field.h"
 #include "engine/graph/semantics/scope.h"
 #include "engine/nodes/networks/network_builder.h"
 #include "engine/nodes/networks/solver_names.h"
@@ -39,6 +38,19 @@ std::vector<std::string> keys_of(const ElementType& type) {
   return keys;
 }
 
+/// Of a network, beside its elements.
+const SectionType& options() {
+  static const SectionType section = [] {
+    std::vector<std::string> solvers;
+    for (const auto solver : kSolvers) solvers.emplace_back(name_of(solver));
+    return SectionType{
+        "A network",
+        {choice_field("solver", std::move(solvers), "How it is stepped", name_of(Solver::Passive)),
+         whole_field("oversample", 1, kMostOversample, "Steps in a frame")}};
+  }();
+  return section;
+}
+
 class LayoutReader {
  public:
   explicit LayoutReader(const NetworkSpec& spec) : spec_(spec) {}
@@ -59,22 +71,22 @@ class LayoutReader {
 
  private:
   void read_options() {
-    errors_.unknown_keys(spec_.options, std::vector<std::string>{"solver", "oversample"});
-    const auto solver = errors_.text(spec_.options, "solver");
+    errors_.unknown_keys(spec_.fields, std::vector<std::string>{"solver", "oversample"});
+    const auto solver = errors_.text(spec_.fields, "solver");
     std::vector<std::string> known;
     for (const auto candidate : kSolvers) known.emplace_back(name_of(candidate));
     const auto found = std::find(known.begin(), known.end(), solver);
     if (found != known.end())
       layout_.solver = kSolvers[index(found - known.begin())];
     else if (!solver.empty())
-      errors_.add(Errc::UnknownName, find(spec_.options, "solver")->at, "unknown solver '" + solver + "'",
+      errors_.add(Errc::UnknownName, find(spec_.fields, "solver")->at, "unknown solver '" + solver + "'",
                   suggest(solver, known));
-    const auto* oversample = find(spec_.options, "oversample");
+    const auto* oversample = find(spec_.fields, "oversample");
     if (oversample == nullptr) return;
     const double* number = oversample->number();
     if (number == nullptr || *number != std::round(*number) || *number < 1 || *number > kMostOversample)
       errors_.add(Errc::OutOfRange, oversample->at, "'oversample' is not a whole number from 1 to 64",
-                  "it is the number of steps in a frame");
+                  "give the number of solver steps per frame");
     else
       layout_.oversample = static_cast<int>(*number);
   }
@@ -86,10 +98,10 @@ class LayoutReader {
     read.type = type;
     read.name = element.name;
     if (element.name == "energy")
-      errors_.add(Errc::Duplicate, element.at, "an element cannot be called 'energy'",
+      errors_.add(Errc::Duplicate, element.at, "an element cannot have the name 'energy'",
                   "'" + spec_.name + ".energy' is the energy of the whole network");
     if (type == nullptr)
-      errors_.add(Errc::UnknownName, element.type_at, "no kind of element is called '" + element.type + "'",
+      errors_.add(Errc::UnknownName, element.type_at, "there is no element type '" + element.type + "'",
                   suggest(element.type, names_of(network_elements(), [](const auto&) { return true; })));
   }
 
@@ -131,9 +143,9 @@ class LayoutReader {
       read.pressed_by = found->second;
     else
       errors_.add(Errc::WrongType, value->at,
-                  "'" + *text + "' is not the force of one of: " +
+                  "'" + *text + "' is not a force of any of these elements: " +
                       listed(names_of(network_elements(), [](const auto& type) { return type.gives_force; })),
-                  "write the name of one of this network's, as in " + key + " = \"press.force\"");
+                  "give an element of this network, as in " + key + " = \"press.force\"");
   }
 
   void read_ends(const NodeSpec& element, NetworkElement& read) {
@@ -146,18 +158,18 @@ class LayoutReader {
     else if (on != nullptr)
       read_end(read, 0, *on);
     else
-      errors_.add(Errc::Missing, element.at, owner(read) + " lacks 'on'", "name the mass that it acts on");
+      errors_.add(Errc::Missing, element.at, owner(read) + " lacks 'on'", "give the mass that it acts on");
     if (against != nullptr) read_end(read, 1, *against);
     if (on != nullptr && read.ends[0] >= 0 && read.ends[0] == read.ends[1] &&
         read.within[0] == read.within[1])
       errors_.add(Errc::Duplicate, on->at, "both ends of " + owner(read) + " are one point",
-                  "name two different points");
+                  "give two different points");
   }
 
   void read_between(const NodeSpec& element, NetworkElement& read, const Value* between) {
     const auto error = [&](Errc code, const Source& at, const std::string& what) {
       errors_.add(code, at, owner(read) + what,
-                  "name two points, the lower one first, as in between = [\"cone\", \"stick\"]");
+                  "give two points, the lower one first, as in between = [\"cone\", \"stick\"]");
     };
     if (between == nullptr) return error(Errc::Missing, element.at, " lacks 'between'");
     const auto* list = between->list();
@@ -177,16 +189,19 @@ class LayoutReader {
     };
     const auto* name = value.text();
     if (name == nullptr)
-      return error("an end of " + owner(read) + " is " + value.kind(), "name an element, in quotes");
+      return error("an end of " + owner(read) + " is " + value.kind(),
+                   "give the name of an element, in quotes");
     const auto found = index_.find(name->substr(0, name->find('.')));
     if (found == index_.end()) return unknown_end(*name, value);
     const auto& other = layout_.elements[index(found->second)];
     if (other.type == nullptr) return;  // reported already
-    const auto is_a = "'" + *name + "' is a " + other.type->name + ", not a ";
+    const auto is_no = [&](const char* wanted, const std::string& remedy) {
+      error("'" + *name + "' is a " + other.type->name + ", not a " + wanted, remedy);
+    };
     if (other.type->ends != Ends::None)
-      return error(is_a + "point", "an end is a mass, a ground or a motion");
+      return is_no("point", "an end must be a mass, a ground or a motion element");
     if (read.type->ends == Ends::On && !other.type->takes_force)
-      return error(is_a + "mass", "a " + read.type->name + " acts on a mass");
+      return is_no("mass", "a " + read.type->name + " acts on a mass");
     if (const auto within = place_within(other, *name, value))
       read.ends[end] = found->second, read.within[end] = *within;
   }
@@ -215,8 +230,8 @@ class LayoutReader {
     const bool grid = wanted > 1;
     if (!numbers || places.size() != wanted) {
       errors_.add(Errc::WrongType, value.at,
-                  wanted == 0 ? "'" + of.name + "' is one mass, and '" + name + "' none of it"
-                              : "'" + of.name + "' is many masses, and '" + name + "' is not one of them",
+                  wanted == 0 ? "'" + of.name + "' is a single mass, so '" + name + "' is not a mass of it"
+                              : "'" + of.name + "' has several masses, but '" + name + "' is not one of them",
                   "write \"" + of.name +
                       (grid          ? ".1.1"
                        : wanted == 1 ? ".1"
@@ -228,8 +243,8 @@ class LayoutReader {
     const int row = grid ? places[0] : 1, column = places.back();
     if (row >= 1 && row <= of.rows() && column >= 1 && column <= of.columns())
       return (row - 1) * of.columns() + column - 1;
-    errors_.add(Errc::OutOfRange, value.at, "'" + name + "' lies outside '" + of.name + "'",
-                "it ends with '" + of.name + (grid ? "." + std::to_string(of.rows()) : "") + "." +
+    errors_.add(Errc::OutOfRange, value.at, "'" + name + "' is outside '" + of.name + "'",
+                "its last mass is '" + of.name + (grid ? "." + std::to_string(of.rows()) : "") + "." +
                     std::to_string(of.columns()) + "'");
     return std::nullopt;
   }

@@ -30,7 +30,7 @@ const SolverEntry& entry_of(Solver solver) {
 }
 
 std::string steps_text(int oversample) {
-  return oversample == 1 ? "one step a frame" : fmt::format("{} steps a frame", oversample);
+  return oversample == 1 ? "one step per frame" : fmt::format("{} steps per frame", oversample);
 }
 
 std::string described(const SolverBounds& b) {
@@ -46,14 +46,14 @@ std::string percent(double error) {
 std::string against(const SolverBounds& b) {
   switch (b.limit) {
     case SolverBounds::Limit::CannotBeMade:
-      return "too many masses or contacts for it";
+      return "too many masses or contacts for this solver";
     case SolverBounds::Limit::TooStiff:
       return "unstable: springs or dampers too stiff";
     case SolverBounds::Limit::ShortContact:
-      return fmt::format("a contact at {} m/s lasts {:.1f} steps, fewer than {}", kHardestStrike,
+      return fmt::format("a contact at {} m/s lasts {:.1f} steps, less than the required {}", kHardestStrike,
                          b.contact_steps, kFewestContactSteps);
     case SolverBounds::Limit::DeepContact:
-      return fmt::format("unstable: the start, or an impact at {} m/s, makes a contact too stiff",
+      return fmt::format("unstable: a contact is too stiff in the initial state or at an impact of {} m/s",
                          kHardestStrike);
     case SolverBounds::Limit::Inexact:
       return "error up to " + percent(b.error);
@@ -84,8 +84,8 @@ std::string warning(const SolverBounds& best) {
   return fmt::format("\n  warning: no solver has an error below {:g} % at {}: {}", 100.0 * kGoodEnough,
                      steps_text(best.oversample),
                      best.oversample < kMostOversample
-                         ? "leave `oversample` out, or take a higher rate"
-                         : "take a higher rate, heavier masses or softer springs and contacts");
+                         ? "omit `oversample`, or use a higher sample rate"
+                         : "use a higher sample rate, heavier masses or softer springs and contacts");
 }
 
 }  // namespace
@@ -99,7 +99,7 @@ std::string explain_choice(const SolverChoice& choice) {
   };
   const auto best = std::find_if(choice.candidates.begin(), choice.candidates.end(), is_best);
   if (best == choice.candidates.end()) return "";
-  auto text = fmt::format("{}, {:.0f} multiplications a frame, ", described(*best), best->multiplications);
+  auto text = fmt::format("{}, {:.0f} multiplications per frame, ", described(*best), best->multiplications);
   if (best->limit != SolverBounds::Limit::None)
     text += against(*best) + warning(*best);
   else

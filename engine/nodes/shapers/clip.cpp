@@ -26,14 +26,14 @@ NodeType clip_type() {
       .source = "elementary",
       .example = "safe = { type = \"clip\", in = \"force\", low = \"-2 N\", high = \"2 N\" }",
       .inputs = {{"in", "any", "signal"},
-                 {"low", "=in", "least output; wins where it is above `high`", -1},
+                 {"low", "=in", "lower limit; has priority if it is above `high`", -1},
                  {"high", "=in", "largest output", 1}},
       .outputs = {{"out", "=in", "limited signal"}},
       .make = [](const NodeSetup& setup) -> Result<std::unique_ptr<Node>> {
         const auto low = setup.input("low").constant, high = setup.input("high").constant;
         if (low && high && *low > *high)
-          return fail(Errc::OutOfRange, {},
-                      "its 'low' is above its 'high', so that its output is always 'low'", "exchange them");
+          return fail(Errc::OutOfRange, {}, "'low' is above 'high', so the output is always 'low'",
+                      "exchange them");
         return std::make_unique<ElementwiseNode<ClipFunction>>(ClipFunction{});
       },
       .stateless = true,

@@ -6,11 +6,11 @@ namespace tactus {
 NodeType hysteresis_type() {
   return {
       .name = "hysteresis",
-      .summary = "Backlash: the output follows its input only when pushed by one of two ends `width` apart.",
-      .equation = "out[n] = max(in[n] - width / 2, min(in[n] + width / 2, out[n - 1])), from 0 on",
+      .summary = "Backlash: the output follows the input with a dead band of `width`.",
+      .equation = "out[n] = max(in[n] - width / 2, min(in[n] + width / 2, out[n - 1])), starting at 0",
       .source = "play operator: Krasnosel'skii & Pokrovskii, Systems with Hysteresis, 1989",
       .example = "steady = { type = \"hysteresis\", in = \"lever\", width = \"0.2 mm\" }",
-      .inputs = {{"in", "any", "signal"}, {"width", "=in", "distance of the two ends", {}, 0}},
+      .inputs = {{"in", "any", "signal"}, {"width", "=in", "width of the dead band", {}, 0}},
       .outputs = {{"out", "=in", "signal without movements smaller than the width"}},
       .make = make_node<KernelNode<tactus_hysteresis_step, 2>>,
       .small_signal_gain = 1,

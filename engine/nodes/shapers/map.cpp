@@ -12,8 +12,7 @@ struct MapFunction {
 };
 
 Breakpoints::Shape map_shape(const NodeSetup& setup) {
-  return setup.setting("curve").text == "exponential" ? Breakpoints::Shape::Exponential
-                                                      : Breakpoints::Shape::Linear;
+  return setup.setting("curve").text == "exponential" ? TACTUS_CURVE_EXPONENTIAL : TACTUS_CURVE_LINEAR;
 }
 
 Result<std::unique_ptr<Node>> make_map(const NodeSetup& setup) {
@@ -24,19 +23,13 @@ Result<std::unique_ptr<Node>> make_map(const NodeSetup& setup) {
   return std::make_unique<ElementwiseNode<MapFunction>>(MapFunction{Breakpoints{points, map_shape(setup)}});
 }
 
-Interval map_range(int, const NodeSetup& setup) {
-  const auto& points = setup.setting("points").points;
-  if (Breakpoints::error_in(points, map_shape(setup)) != nullptr) return {};
-  const Breakpoints curve{points, map_shape(setup)};
-  return {curve.least(), curve.most()};
-}
-
 }  // namespace
 
 NodeType map_type() {
   return {
       .name = "map",
-      .summary = "Translates a signal by a table of points; outside them the first or last value holds.",
+      .summary =
+          "Maps a signal through a table of points; outside the table, the first or last value is used.",
       .equation =
           "linear: out = y0 + (y1 - y0) u; exponential: out = y0 (y1 / y0)^u; u = (in - x0) / (x1 - x0) "
           "between the neighbouring points (x0, y0) and (x1, y1)",
@@ -45,17 +38,18 @@ NodeType map_type() {
           "pitch = { type = \"map\", in = \"ribbon\", points = [[\"0 mm\", \"110 Hz\"], [\"200 mm\", \"440 "
           "Hz\"]], unit = \"Hz\", curve = \"exponential\" }",
       .inputs = {{"in", "any", "signal"}},
-      .outputs = {{"out", "=unit", "translated signal"}},
+      .outputs = {{"out", "=unit", "mapped signal"}},
       .settings = {{"points",
                     Setting::Kind::Points,
-                    "[[in, out], ...], in ascending; two points at one place are a jump",
+                    "[[in, out], ...] with ascending in; two points with the same in make a jump",
                     {"=in", "=unit"}},
-                   choice("curve", "way between two points; exponential needs outputs of one sign",
+                   choice("curve",
+                          "interpolation between two points; exponential requires outputs of one sign",
                           {"linear", "exponential"}, "linear"),
                    unit_setting("output")},
       .make = make_map,
       .stateless = true,
-      .range = map_range,
+      .range = range_of_points,
   };
 }
 

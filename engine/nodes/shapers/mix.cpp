@@ -1,11 +1,15 @@
 #include "engine/nodes/kernel_node.h"
+#include "engine/nodes/shapers/mix_kernel.h"
 
 namespace tactus {
 namespace {
 
 struct MixFunction {
   static constexpr int kInputs = 1;
-  double value(const double* in) const { return in[0]; }
+  double value(const double* in) const {
+    double lane = in[0];
+    return tactus_mix(&lane, 1);
+  }
   double slope(int, const double*) const { return 1; }
 };
 
@@ -14,10 +18,10 @@ struct MixFunction {
 NodeType mix_type() {
   return {
       .name = "mix",
-      .summary = "Adds all lanes of a signal into one.",
+      .summary = "Adds all lanes of a signal.",
       .equation =
-          "out = sum of in over its lanes; lane k takes in lanes k + 8, k + 16, ..., then what is left is\n"
-          "added in halves: k and k + 4, k and k + 2, k and k + 1",
+          "out = sum of in over its lanes; lanes k + 8, k + 16, ... are added to lane k, then the remaining "
+          "8 lanes\nin halves: k and k + 4, k and k + 2, k and k + 1",
       .source = "elementary",
       .example = "sum = { type = \"mix\", in = \"voices\" }",
       .inputs = {{"in", "any", "signal of any number of lanes"}},

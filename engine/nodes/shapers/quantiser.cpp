@@ -32,15 +32,15 @@ NodeType quantiser_type() {
       .source = "Widrow & Kollar, Quantization Noise, 2008",
       .example =
           "encoder = { type = \"quantiser\", in = \"angle\", step = \"0.09 deg\", rounding = \"floor\" }",
-      .inputs =
-          {{"in", "any", "signal"},
-           {"step", "=in", "distance of the steps; where a signal makes it 0, nothing is rounded", {}, 0}},
+      .inputs = {{"in", "any", "signal"},
+                 {"step", "=in", "step size; if a signal sets it to 0, nothing is rounded", {}, 0}},
       .outputs = {{"out", "=in", "rounded signal"}},
-      .settings = {choice("rounding", "which multiple of the step", {"nearest", "floor"}, "nearest")},
+      .settings = {choice("rounding", "rounding: to the nearest or to the lower multiple of the step",
+                          {"nearest", "floor"}, "nearest")},
       .make = [](const NodeSetup& setup) -> Result<std::unique_ptr<Node>> {
         if (setup.input("step").constant == 0.0)
-          return fail(Errc::OutOfRange, {}, "its 'step' is 0, so that it rounds nothing",
-                      "give the distance of two steps, or leave the node out");
+          return fail(Errc::OutOfRange, {}, "its 'step' is 0, so nothing is rounded",
+                      "give a step above 0, or remove the node");
         return std::make_unique<QuantiserNode>(setup.setting("rounding").text == "nearest");
       },
       .stateless = true,

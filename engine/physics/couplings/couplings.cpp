@@ -61,7 +61,7 @@ Result<Couplings> Couplings::make(const NetworkModel& model, Method method,
   if (count * (keep ? masses + 2 * count : made.frictions()) > kMostNumbers)
     return fail(Errc::OutOfRange, {},
                 std::to_string(count) + " contacts among " + std::to_string(masses) +
-                    " masses are more than this solver takes",
+                    " masses are more than this solver supports",
                 "use solver = \"explicit\"");
   made.mutual_.resize((count - made.first_row_) * count);
   if (made.mutual_.empty() && !keep) return made;
@@ -197,7 +197,6 @@ void Couplings::finish(NetworkState& state) const noexcept {
     const double n = indentation(state, contacts + b);
     if (state.slipped[b] != 0.0 || std::abs(bond.law->root_slope(n) * psi) <= bond.limit) continue;
     state.slipped[b] = n < 0.0 ? -1.0 : 1.0;
-    if (state.audit) state.dissipated += 0.5 * psi * psi;
     psi = 0.0;
   }
   for (std::size_t f = 0; f < frictions(); ++f)

@@ -90,8 +90,8 @@ FrictionForce solve_friction(const FrictionLaw& law, double viscous, double norm
     }
   }
   const double stop = (free - stopping) / mobility;
-  const bool stops = std::abs(stop) <= normal * law.holding() && stop * stopping >= 0.0;
-  return {stops ? stop : free / mobility, 0.0};
+  const bool sticks = std::abs(stop) <= normal * law.holding() && stop * stopping >= 0.0;
+  return {sticks ? stop : free / mobility, 0.0};
 }
 
 }  // namespace tactus

@@ -1,5 +1,3 @@
-#include "engine/physics/reference/reference_solver.h"
-
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -11,6 +9,7 @@
 #include "engine/core/index.h"
 #include "engine/physics/numbers.h"
 #include "engine/physics/reference/extrapolation.h"
+#include "engine/physics/solvers/network_solver.h"
 
 namespace tactus {
 namespace {
@@ -73,11 +72,9 @@ double start_loss(const NetworkModel::Contact& contact, double speed) {
   return contact.loss_speed / std::max(speed, kSlowest_m_per_s);
 }
 
-}  // namespace
-
 /// The equation of motion and its solution over one step of the network. Its numbers `y` are the positions
 /// and the velocities of all slots, then the currents.
-class ReferenceSolver::Motion {
+class Motion {
  public:
   explicit Motion(const NetworkModel& model) : model_(model), inverse_mass_(points()) {
     std::transform(model.mass.begin(), model.mass.end(), inverse_mass_.begin(),
@@ -501,36 +498,49 @@ class ReferenceSolver::Motion {
   Extrapolation extrapolation_;
 };
 
-ReferenceSolver::ReferenceSolver(const NetworkModel& model)
-    : model_(model), motion_(std::make_unique<Motion>(model)) {}
+class ReferenceSolver final : public NetworkSolver {
+ public:
+  explicit ReferenceSolver(const NetworkModel& model)
+      : model_(model), motion_(std::make_unique<Motion>(model)) {}
 
-ReferenceSolver::~ReferenceSolver() = default;
-
-bool ReferenceSolver::exact() const { return motion_->exact(); }
-
-void ReferenceSolver::start(NetworkState& state) const noexcept {
-  std::copy(model_.start_velocity.begin(), model_.start_velocity.end(), state.velocity.begin());
-  for (std::size_t c = 0; c < model_.contacts.size(); ++c) {
-    const auto& contact = model_.contacts[c];
-    const bool closed = indentation(state.position, contact) > 0.0;
-    state.loss[c] = closed ? start_loss(contact, between(state.velocity, contact)) : 0.0;
+  void start(NetworkState& state) const noexcept override {
+    std::copy(model_.start_velocity.begin(), model_.start_velocity.end(), state.velocity.begin());
+    for (std::size_t c = 0; c < model_.contacts.size(); ++c) {
+      const auto& contact = model_.contacts[c];
+      const bool closed = indentation(state.position, contact) > 0.0;
+      state.loss[c] = closed ? start_loss(contact, between(state.velocity, contact)) : 0.0;
+    }
+    motion_->restart();
   }
-  motion_->restart();
-}
+  void store_energy(NetworkState&) const noexcept override {}
+  void step(NetworkState& state) const noexcept override { motion_->advance(state); }
 
-void ReferenceSolver::step(NetworkState& state) const noexcept { motion_->advance(state); }
+  double energy(const NetworkState& state) const noexcept override {
+    double sum = model_.linear_energy(state);
+    for (const auto& contact : model_.contacts)
+      if (const double n = indentation(state.position, contact); n > 0.0) sum += contact.law.energy(n);
+    for (std::size_t b = 0; b < model_.bonds.size(); ++b)
+      if (state.slipped[b] == 0.0)
+        sum += model_.bonds[b].law->energy(between(state.position, model_.bonds[b]));
+    return model_.with_inductances(sum, state);
+  }
 
-double ReferenceSolver::energy(const NetworkState& state) const noexcept {
-  double sum = model_.linear_energy(state);
-  for (const auto& contact : model_.contacts)
-    if (const double n = indentation(state.position, contact); n > 0.0) sum += contact.law.energy(n);
-  for (std::size_t b = 0; b < model_.bonds.size(); ++b)
-    if (state.slipped[b] == 0.0) sum += model_.bonds[b].law->energy(between(state.position, model_.bonds[b]));
-  return model_.with_inductances(sum, state);
-}
+  double current(const NetworkState& state, int coil) const noexcept override {
+    return state.current[index(coil)];
+  }
+  bool centred() const override { return false; }
+  /// Beyond any that is stepped: nothing chooses it. By the exponential there are no contacts.
+  Cost cost() const override { return {1e12, motion_->exact() ? 0.0 : 1e12}; }
 
-double ReferenceSolver::current(const NetworkState& state, int coil) const noexcept {
-  return state.current[index(coil)];
+ private:
+  const NetworkModel& model_;
+  std::unique_ptr<Motion> motion_;  ///< workspace: each call fills it from the state of the network
+};
+
+}  // namespace
+
+std::unique_ptr<NetworkSolver> make_reference_solver(const NetworkModel& model) {
+  return std::make_unique<ReferenceSolver>(model);
 }
 
 }  // namespace tactus

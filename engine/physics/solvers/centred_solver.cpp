@@ -121,7 +121,6 @@ class CentredSolver final : public NetworkSolver {
     }
     if (!model_.coils.empty()) step_currents(state);
     model_.send_waves(state, [&](int slot) { return travel(state, slot); });
-    if (state.audit) audit(state);
     advance(state);
   }
 
@@ -172,8 +171,9 @@ class CentredSolver final : public NetworkSolver {
     matrix.setFromTriplets(entries.begin(), entries.end());
     SparseSolver solver(matrix);
     if (solver.valid()) return solver;
-    return fail(Errc::OutOfRange, {}, "its masses, springs and dampers are too far apart for the solver",
-                "look for a number that is much too large or too small");
+    return fail(Errc::OutOfRange, {},
+                "the values of its masses, springs and dampers differ too much for the solver",
+                "look for a value that is much too large or too small");
   }
 
   Status factor() {
@@ -334,51 +334,6 @@ class CentredSolver final : public NetworkSolver {
     };
     for_all(masses + model_.motions.size() - first, go);
     state.moved.swap(state.moved_before);
-  }
-
-  /// With d = q+ - q- of a point, a force F does the work F d/2 in a step. Called before `moved` is advanced.
-  void audit(NetworkState& state) const noexcept {
-    const auto way = [&](int slot) { return state.moved[index(slot)] + 0.5 * state.change[index(slot)]; };
-    const auto by_hand = [&](int slot) { return model_.is_mass(slot) ? 0.0 : way(slot); };
-    for (std::size_t i = 0; i < model_.forces.size(); ++i)
-      state.supplied += state.force[i] * way(model_.forces[i].on);
-    for (std::size_t i = 0; i < model_.ports.size(); ++i) {
-      const double moved = way(model_.ports[i].on);
-      state.supplied += 2.0 * state.wave[i] * moved;
-      state.dissipated += model_.ports[i].impedance * square(moved) / model_.k;
-    }
-    for (const auto& s : model_.springs) {
-      const double speed = (way(s.upper) - way(s.lower)) / model_.k;
-      double stretch = extension(state.position, s);
-      if (averaged_) stretch += 0.25 * (state.change[index(s.upper)] - state.change[index(s.lower)]);
-      const double tension = s.stiffness * stretch + s.damping * speed;
-      state.supplied += tension * (by_hand(s.upper) - by_hand(s.lower));
-      state.dissipated += s.damping * speed * speed * model_.k;
-    }
-    couplings_.push_all(state, [&](int slot, double force) { state.supplied -= force * by_hand(slot); });
-    for (const auto& link : state.active) state.dissipated += lost(state, link);
-    for (std::size_t f = 0; f < couplings_.frictions(); ++f)
-      state.dissipated +=
-          0.5 * state.friction_force[f] * couplings_.motion(state, couplings_.first_friction() + f);
-    for (std::size_t i = 0; i < model_.coils.size(); ++i) {
-      const auto& coil = model_.coils[i];
-      const double force = coil.force_factor * state.mean_current[i];
-      state.supplied += model_.k * state.voltage[i] * state.mean_current[i];
-      state.supplied += force * (by_hand(coil.against) - by_hand(coil.on));
-      state.dissipated += model_.k * coil.resistance * square(state.mean_current[i]);
-    }
-  }
-
-  /// What a contact or a bond dissipates.
-  double lost(const NetworkState& state, const ActiveCoupling& link) const noexcept {
-    const auto c = index(link.coupling);
-    if (kind_ != Solver::Implicit || c >= model_.contacts.size())
-      return 0.5 * (link.resistance - 0.25 * square(link.slope)) * square(link.motion);
-    const auto& contact = model_.contacts[c];
-    const double before = indentation(state.position, contact) - between(state.moved, contact);
-    const double stored =
-        contact_energy(contact.law, before + link.motion) - contact_energy(contact.law, before);
-    return 0.5 * (link.force * link.motion - stored);
   }
 
   const NetworkModel& model_;

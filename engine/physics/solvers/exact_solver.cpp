@@ -25,8 +25,8 @@ struct Group {
 };
 /// A column of a block's matrix: something that enters, or how far a driven point goes in the step.
 struct Input {
-  enum class From { Force, Voltage, Wave, Place, Way } from;
-  int source;
+  AlignedNumbers NetworkState::*list;
+  std::size_t at;
 };
 struct Block {
   Group group;
@@ -137,25 +137,27 @@ struct Rates {
   /// add(input, does) for all that enters: what it does to the states, a column of [Phi | G].
   template <class Add>
   void each_input(const Matrix& whole, const Add& add) const {
-    using From = Input::From;
+    using S = NetworkState;
     const auto column = [&](int input) { return whole.col(a.rows() + input); };
     for (int i = 0; i < std::ssize(model.forces); ++i)
-      if (const int at = place_of(model.forces[index(i)].on); at >= 0) add({From::Force, i}, column(at));
+      if (const int at = place_of(model.forces[index(i)].on); at >= 0) add({&S::force, index(i)}, column(at));
     for (int i = 0; i < std::ssize(model.ports); ++i)
-      if (const int at = place_of(model.ports[index(i)].on); at >= 0) add({From::Wave, i}, 2.0 * column(at));
+      if (const int at = place_of(model.ports[index(i)].on); at >= 0)
+        add({&S::wave, index(i)}, 2.0 * column(at));
     for (int i = 0; i < std::ssize(group.coils); ++i)
-      add({From::Voltage, group.coils[index(i)]}, column(voltage(i)));
+      add({&S::voltage, index(group.coils[index(i)])}, column(voltage(i)));
     for (int i = 0; i < std::ssize(model.coils); ++i) {
       const auto& coil = model.coils[index(i)];
       if (coil.inductance > 0.0) continue;
       Eigen::VectorXd does = Eigen::VectorXd::Zero(a.rows());
       if (const int at = place_of(coil.on); at >= 0) does += column(at);
       if (const int at = place_of(coil.against); at >= 0) does -= column(at);
-      add({From::Voltage, i}, coil.force_factor / coil.resistance * does);
+      add({&S::voltage, index(i)}, coil.force_factor / coil.resistance * does);
     }
     for (int i = 0; i < std::ssize(model.motions); ++i) {
-      add({From::Place, i}, column(place(i)));
-      add({From::Way, i}, column(place(i) + 1));
+      const auto slot = index(model.motions[index(i)].on);
+      add({&S::position, slot}, column(place(i)));
+      add({&S::change, slot}, column(place(i) + 1));
     }
   }
 
@@ -260,15 +262,16 @@ class ExactSolver final : public NetworkSolver {
   Status add(Group group) {
     if (group.states() > kMostStates)
       return fail(Errc::OutOfRange, {},
-                  "springs and dampers join " + std::to_string(group.masses.size()) +
+                  "springs and dampers connect " + std::to_string(group.masses.size()) +
                       " masses, more than the " + std::to_string(kMostStates / 2) +
-                      " that the exact solver takes",
+                      " that the exact solver supports",
                   "use solver = \"passive\" or \"implicit\"");
     const Rates rates(model_, model_.links(false), group);
     const Matrix whole = rates.step();
     if (!whole.allFinite())
-      return fail(Errc::OutOfRange, {}, "its masses, springs and dampers are too far apart for the solver",
-                  "look for a number that is much too large or too small");
+      return fail(Errc::OutOfRange, {},
+                  "the values of its masses, springs and dampers differ too much for the solver",
+                  "look for a value that is much too large or too small");
     const int states = group.states();
     Block block;
     block.unit = whole.middleCols(states, rates.masses);
@@ -304,23 +307,6 @@ class ExactSolver final : public NetworkSolver {
     return {};
   }
 
-  double input(const NetworkState& state, const Input& from) const noexcept {
-    const auto source = index(from.source);
-    switch (from.from) {
-      case Input::From::Force:
-        return state.force[source];
-      case Input::From::Voltage:
-        return state.voltage[source];
-      case Input::From::Wave:
-        return state.wave[source];
-      case Input::From::Place:
-        return state.position[index(model_.motions[source].on)];
-      case Input::From::Way:
-        break;
-    }
-    return state.change[index(model_.motions[source].on)];
-  }
-
   /// Where the group goes without its couplings.
   void flow(NetworkState& state, const Block& block) const noexcept {
     const auto masses = block.group.masses.size();
@@ -331,7 +317,7 @@ class ExactSolver final : public NetworkSolver {
     }
     x += 2 * masses;
     for (const int coil : block.group.coils) *x++ = state.current[index(coil)];
-    for (const auto& from : block.inputs) *x++ = input(state, from);
+    for (const auto& [list, at] : block.inputs) *x++ = (state.*list)[at];
     View to(state.flow.data() + block.first, block.group.states());
     to = block.constant;
     to.noalias() += block.step * View(state.entering.data(), block.step.cols());

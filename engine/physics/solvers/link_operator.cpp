@@ -57,13 +57,8 @@ void LinkOperator::split() {
   }
   chain_ = is_chain();
   if (chain_) diagonals_[2].k.push_back(0.0), diagonals_[2].b.push_back(0.0);  // none above the last
-  for (const auto& e : entries_) {
-    if (by_offset[e.column - e.row].empty()) continue;
-    if (rows_.empty() || rows_.back().row != e.row)
-      rows_.push_back({e.row, static_cast<int>(scattered_.size())});
-    scattered_.push_back({e.column, e.k, e.b});
-  }
-  rows_.push_back({-1, static_cast<int>(scattered_.size())});
+  for (const auto& e : entries_)
+    if (!by_offset[e.column - e.row].empty()) scattered_.push_back(e);
 }
 
 bool LinkOperator::few() const { return constant_.size() < kShortestDiagonal; }
@@ -85,13 +80,11 @@ void LinkOperator::apply(const double* q, const double* u, double* y) const noex
 }
 
 void LinkOperator::apply_scattered(const double* q, const double* u, double* y) const noexcept {
-  for (std::size_t r = 0; r + 1 < rows_.size(); ++r) {
-    double sum = y[rows_[r].row];  // in a register: through memory each term would wait for the one before
-    for (int i = rows_[r].first; i < rows_[r + 1].first; ++i) {
-      const auto& e = scattered_[index(i)];
-      sum -= e.k * q[e.column] + e.b * u[e.column];
-    }
-    y[rows_[r].row] = sum;
+  for (auto e = scattered_.begin(); e != scattered_.end();) {
+    const int row = e->row;
+    double sum = y[row];  // in a register: through memory each term would wait for the one before
+    for (; e != scattered_.end() && e->row == row; ++e) sum -= e->k * q[e->column] + e->b * u[e->column];
+    y[row] = sum;
   }
 }
 

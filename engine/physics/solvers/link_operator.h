@@ -46,16 +46,7 @@ class LinkOperator {
 
   std::vector<Entry> entries_;
   std::vector<Diagonal> diagonals_;
-  /// Entries `first` ... before that of the next row; the last row is an end.
-  struct Row {
-    int row, first;
-  };
-  struct Scattered {
-    int column;
-    double k, b;
-  };
-  std::vector<Row> rows_;
-  std::vector<Scattered> scattered_;
+  std::vector<Entry> scattered_;  ///< on no diagonal, row by row
   AlignedNumbers constant_;
   bool chain_ = false;  ///< diagonals -1, 0 and 1, all complete
 };

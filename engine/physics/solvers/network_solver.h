@@ -14,7 +14,7 @@ enum class Solver {
   Passive,    ///< never makes energy, whatever the stiffness (`make_centred_solver`)
   Implicit,   ///< the trapezoidal rule and Newton's method: never unstable (`make_centred_solver`)
   Exact,      ///< no error in the linear part; small groups of masses (`make_exact_solver`)
-  Reference,  ///< the motion itself, which the others are measured against (ReferenceSolver)
+  Reference,  ///< the motion itself, which the others are measured against (`make_reference_solver`)
   Auto,       ///< the cheapest of them that is stable and accurate (`choose_solver`)
 };
 
@@ -82,5 +82,21 @@ Result<std::unique_ptr<NetworkSolver>> make_centred_solver(const NetworkModel& m
 ///
 /// [control] Errors: OutOfRange if a group is too large, or its numbers too far apart.
 Result<std::unique_ptr<NetworkSolver>> make_exact_solver(const NetworkModel& model);
+
+/// The motion of a network itself, a step at a time: `solver = "reference"`, what the other solvers are
+/// measured against, and nothing that they are made of.
+///     m x'' = sum of the forces of `elements.h`,   L i' = V - R i - Bl x'
+/// Forces and voltages are held over a step, driven points go in a straight line from its start to its end.
+///
+///  - Few points without contacts: by the exponential of the matrix of the system, exact but for rounding.
+///  - Otherwise by extrapolation of variable order and step to a local error of 1e-13, relative to the
+///    largest position, velocity or current. A contact that opens or closes, a loss that begins or ends to
+///    outweigh the contact's push, a friction that begins or ends to hold, a bond that slips or holds
+///    again end a step of the integration at that very instant: every one integrates a smooth equation. With
+///    a restitution the loss is set by the speed of each impact, at least 0.1 mm/s.
+///
+/// Not for real time: a step takes as long as it needs. A motion that cannot be followed leaves a state that
+/// is not finite. [control]
+std::unique_ptr<NetworkSolver> make_reference_solver(const NetworkModel& model);
 
 }  // namespace tactus

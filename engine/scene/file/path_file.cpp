@@ -76,7 +76,7 @@ class PathReader {
     path_.rate = Hertz{rate.number};
     if (!rate.given)
       errors_.add(Errc::Missing, node.at, "fir 'path' lacks 'rate'",
-                  "write the sample rate that its taps were measured at, as in rate = \"48 kHz\"");
+                  "give the sample rate of its taps, as in rate = \"48 kHz\"");
   }
 
   const GraphSpec& graph_;
@@ -101,7 +101,7 @@ about  = {}
 source = {}
 
 [inputs]
-drive = {{ unit = "full scale", about = "what is played" }}
+drive = {{ unit = "full scale", about = "the played signal" }}
 
 [outputs]
 sensor = {{ from = "path", unit = "full scale", about = "the sensor signal" }}

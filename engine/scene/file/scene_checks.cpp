@@ -51,8 +51,8 @@ void check_unit(const std::optional<QuantityValue>& number, const MeasureEntry& 
   if (number->unit.dimension == parse_unit(type.unit)->dimension) return;
   errors.add(Errc::UnitMismatch, entry.at,
              "'" + entry.measure + "' is " + (type.unit.empty() ? "a plain number" : "in " + type.unit) +
-                 ", but it is to be compared with " + in_unit(number->si, number->unit),
-             type.unit.empty() ? "leave the unit out" : "give it in " + type.unit);
+                 ", but it is compared with " + in_unit(number->si, number->unit),
+             type.unit.empty() ? "omit the unit" : "give it in " + type.unit);
 }
 
 /// Checks that signals are recorded.
@@ -69,7 +69,7 @@ class RecordedSignals {
       if (name.find('.') != name.rfind('.')) names.push_back(name.substr(0, name.rfind('.')));
     errors_.add(Errc::UnknownName, at,
                 measure.empty() ? "no signal '" + signal + "' is recorded"
-                                : "'" + measure + "' needs '" + signal + "', and no such signal is recorded",
+                                : "'" + measure + "' needs '" + signal + "', but no such signal is recorded",
                 suggest(signal, names, "recorded are " + listed(names_)));
   }
   /// The same of the signal with a role.
@@ -80,7 +80,7 @@ class RecordedSignals {
         scene_.parts, [](const ScenePart& part) { return part.graph == nullptr || part.graph->incomplete; });
     if (!unknown && !scene_.incomplete)
       errors_.add(Errc::Missing, at, "'" + needed_by + "' needs a signal with the role '" + role + "'",
-                  "name one under [roles], as in " + role + " = \"plant." + role + "\"");
+                  "give one under [roles], as in " + role + " = \"plant." + role + "\"");
   }
   std::string example() const { return names_.empty() ? "part.output" : names_.back(); }
 
@@ -106,7 +106,7 @@ void check_subject(const Expectation& expectation, const Measure& type, const Sc
     recorded.check(expectation.of, expectation.of_at);
   else if (type.of.empty())
     errors.add(Errc::Missing, expectation.at, "'" + expectation.measure + "' needs an 'of'",
-               "name a signal, as in of = \"" + recorded.example() + "\"");
+               "give a signal, as in of = \"" + recorded.example() + "\"");
   else
     recorded.check_role(signal_of(scene.roles, type.of), expectation.at, type.of, type.name);
   if (!type.beside.empty())
@@ -188,7 +188,7 @@ void check_ports(const SceneSpec& scene, ErrorList& errors) {
     if (force && position && !(*force * *position == parse_unit("J")->dimension))
       errors.add(Errc::UnitMismatch, port.at,
                  "'" + port.force + "' times a change of '" + port.position + "' is not an energy",
-                 "name a force in N and a position in m, or a torque in N m and an angle");
+                 "give a force in N and a position in m, or a torque in N m and an angle");
   }
 }
 
@@ -196,9 +196,8 @@ void check_drives(const SceneSpec& scene, ErrorList& errors) {
   const auto* instrument = scene.part("instrument");
   if (instrument == nullptr || instrument->graph == nullptr || instrument->graph->incomplete) return;
   std::vector<std::string> names;
-  ErrorList reported_elsewhere;
   for (const auto& output : instrument->graph->outputs)
-    if (read_use(output, reported_elsewhere) != OutputUse::Audio) names.push_back(output.name);
+    if (output.use != OutputUse::Audio) names.push_back(output.name);
   for (const auto& [name, at] : scene.drive_places)
     if (std::ranges::find(names, name) == names.end())
       errors.add(Errc::UnknownName, at, "the instrument has no drive '" + name + "'",
@@ -215,9 +214,7 @@ void check_comparison(const SceneSpec& scene, const std::string& name, double va
     errors.add(Errc::UnknownName, at, "there is no part '" + owner + "'", "see [parts]");
   if (part == nullptr || part->graph == nullptr || part->graph->incomplete) return;
   if (const auto* control = find_named(part->graph->controls, port)) {
-    ErrorList reported_elsewhere;
-    const auto read = control->broken ? ReadControl{{}, false} : read_control(*control, reported_elsewhere);
-    if (read.unit_known) check_range(read.control, value, at, errors);
+    if (control->unit_known) check_range(control->control, value, at, errors);
     return;
   }
   auto known = names_of(part->graph->controls);
@@ -249,7 +246,7 @@ void check_expected_pitch(const SceneSpec& scene, const std::vector<SceneTap>& t
                  "'" + pitch.name + "' is " +
                      (tap.dimension.plain() ? "a plain number" : "in " + to_string(tap.dimension)) +
                      ", but 'pitch' is in Hz",
-                 "name an output in Hz, or give it a unit in its part");
+                 "give an output in Hz, or give it a unit in its part");
 }
 
 }  // namespace tactus

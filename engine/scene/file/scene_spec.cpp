@@ -33,7 +33,7 @@ bool check_keys(const Value::Table& table, ErrorList& errors) {
   errors.unknown_keys(rest, keys);
   for (const auto& field : table)
     if (of_graph(field))
-      errors.add(Errc::UnknownName, field.at, "'" + field.key + "' belongs in a graph, and this is a scene",
+      errors.add(Errc::UnknownName, field.at, "'" + field.key + "' is a key of graphs, but this is a scene",
                  "move it to the file of a part");
   return std::ranges::all_of(rest, [&](const Field& field) {
     const bool known = among(keys, field.key);
@@ -71,8 +71,8 @@ class PointReader {
   void read(const Value& point) {
     const auto* pair = point.list();
     if (pair == nullptr || pair->size() != 2)
-      return errors_.add(Errc::WrongType, point.at, "a point is a time and a value",
-                         "write it as in [\"0.1 s\", \"2 m/s\"]");
+      return errors_.add(Errc::WrongType, point.at, "a point must be a time and a value",
+                         "write for instance [\"0.1 s\", \"2 m/s\"]");
     const auto time = read_time((*pair)[0]);
     const auto value = read_value((*pair)[1]);
     if (time && value) gesture_.points.push_back({*time, *value});
@@ -84,11 +84,11 @@ class PointReader {
     if (errors_.keep(time) == nullptr) return std::nullopt;
     if (*time < 0 || *time > kLongestTime_s) {
       errors_.add(Errc::OutOfRange, value.at, "the time of a point cannot be " + seconds_text(*time),
-                  "times run from 0 s to a day");
+                  "use times between 0 s and one day");
     } else if (*time <= last_s_) {
       errors_.add(Errc::OutOfRange, value.at,
-                  seconds_text(*time) + " does not come after " + seconds_text(last_s_) + " before it",
-                  "the times of a gesture increase");
+                  seconds_text(*time) + " is not later than the " + seconds_text(last_s_) + " before it",
+                  "the times of a gesture must be ascending");
     }
     last_s_ = std::max(last_s_, *time);
     return *time;
@@ -129,8 +129,8 @@ Converters read_converters(const Value::Table& section, ErrorList& errors) {
   if (const auto bits = fields.number("bits")) converters.bits = static_cast<int>(*bits);
   converters.on = !fields.flag("off");
   if (!converters.on && fields.has("bits"))
-    errors.add(Errc::Duplicate, fields.value("off")->at, "converters that are off have no bits",
-               "remove 'off' or 'bits'");
+    errors.add(Errc::Duplicate, fields.value("off")->at,
+               "'bits' has no effect while the converters are 'off'", "remove 'off' or 'bits'");
   return converters;
 }
 
@@ -164,7 +164,7 @@ Expectation read_expectation(const EntrySpec& entry, Seconds duration, ErrorList
   if (!min || !max) return expectation;
   if (!min->bare && !max->bare && !(min->unit.dimension == max->unit.dimension))
     errors.add(Errc::UnitMismatch, fields.value("max")->at, "'min' and 'max' are in different units",
-               "give both in the same");
+               "give both in the same unit");
   else if (min->si > max->si)
     errors.add(Errc::OutOfRange, fields.value("max")->at, "'max' is below 'min'", "swap them");
   return expectation;
@@ -175,11 +175,11 @@ Accuracy read_accuracy(const EntrySpec& entry, Seconds duration, ErrorList& erro
   const Accuracy accuracy{read_measure(entry, fields, duration), fields.any("exact"), fields.any("scale")};
   if (const auto* type = find_measure(accuracy.measure);
       type != nullptr && fields.has("exact") && !type->has_exact)
-    errors.add(Errc::BadArgument, fields.value("exact")->at,
-               "'" + type->name + "' is not a single number that could be exact", "remove 'exact'");
+    errors.add(Errc::BadArgument, fields.value("exact")->at, "'" + type->name + "' has no single exact value",
+               "remove 'exact'");
   if (accuracy.scale && !(accuracy.scale->si > 0.0))
     errors.add(Errc::OutOfRange, fields.value("scale")->at, "'scale' must be above 0",
-               "give the value of an error of 1");
+               "give the value that counts as a relative error of 1");
   return accuracy;
 }
 
@@ -217,7 +217,7 @@ void read_times(FieldReader& fields, double end_s, Playability& playability, Err
   playability.to_s = fields.number("to", end_s);
   if (playability.to_s.value_or(end_s) - playability.from_s < kMinPlayabilityWindow_s)
     errors.add(Errc::OutOfRange, fields.at("from", playability.at),
-               "the window to evaluate is shorter than a second",
+               "the evaluated window is shorter than one second",
                "lower 'from', or raise 'to' or 'duration'");
 }
 
@@ -229,7 +229,7 @@ void read_signal(FieldReader& fields, const char* key, Playability::Signal& sign
 void read_pitch(FieldReader& fields, Playability& playability, ErrorList& errors) {
   if (!fields.has("pitch"))
     return errors.add(Errc::Missing, playability.at, "a tone needs the expected 'pitch'",
-                      "give it as in pitch = \"110 Hz\", or as an output of a part: \"wanted.pitch\"");
+                      "write pitch = \"110 Hz\", or an output of a part: \"wanted.pitch\"");
   const auto* text = fields.value("pitch")->text();
   if (text != nullptr && !text->empty() && text->front() >= 'a' && text->front() <= 'z')
     return read_signal(fields, "pitch", playability.pitch);
@@ -243,8 +243,7 @@ void read_tone(FieldReader& fields, double end_s, Playability& playability, Erro
   read_pitch(fields, playability, errors);
   if (playability.begin_s > playability.from_s)
     errors.add(Errc::OutOfRange, fields.value("begin")->at,
-               "the tone begins after 'from', where it should be steady",
-               "raise 'from', which is 1 s if left out");
+               "'begin' is later than 'from', where the tone must be steady", "raise 'from' (default: 1 s)");
 }
 
 std::optional<Playability> read_playability(const Value::Table& section, const Source& at, Seconds duration,
@@ -353,7 +352,7 @@ class SceneReader {
     check(scene_.gestures, "a gesture", names);
     check(scene_.ports, "a port", ports);
     check(scene_.expect, "an expectation", expectations);
-    check(scene_.accuracy, "a line of [accuracy]", accuracies);
+    check(scene_.accuracy, "an entry of [accuracy]", accuracies);
   }
 
   void read_drive_entry(const EntrySpec& entry) {
@@ -391,7 +390,7 @@ class SceneReader {
     const auto* use = find(entry.fields, "use");
     if (use == nullptr && !entry.broken)
       errors_.add(Errc::Missing, entry.at, "part '" + entry.name + "' has no 'use'",
-                  "name its file, as in use = \"" + entry.name + ".toml\"");
+                  "give its file, as in use = \"" + entry.name + ".toml\"");
     else if (const auto file = errors_.text(entry.fields, "use"); use != nullptr && use->text() != nullptr)
       part.graph = load_part(file, use->at);
     scene_.parts.push_back(std::move(part));
@@ -402,7 +401,7 @@ class SceneReader {
     const auto* path = errors_.keep(found);
     if (path == nullptr) return nullptr;
     if (path->canonical == canonical_path(*scene_.file.file)) {
-      errors_.add(Errc::Cycle, at, "a scene cannot be a part of itself", "name the file of a graph");
+      errors_.add(Errc::Cycle, at, "a scene cannot be a part of itself", "give the file of a graph");
       return nullptr;
     }
     auto loaded = load_graph_leniently(path->name, root_);
@@ -419,12 +418,12 @@ class SceneReader {
 
 const std::vector<RoleType>& role_types() {
   static const std::vector<RoleType> types = {
-      {"monitor", "sound", "the output meant for ears"},
-      {"hit", "hit", "the trigger of a detected strike"},
-      {"contact", "contact", "the contact force of strikes"},
-      {"stick", "stick", "the position of what strikes"},
-      {"ball", "ball", "the position of what bounces"},
-      {"table", "table", "the position of what it bounces on"},
+      {"monitor", "sound", "monitor output"},
+      {"hit", "hit", "trigger of a detected strike"},
+      {"contact", "contact", "contact force of the strikes"},
+      {"stick", "stick", "position of the striking object"},
+      {"ball", "ball", "position of the bouncing object"},
+      {"table", "table", "position of the surface below the bouncing object"},
   };
   return types;
 }

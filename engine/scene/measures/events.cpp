@@ -67,7 +67,6 @@ Rhythm rhythm_of(const std::vector<double>& times_s, double from_s, double to_s)
   rhythm.count = static_cast<int>(times.size());
   rhythm.fewest_in_a_second = fewest_per_second(times, from_s, to_s);
   if (times.empty()) return rhythm;
-  rhythm.first_s = times.front();
   rhythm.last_s = times.back();
   if (times.size() < 3) return rhythm;
   std::vector<double> intervals, ratios;

@@ -25,7 +25,7 @@ std::vector<Strike> find_strikes(const std::vector<double>& force, Hertz sample_
 /// The rhythm of event times; zeros where there are too few.
 struct Rhythm {
   int count = 0;
-  double first_s = 0, last_s = 0;
+  double last_s = 0;
   double rate_hz = 0;          ///< (count - 1) / (last - first)
   int fewest_in_a_second = 0;  ///< over windows of 1 s, from `from` to `to`
   double spread = 0;           ///< standard deviation of the intervals / their mean

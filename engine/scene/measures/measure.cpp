@@ -51,7 +51,7 @@ Result<Window> window_of(const SceneRecording& recording, const Expectation& exp
     window.port = find_named(recording.ports, expectation.of);
     if (window.port == nullptr)
       return fail(Errc::UnknownName, expectation.of_at.text(), "there is no port '" + expectation.of + "'",
-                  "name it under [ports]");
+                  "declare it under [ports]");
   }
   if (type.subject != Subject::Signal && type.subject != Subject::Events) return window;
   window.signal = find_signal(recording, subject_of(recording, expectation, type));
@@ -100,8 +100,8 @@ std::span<const double> Window::samples(const RecordedSignal& of) const {
 
 std::vector<double> Window::event_times() const {
   if (events) return *events;
-  static const auto kNewton = parse_unit("N")->dimension;
-  if (!(signal->dimension == kNewton)) return trigger_times(signal->samples, rate());
+  if (!(signal->dimension == Dimension{.metre = 1, .kilogram = 1, .second = -2}))
+    return trigger_times(signal->samples, rate());
   std::vector<double> times;
   for (const auto& strike : strikes_in(*signal, rate())) times.push_back(strike.start_s);
   return times;
@@ -175,7 +175,7 @@ Result<double> accuracy_error(const Accuracy& accuracy, const SceneRecording& ru
     window.signal = window.recording.find(accuracy.of);
     if (window.signal == nullptr)
       return fail(Errc::UnknownName, accuracy.of_at.text(), "no signal '" + accuracy.of + "' was recorded",
-                  "name an output of the plant");
+                  "give an output of the plant");
   }
   const auto* type = find_measure(accuracy.measure);
   return type->error(*type, {windows[0], windows[1], accuracy});

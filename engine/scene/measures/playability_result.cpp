@@ -96,14 +96,14 @@ const std::vector<RunKind>& run_kinds(Playability::Kind kind) {
   static const std::vector<RunKind> roll = {
       {"regular", 'R', "intervals spread by at most 15 %"},
       {"gallop", 'G', "a pattern of two to four strikes that repeats within 15 %: short and long"},
-      {"irregular", 'i', "strikes go on, and no pattern repeats"},
-      {"dead", '.', "some second has fewer strikes than [playability] asks for"},
+      {"irregular", 'i', "strikes continue without a repeating pattern"},
+      {"dead", '.', "in at least one second, fewer strikes than [playability] requires"},
   };
   static const std::vector<RunKind> tone = {
-      {"right note", 'N', "in tune within 25 cents in 9 of 10 moments"},
+      {"right note", 'N', "in tune within 25 cents for 90 % of the time"},
       {"wrong partial", 'p', "mostly another partial of the note"},
       {"howl", 'h', "another pitch, or none"},
-      {"silent", '.', "softer than 'quiet'"},
+      {"silent", '.', "level below 'quiet'"},
   };
   return kind == Playability::Kind::Roll ? roll : tone;
 }

@@ -27,16 +27,16 @@ constexpr const char* kGesture = "swept_by_the_study";
 constexpr double kGlide_s = 3.0, kBifurcationSweepStep_s = 0.1;
 
 /// The value of a control in the scene, or else in its graph file; none if it is not a number.
-std::optional<double> set_value(const ScenePart& part, const EntrySpec& control) {
+std::optional<double> set_value(const ScenePart& part, const ControlSpec& control) {
   const auto* value = find(part.wires, control.name);
-  if (value == nullptr) value = find(control.fields, "value");
-  const auto quantity = value != nullptr ? read_quantity(*value) : Result<QuantityValue>{};
-  return value != nullptr && quantity ? std::optional{quantity->si} : std::nullopt;
+  if (value == nullptr) return control.control.value;
+  const auto quantity = read_quantity(*value);
+  return quantity ? std::optional{quantity->si} : std::nullopt;
 }
 
 tl::unexpected<Error> no_control(const std::string& name, const std::string& what) {
   return fail(Errc::UnknownName, name, what,
-              "name one as in --control gamma, or plant.gamma of another part");
+              "give --control gamma, or --control plant.gamma for a control of the plant");
 }
 
 double value_at(const BifurcationPlan& plan, int i, int values) {
@@ -99,8 +99,8 @@ Status find_control(SceneSweep& sweep, const std::string& control) {
   const auto* frequency = find_named(part->graph->controls, "frequency");
   const auto hertz = frequency != nullptr ? set_value(*part, *frequency) : std::nullopt;
   if (!hertz || !(*hertz > 0))
-    return fail(Errc::Missing, part->at.text(), "nothing says how often the table goes up and down",
-                "give the part a control 'frequency', at a number");
+    return fail(Errc::Missing, part->at.text(), "the frequency of the table is not known",
+                "give the part a control 'frequency' with a constant value");
   sweep.frequency_hz = *hertz;
   sweep.of_the_table = name == "gamma";
   std::erase_if(part->wires, [&](const Field& field) { return field.key == name; });
@@ -145,7 +145,7 @@ Checked<std::vector<std::vector<Landing>>> play_sweep(const SceneSweep& sweep, c
   if (ball == nullptr || floor == nullptr)
     return tl::unexpected(std::vector{Error{Errc::Missing, scene.file.text(),
                                             "the scene has no signals with the roles 'ball' and 'table'",
-                                            "name two positions under [roles]"}});
+                                            "give two positions under [roles]"}});
   const auto landings = landings_of(ball->samples, floor->samples, recording->sample_rate);
   std::vector<std::vector<Landing>> held;
   for (const double start : starts) {

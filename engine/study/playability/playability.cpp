@@ -31,10 +31,6 @@ std::optional<PlayabilityResult> from_numbers(const RunResult& numbers, Playabil
 
 }  // namespace
 
-std::ptrdiff_t PlayabilityStudy::finished() const {
-  return std::ranges::count_if(runs, [](const PlayedRun& run) { return run.result.has_value(); });
-}
-
 std::size_t PlayabilityStudy::kind_of(const PlayedRun& run) const { return kind_index(*run.result, kind); }
 
 std::vector<DelayVerdict> PlayabilityStudy::verdicts() const {
@@ -79,10 +75,10 @@ Checked<PlayabilityStudy> study_playability(const SceneSpec& scene, const NodeTa
   if (!points) return tl::unexpected(points.error());
   PlayabilityStudy study{scene.name, rules.kind, options.delays_s, options.over, sweep.variants(), {}};
   for (const auto& point : *points)
-    study.runs.push_back({point.at.front(),
-                          {point.at.begin() + 1, point.at.end()},
-                          point.variant,
-                          point.result ? from_numbers(*point.result, rules.kind) : std::nullopt});
+    study.runs.push_back({{{point.at.begin() + 1, point.at.end()},
+                           point.variant,
+                           point.result ? from_numbers(*point.result, rules.kind) : std::nullopt},
+                          point.at.front()});
   return study;
 }
 

@@ -16,13 +16,8 @@ struct PlayabilityOptions : SweepPlan {
 };
 
 /// One run and its result.
-struct PlayedRun {
+struct PlayedRun : EvaluatedPoint<PlayabilityResult> {
   double delay_s = 0;
-  std::vector<double> at;  ///< one for each that is swept, SI
-  std::string variant;     ///< "as written", "actuator x 2", "draw 17"
-  std::optional<PlayabilityResult> result;
-
-  bool as_written() const { return variant == kAsWritten; }
 };
 
 /// All runs at one delay.
@@ -48,7 +43,6 @@ struct PlayabilityStudy {
   std::vector<std::string> variants;
   std::vector<PlayedRun> runs;  ///< delay by delay, then value by value, then variant by variant
 
-  std::ptrdiff_t finished() const;
   /// [any] Index of the kind of a finished run in `run_kinds`.
   std::size_t kind_of(const PlayedRun& run) const;
   /// [any] Of a complete study, delay by delay.

@@ -25,7 +25,7 @@ std::string subtitle_of(const PlayabilityStudy& study) {
   std::string text;
   for (const auto& kind : run_kinds(study.kind))
     text += fmt::format("{}{} {}: {}", text.empty() ? "" : "; ", kind.letter, kind.name, kind.doc);
-  return text + ". Score: 0 nothing, 1 ideal.";
+  return text + ". Score: 0 to 1 (ideal).";
 }
 
 // ---- nothing swept: curves
@@ -58,7 +58,7 @@ Subplot robust_subplot(const PlayabilityStudy& study) {
     line.x.push_back(verdict.delay_s);
     line.y.push_back(verdict.robust());
   }
-  return {.y = {.label = "other actuators and plants that are playable", .low = 0, .high = 1.05},
+  return {.y = {.label = "variants of actuator and plant that are playable", .low = 0, .high = 1.05},
           .series = {std::move(line)},
           .levels = {{kRobustShare, "required"}}};
 }
@@ -112,7 +112,7 @@ Plot maps_over_delay(const PlayabilityStudy& study) {
     return value_map(delays, values, numbers, 0, high);
   };
   const auto head = [&](const std::string& what) {
-    return PlotAxis{.label = what + ", over " + study.over[0].name};
+    return PlotAxis{.label = what + ", against " + study.over[0].name};
   };
   return {
       .title = "Playability of " + study.scene,

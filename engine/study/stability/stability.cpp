@@ -119,12 +119,12 @@ class Analysis {
     verdict_.regimes.push_back(analyse_regime(closed, regime, verdict_.rate));
     if (verdict_.regimes.size() == 1)
       for (const auto& first : verdict_.regimes.front().too_large)
-        verdict_.skipped.push_back("the loops around '" + first + "'");
+        verdict_.skipped.push_back("the loops through '" + first + "'");
     report_progress();
     if (!closed.mobility || verdict_.regimes.back().loops.empty()) return;
-    auto held = regime;
-    held.hand = options_.hand;
-    verdict_.regimes.push_back(analyse_regime(world.closed(held), held, verdict_.rate));
+    auto with_hand = regime;
+    with_hand.hand = options_.hand;
+    verdict_.regimes.push_back(analyse_regime(world.closed(with_hand), with_hand, verdict_.rate));
     report_progress();
   }
 
@@ -133,11 +133,11 @@ class Analysis {
       // Unless one of its contacts is closed it is as at rest.
       if (!verdict_.regimes.empty() && !regime.contacts.contains(graph.network_paths[n])) continue;
       const auto& model = *graph.networks[n];
-      const auto& recipe = model.recipe();
+      const auto& recipe = model.recipe;
       NetworkVerdict verdict{graph.network_paths[n], regime.name};
       verdict.solver = recipe.solver;
       verdict.has_friction = !recipe.elements.frictions.empty();
-      verdict.radius = model.radius();
+      verdict.radius = model.radius;
       verdict.rate_hz = recipe.rate.value * recipe.oversample;
       if (const auto needed = model.needed_rate()) verdict.needed_hz = needed->value;
       verdict.weakest = model.weakest();

@@ -16,6 +16,7 @@ namespace tactus {
 namespace {
 
 constexpr int kExtremesBlock = 64;
+constexpr const char* kDisturbances[] = {"silence", "impulses", "full-scale square", "NaN", "denormals"};
 /// At the start of a linear run: the smallest one with half the effect at half the size is used, so that
 /// quantisers and contacts do not matter.
 constexpr double kPushes[] = {1e-6, 1e-4, 1e-2, 1.0, 100.0};
@@ -176,20 +177,14 @@ ExtremeRun run_linear(const StabilitySubject& subject, ExtremeRun run) {
 
 }  // namespace
 
-const char* name_of(Disturbance disturbance) {
-  static constexpr const char* kNames[] = {"silence", "impulses", "full-scale square", "NaN", "denormals"};
-  return kNames[static_cast<int>(disturbance)];
-}
-
 std::vector<ExtremePlan> extremes_of(const WorldOptions& world, const Plan& instrument) {
   std::vector<ExtremePlan> plans;
   const auto plan = [&](std::string what) -> ExtremePlan& {
     plans.push_back({.what = std::move(what), .world = world, .disturbance = Disturbance::Impulses});
     return plans.back();
   };
-  for (const auto disturbance : {Disturbance::Silence, Disturbance::Impulses, Disturbance::Square,
-                                 Disturbance::NonFinite, Disturbance::Denormals})
-    plan(name_of(disturbance)).disturbance = disturbance;
+  for (int d = 0; d < std::ssize(kDisturbances); ++d)
+    plan(kDisturbances[d]).disturbance = static_cast<Disturbance>(d);
   for (const Hertz rate : {8_kHz, 44.1_kHz, 96_kHz, 192_kHz})
     plan(fmt::format("{:g} kHz", rate.value / 1e3)).world.rate = rate;
   for (const double ms : {0.0, 1.0, 5.0, 20.0, 50.0, 100.0})
@@ -222,13 +217,14 @@ std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityV
   for (const bool above : {false, true}) {
     const double growth = std::abs(above ? loop->growth_above : loop->growth_below);
     const double cycles = loop->margin.border_hz > 0 ? 12 / loop->margin.border_hz : 0;
-    plans.push_back({.what = fmt::format("{} at {} of its border", loop->at, above ? "1.02" : "0.98"),
-                     .world = world,
-                     .seconds = std::clamp(std::max(1 / growth, cycles), kShortest, kLongest),
-                     .drive_gain = (above ? 1.02 : 0.98) * loop->margin.border,
-                     .linear = true,
-                     .push_s = loop->margin.border_hz > 0 ? 0.1 / loop->margin.border_hz : 0.0,
-                     .expected = !above});
+    plans.push_back(
+        {.what = fmt::format("{} at {} of its stability limit", loop->at, above ? "1.02" : "0.98"),
+         .world = world,
+         .seconds = std::clamp(std::max(1 / growth, cycles), kShortest, kLongest),
+         .drive_gain = (above ? 1.02 : 0.98) * loop->margin.border,
+         .linear = true,
+         .push_s = loop->margin.border_hz > 0 ? 0.1 / loop->margin.border_hz : 0.0,
+         .expected = !above});
   }
   // Dry friction would hide the growth: the border is that of the system without it.
   for (auto& plan : plans) plan.world.friction = false;
@@ -245,12 +241,11 @@ Checked<ExtremeRun> run_extreme(const StabilitySubject& subject, const ExtremePl
 }
 
 void exclude_player_energy(std::vector<ExtremeRun>& runs) {
-  const auto silence =
-      std::ranges::find_if(runs, [](const auto& run) { return run.what == name_of(Disturbance::Silence); });
+  const auto silence = std::ranges::find(runs, kDisturbances[0], &ExtremeRun::what);
   if (silence == runs.end() || silence->grew) return;
-  const double supplied = silence->energy_after;
+  const double initial_energy = silence->energy_after;
   for (auto& run : runs)
-    if (!run.linear) run.grew = run.grew && !(run.energy_after <= kGrows * supplied + kNothing_J);
+    if (!run.linear) run.grew = run.grew && !(run.energy_after <= kGrows * initial_energy + kNothing_J);
 }
 
 }  // namespace tactus

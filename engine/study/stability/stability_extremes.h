@@ -9,7 +9,7 @@
 
 namespace tactus {
 
-/// A disturbance of the instrument's sensors, added to the signals of the plant.
+/// A disturbance of the instrument's sensors, added to the signals of the plant; in the order of their names.
 enum class Disturbance {
   Silence,
   Impulses,   ///< of full scale, every 37 ms
@@ -17,8 +17,6 @@ enum class Disturbance {
   NonFinite,  ///< NaN and infinity among the samples
   Denormals,  ///< 1e-310
 };
-/// "silence", "impulses", "full-scale square", "NaN", "denormals"
-const char* name_of(Disturbance disturbance);
 
 /// A run to execute.
 struct ExtremePlan {

@@ -252,8 +252,8 @@ class PlanReader {
     graph_.networks.push_back(model);
     graph_.network_paths.push_back(path);
     if (!model->whole()) return skip_network(step, path);
-    for (std::size_t s = 0; s < model->signal_ports().size(); ++s) {
-      const int from = signal(vertex(step.vertex).in[index(model->signal_ports()[s])]);
+    for (std::size_t s = 0; s < model->recipe.signal_ports.size(); ++s) {
+      const int from = signal(vertex(step.vertex).in[index(model->recipe.signal_ports[s])]);
       for (int o = 0; from >= 0 && o < step.outputs; ++o)
         if (is_read(step, o))
           graph_.edges.push_back({.kind = LinearEdge::Kind::Network,

@@ -57,9 +57,10 @@ class Report {
     for (const auto& regime : verdict_.regimes) add_growing(regime);
     for (const auto& network : verdict_.networks) add_network(network);
     if (std::ranges::any_of(verdict_.networks, &NetworkVerdict::has_friction))
-      add("dry friction is left out: it stabilises small motions beyond these limits");
+      add("dry friction is neglected: it keeps small motions stable even above these limits");
     for (const auto& path : verdict_.regimes.front().unstable_equilibria)
-      add("rests on an unstable equilibrium of '{}': analysed where its force restores", path);
+      add("the operating point is an unstable equilibrium of '{}': analysed where its force is restoring",
+          path);
     add_critical();
     if (!verdict_.stable) add_remedies();
     add_delay_margin();
@@ -111,13 +112,13 @@ class Report {
 
   void add_contacts(const NetworkVerdict& network) {
     if (network.contact_steps < kFewestContactSteps)
-      add("network '{}': a strike at 1 m/s lasts {:.2g} steps, fewer than {:g}: explicit contacts then add "
-          "energy; oversample = {:.0f}, or solver = \"passive\"",
+      add("network '{}': a strike at 1 m/s lasts {:.2g} steps, fewer than {:g}, so explicit contacts add "
+          "energy; use oversample = {:.0f}, or solver = \"passive\"",
           network.path, network.contact_steps, kFewestContactSteps,
           std::ceil(kFewestContactSteps / network.contact_steps));
     else
-      add("network '{}': its initial state presses a contact too stiff for explicit steps, which then add "
-          "energy; more steps, or solver = \"passive\"",
+      add("network '{}': its initial state compresses a contact that is too stiff for explicit steps, which "
+          "then add energy; use more steps, or solver = \"passive\"",
           network.path);
   }
 
@@ -128,7 +129,7 @@ class Report {
           regime->name, stiff->stiffness < 0 ? "pushes away with" : "has",
           newtons_per_metre(stiff->stiffness), newtons_per_metre(stiff->stable_up_to));
     else if (loop != nullptr)
-      add("most critical ({}): the loop {}, unstable from {:.3g} times its gain on", regime->name,
+      add("most critical ({}): the loop {}, unstable above {:.3g} times its gain", regime->name,
           fmt::join(loop->way, " -> "), border);
   }
 
@@ -138,7 +139,7 @@ class Report {
       for (const auto& regime : verdict_.regimes)
         for (const auto& stiff : regime.stiff)
           if (!regime.held && !regime.is_stable())
-            remedies.push_back(fmt::format("give '{}' less than its {} (it grows together with others)",
+            remedies.push_back(fmt::format("give '{}' less than its {} (it increases together with others)",
                                            stiff.path, newtons_per_metre(stiff.stiffness)));
     if (critical_.stiff != nullptr)
       remedies.push_back(fmt::format("give '{}' less than {}", critical_.stiff->path,
@@ -158,8 +159,8 @@ class Report {
     const auto& loops = verdict_.regimes.front().loops;
     if (std::ranges::count(loops, true, &LoopVerdict::drive) > 1)
       return add(
-          "several drives: each margin is that of one drive alone; all together have smaller margins "
-          "of gain and of delay");
+          "several drives: each margin is for one drive alone; the gain and delay margins of all drives "
+          "together are smaller");
     if (critical_.regime == nullptr) return;
     const auto& own = critical_.regime->loops;
     const auto drive = std::ranges::find(own, true, &LoopVerdict::drive);
@@ -210,11 +211,11 @@ class Report {
   /// Of an instrument alone, without a plant.
   void add_outside() {
     if (verdict_.outside_known) return;
-    add("not analysed: the path outside from its outputs to its inputs; a scene with a plant has it (or, for "
-        "outputs in N and inputs in m, the assumed device)");
+    add("not analysed: the external path from the outputs to the inputs; check a scene with a plant instead "
+        "(for outputs in N and inputs in m, a device is assumed)");
     for (const auto& pair : verdict_.open)
-      add("{} -> {}: gain at most {:.3g} (at {:.4g} Hz): with a gain outside below {:.3g} it is stable at "
-          "every delay",
+      add("{} -> {}: gain at most {:.3g} (at {:.4g} Hz): stable at every delay if the external gain is below "
+          "{:.3g}",
           pair.input, pair.output, pair.peak, pair.peak_hz, 1 / pair.peak);
   }
 

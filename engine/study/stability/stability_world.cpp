@@ -41,14 +41,8 @@ const Dimension kNewton{.metre = 1, .kilogram = 1, .second = -2};
 /// The dimension of each input channel.
 std::vector<Dimension> dimensions_of(const GraphSpec& graph) {
   std::vector<Dimension> dimensions;
-  for (const auto& input : graph.inputs) {
-    const auto* unit = find(input.fields, "unit");
-    const auto parsed = unit != nullptr && unit->text() ? parse_unit(*unit->text()) : std::nullopt;
-    const auto* lanes = find(input.fields, "lanes");
-    const auto count = lanes != nullptr && lanes->number() ? static_cast<int>(*lanes->number()) : 1;
-    dimensions.insert(dimensions.end(), static_cast<std::size_t>(count),
-                      parsed ? parsed->dimension : Dimension{});
-  }
+  for (const auto& input : graph.inputs)
+    dimensions.insert(dimensions.end(), static_cast<std::size_t>(input.lanes), input.dimension);
   return dimensions;
 }
 
@@ -161,7 +155,6 @@ ClosedGraph RestingWorld::closed(const Regime& regime) const {
     const int drive = closed.graph.add_signal(channels[c].name);
     if (terminals.channels[c] >= 0) closed.graph.join(terminals.channels[c], drive);
     closed.drives.push_back(drive);
-    closed.drive_names.push_back(channels[c].name);
   }
   join_plant(closed, regime, terminals);
   return closed;
@@ -177,9 +170,9 @@ void RestingWorld::join_plant(ClosedGraph& closed, const Regime& regime, const T
     if (plant.channels[s] >= 0 && instrument.inputs[s] >= 0)
       graph.join(plant.channels[s], instrument.inputs[s]);
   for (const auto& network : graph.networks)
-    if (network->whole() && network->driven_row() >= 0)
+    if (network->whole() && network->driven_row >= 0)
       closed.mobility = [network](std::complex<double> z) {
-        return network->response(z)(network->driven_row(), network->test_force());
+        return network->response(z)(network->driven_row, network->test_force);
       };
 }
 
@@ -214,7 +207,7 @@ std::vector<Regime> RestingWorld::regimes(double push) const {
   Regime all{.name = "everything touched", .touched = true};
   std::size_t contacts = 0;
   for (std::size_t n = 0; n < free.networks.size(); ++n) {
-    const auto& names = free.networks[n]->recipe().contacts;
+    const auto& names = free.networks[n]->recipe.contacts;
     auto& touching = all.contacts[free.network_paths[n]];
     touching.push = push;
     for (std::size_t c = 0; c < names.size(); ++c) {

@@ -24,7 +24,6 @@ struct AssumedDevice {
 struct ClosedGraph {
   LinearGraph graph;
   std::vector<int> drives;  ///< signals between the instrument's outputs and what delays them
-  std::vector<std::string> drive_names;
   /// From a force on the driven point to its position, at any z; empty if no point is driven.
   std::function<std::complex<double>(std::complex<double>)> mobility;
 };

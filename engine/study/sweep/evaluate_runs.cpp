@@ -74,7 +74,7 @@ class RunCache {
 
   Status status() const {
     if (out_) return {};
-    return fail(Errc::BadFile, path_.string(), "the run cannot be written",
+    return fail(Errc::BadFile, path_.string(), "the result of the run cannot be written",
                 "choose another folder for --keep");
   }
 

@@ -28,7 +28,8 @@ void add(Fingerprint& print, const Value::Table& table) {
   }
 }
 
-void add(Fingerprint& print, const std::vector<EntrySpec>& entries) {
+template <class Spec>
+void add_entries(Fingerprint& print, const std::vector<Spec>& entries) {
   print.add(std::uint64_t{entries.size()});
   for (const auto& entry : entries) add(print.add(entry.name), entry.fields);
 }
@@ -42,10 +43,12 @@ void add(Fingerprint& print, const std::vector<NodeSpec>& nodes) {
 }
 
 void add(Fingerprint& print, const GraphSpec& graph) {
-  for (const auto* entries : {&graph.inputs, &graph.controls, &graph.outputs}) add(print, *entries);
+  add_entries(print, graph.inputs);
+  add_entries(print, graph.controls);
+  add_entries(print, graph.outputs);
   add(print, graph.nodes);
   for (const auto& network : graph.networks) {
-    add(print.add(network.name), network.options);
+    add(print.add(network.name), network.fields);
     add(print, network.elements);
   }
   for (const auto& [use, part] : graph.parts) add(print.add(use), *part);

@@ -186,8 +186,8 @@ SceneSpec with_network_option(SceneSpec scene, const std::string& key, decltype(
   return with_networks_changed(
       std::move(scene),
       [&](NetworkSpec& network, const std::string&) {
-        std::erase_if(network.options, [&](const Field& field) { return field.key == key; });
-        network.options.push_back({key, network.at, {value, network.at}});
+        std::erase_if(network.fields, [&](const Field& field) { return field.key == key; });
+        network.fields.push_back({key, network.at, {value, network.at}});
       },
       false);
 }

@@ -30,7 +30,7 @@ std::vector<std::string> control_names(const SceneSpec& scene) {
 
 Error unknown_name(const SceneSpec& scene, const std::string& name) {
   std::vector<std::string> all{"delay", "rate", "solver", "oversample"};
-  std::string known = "quantities of the scene: delay, rate, solver, oversample";
+  std::string known = "parameters of the scene: delay, rate, solver, oversample";
   for (const auto& [kind, names] : {std::pair{"controls", control_names(scene)},
                                     {"gestures", names_of(scene.gestures)},
                                     {"constants", constant_names(scene)}}) {
@@ -38,7 +38,7 @@ Error unknown_name(const SceneSpec& scene, const std::string& name) {
     if (!names.empty()) known += fmt::format("; {}: {}", kind, listed(names));
   }
   const auto near = nearest_name(name, all);
-  return {Errc::UnknownName, "--over", "the scene has no quantity '" + name + "'",
+  return {Errc::UnknownName, "--over", "the scene has no parameter '" + name + "'",
           (near.empty() ? "" : "did you mean '" + near + "'? ") + known};
 }
 
@@ -122,10 +122,9 @@ Status check_swept(const SceneSpec& scene, const SweptValue& swept) {
   const auto* wire = instrument != nullptr ? find(instrument->wires, swept.name) : nullptr;
   const auto* text = wire != nullptr ? wire->text() : nullptr;
   if (gesture == nullptr && text != nullptr && scene.gesture(*text) != nullptr)
-    return fail(Errc::BadArgument, "--over",
-                "control '" + swept.name + "' is moved by gesture '" + *text + "'",
+    return fail(Errc::BadArgument, "--over", "control '" + swept.name + "' is set by gesture '" + *text + "'",
                 "sweep the gesture: --over " + *text +
-                    "=0.5:2:4 scales it; values with a unit hold it at each of them");
+                    "=0.5:2:4 scales it; values with a unit replace it by a constant");
   return {};
 }
 
@@ -226,10 +225,6 @@ Checked<std::vector<SweepPoint>> Sweep::evaluate(const Evaluate& evaluate, const
   auto points = points_;
   for (std::size_t i = 0; i < points.size(); ++i) points[i].result = std::move((*results)[i]);
   return points;
-}
-
-std::ptrdiff_t finished(const std::vector<SweepPoint>& points) {
-  return std::ranges::count_if(points, [](const auto& point) { return point.result.has_value(); });
 }
 
 Checked<SceneRecording> play_run(const Sweep::Run& run, const NodeTable& table) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -60,14 +61,16 @@ struct SweepPlan : RunPlan {
 
 inline constexpr auto kAsWritten = "as written";
 
-/// One run of a sweep.
-struct SweepPoint {
-  std::vector<double> at;           ///< one for each swept quantity, SI
-  std::string variant;              ///< "as written", "actuator x 2", "draw 17"
-  std::optional<RunResult> result;  ///< nullopt: not played
+/// One run of a sweep, and what it gave.
+template <class Evaluated>
+struct EvaluatedPoint {
+  std::vector<double> at = {};           ///< one for each swept quantity, SI
+  std::string variant = {};              ///< "as written", "actuator x 2", "draw 17"
+  std::optional<Evaluated> result = {};  ///< nullopt: not played
 
   bool as_written() const { return variant == kAsWritten; }
 };
+using SweepPoint = EvaluatedPoint<RunResult>;
 
 /// Plays a scene at every point of a plan.
 class Sweep {
@@ -108,7 +111,9 @@ class Sweep {
 };
 
 /// How many points have a result.
-std::ptrdiff_t finished(const std::vector<SweepPoint>& points);
+std::ptrdiff_t finished(const auto& points) {
+  return std::ranges::count_if(points, [](const auto& point) { return point.result.has_value(); });
+}
 
 /// Builds and plays the scene of a run.
 Checked<SceneRecording> play_run(const Sweep::Run& run, const NodeTable& table);

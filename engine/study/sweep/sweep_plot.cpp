@@ -69,7 +69,7 @@ Plot maps(const SweepTable& table, std::size_t first) {
         values.push_back((*table.points[(column * rows + row) * row_step + first].result)[m]);
     const auto axis = axis_of(table.measures[m]);
     plot.subplots.push_back(
-        {.y = {.label = fmt::format("{}{}, over {}", axis.label,
+        {.y = {.label = fmt::format("{}{}, against {}", axis.label,
                                     axis.unit.empty() ? "" : " [" + axis.unit + "]", table.over[1].name)},
          .map = value_map(value_texts(table.over[0]), value_texts(table.over[1]), values)});
   }

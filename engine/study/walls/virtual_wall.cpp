@@ -102,8 +102,8 @@ WallBorder wall_border(const WallDevice& device, const WallLoop& loop) {
   const double per_second = loop.rate.value;
   if (loop.damping != 0) {
     const auto by_damping = [&](double t) { return -1.0 / (sampled.at(t) * backward(t) * per_second); };
-    const auto most = smallest_crossing(by_damping, grid);
-    if (most && loop.damping >= most->value) return {};
+    const auto largest_damping = smallest_crossing(by_damping, grid);
+    if (largest_damping && loop.damping >= largest_damping->value) return {};
   }
   const auto by_stiffness = [&](double t) {
     return -1.0 / sampled.at(t) - loop.damping * per_second * backward(t);

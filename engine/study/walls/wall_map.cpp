@@ -123,14 +123,11 @@ Result<std::optional<double>> setting_of(const ScenePart& plant, const DeviceCon
   const auto* control = find_named(plant.graph->controls, expected.name);
   if (control == nullptr) return std::nullopt;
   const auto* wire = find(plant.wires, expected.name);
-  if (wire == nullptr) {
-    ErrorList reported_elsewhere;
-    return std::optional{read_control(*control, reported_elsewhere).control.value};
-  }
+  if (wire == nullptr) return std::optional{control->control.value};
   const auto number = read_quantity(*wire, parse_unit(expected.unit).value_or(Unit{}), expected.name);
   if (number) return std::optional{*number};
   return fail(Errc::WrongType, wire->at.text(),
-              std::string{"'"} + expected.name + "' of the plant must be a quantity for this study",
+              std::string{"'"} + expected.name + "' of the plant must be a number with a unit for this study",
               std::string{"write "} + expected.name + " = \"" + "1 " + expected.unit + "\"");
 }
 

@@ -22,7 +22,7 @@ TEST_CASE("writable: whether a file can be written is found without writing it",
   const auto status = can_write_file(lost);
   REQUIRE_FALSE(status);
   CHECK(to_string(status.error()) ==
-        lost.string() + ": cannot be written; choose a file in a folder that exists and can be written");
+        lost.string() + ": cannot be written; choose a file in an existing, writable folder");
 }
 
 TEST_CASE("writable: a folder may still be missing, but not lie in a file", "[apps]") {

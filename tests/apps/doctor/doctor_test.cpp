@@ -146,17 +146,17 @@ TEST_CASE("doctor: governors, idle states, swap and virtual machines", "[doctor]
 }
 
 TEST_CASE("doctor: sound servers, their rates and their blocks", "[doctor]") {
-  CHECK(server("cron", {"cron"}).what == "none runs: Tactus has the cards for itself");
+  CHECK(server("cron", {"cron"}).what == "none is running: Tactus has exclusive access to the cards");
   const auto good =
       server("jackd", {"jackd", "-R", "-P", "80", "-d", "alsa", "-r", "96000", "-p", "64", "-n", "2"});
   CHECK(good.state == State::Ok);
-  CHECK(good.what == "jackd runs at 96000 Hz with 64 frames a period");
+  CHECK(good.what == "jackd runs at 96000 Hz with 64 frames per period");
   CHECK(server("jackd", {"/usr/bin/jackd", "-dalsa", "-dhw:USB", "-r48000", "-p128"}).what ==
-        "jackd runs at 48000 Hz with 128 frames a period");
+        "jackd runs at 48000 Hz with 128 frames per period");
   CHECK(server("jackd", {"jackd", "-r", "-d", "dummy", "--period=64"}).state == State::Warn);
   const auto slow = server("jackd", {"jackd", "-d", "alsa"});
   CHECK(slow.state == State::Warn);
-  CHECK(slow.what == "jackd runs at 48000 Hz with 1024 frames a period: 21.3 ms each way");
+  CHECK(slow.what == "jackd runs at 48000 Hz with 1024 frames per period: 21.3 ms each way");
   CHECK(slow.command == "jack_bufsize 64");
   CHECK(server("jackdbus", {"jackdbus", "auto"}).state == State::Unknown);
   CHECK(server("pulseaudio", {"pulseaudio"}).state == State::Warn);

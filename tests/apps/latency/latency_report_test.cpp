@@ -47,7 +47,7 @@ Analysis cable() {
 
 LatencyReport five_openings() {
   LatencyReport report;
-  report.source = "loop:20ms, 48 kHz, 64 frames a block; output 1 to input 1";
+  report.source = "loop:20ms, 48 kHz, 64 frames per block; output 1 to input 1";
   report.live = true;
   report.measurement.delay_frames = kDelay;
   report.measurement.standard_error_frames = 0.0004;
@@ -99,8 +99,8 @@ TEST_CASE("latency report: a refusal says its code, what was seen, what to do, a
   const auto text = text_of(refused());
   CHECK(
       text.starts_with("delay          not known: LOST_FRAMES\n"
-                       "seen           64 frames were lost at 1.50 s\n"
-                       "what to do     use larger blocks\n"));
+                       "cause          64 frames were lost at 1.50 s\n"
+                       "remedy         use larger blocks\n"));
   contains(text, "gaps           lost 64 frames at 1.50 s; 2 counted by the driver");
   contains(text, "openings       960.250  960.250  LOST_FRAMES  960.250  960.250 [frames]\n");
 }
@@ -224,8 +224,8 @@ TEST_CASE("latency sweep: the table says what was refused, rounded, lost and mea
   const auto text = text_of(swept());
   contains(text, "refused: blocks of 16 frames cannot be had\n");
   contains(text, "LOST_FRAMES");
-  contains(text, "200 were asked for\n");
-  contains(text, "turned into one of these by the device or its server: 210 frames.");
+  contains(text, "200 requested\n");
+  contains(text, "changed to one of these settings by the device or its server: 210 frames.");
   contains(text, "424.000 ± 0.001      8.833");
   contains(text, "x block   at 48 kHz, 2 periods; 3 settings");
   contains(text, "Play with 128 frames, 2 periods, 48 kHz: 8.83 ms");

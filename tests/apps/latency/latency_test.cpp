@@ -155,7 +155,7 @@ TEST_CASE("latency analyze: a file with what was played in its first channel nee
   CHECK(ran.exit == 0);
   CHECK(ran.json()["delay_frames"].get<double>() == Approx(480).epsilon(0).margin(0.01));
   CHECK(desk.run("latency analyze raw.wav --json").json()["verdict"] == "WRONG_CHANNEL");
-  says(desk.run("latency analyze raw.wav --channel 1"), 2, "channel 1 is what was played");
+  says(desk.run("latency analyze raw.wav --channel 1"), 2, "channel 1 must be the played signal");
   says(desk.run("latency analyze raw.wav --channel 4"), 2, "'raw.wav' has no channel 4; it has 2 to 3");
 }
 
@@ -175,10 +175,10 @@ TEST_CASE("latency analyze: files that cannot be are told one by one, with exit 
   says(analyze("empty.wav --probe probe.wav"), 3, "empty.wav: it contains no samples");
   says(analyze("capture.wav --probe empty.wav"), 3, "empty.wav: it contains no samples");
   says(analyze("short.wav --probe probe.wav"), 1, "NO_SIGNAL");
-  says(analyze("slow.wav --probe probe.wav"), 3, "its header has 10 Hz");
+  says(analyze("slow.wav --probe probe.wav"), 3, "its header states a sample rate of 10 Hz");
   says(analyze("nan.wav --probe probe.wav"), 3, "some of its samples are non-finite");
   says(analyze("text.wav --probe probe.wav"), 3, "cannot be read as a WAV file");
-  says(analyze("capture.wav"), 3, "it has one channel, and the probe is not given");
+  says(analyze("capture.wav"), 3, "it has one channel, and no probe file is given");
   CHECK(analyze("capture.wav --probe noise.wav").exit == 3);
 }
 
@@ -193,11 +193,11 @@ TEST_CASE("latency: wrong usage is told, with exit code 2", "[latency]") {
        "--rate: '10 Hz' is out of range");
   says(desk.run("latency analyze"), 2, "FILE is required");
   says(desk.run("latency probe"), 2, "--out is required");
-  says(desk.run("latency probe --out p.wav --level loud"), 2, "'loud' is no level");
-  says(desk.run("latency probe --out p.wav --level 3"), 2, "must be from -120 to 0 dBFS");
+  says(desk.run("latency probe --out p.wav --level loud"), 2, "'loud' is not a level");
+  says(desk.run("latency probe --out p.wav --level 3"), 2, "must be between -120 and 0 dBFS");
   says(desk.run("latency probe --out p.wav --rate '44.1005 kHz'"), 2, "whole number of hertz");
   says(desk.run("latency bogus"), 2, "bogus");
-  says(desk.run("latency measure --backend none"), 2, "no backend 'none'");
+  says(desk.run("latency measure --backend none"), 2, "without the backend 'none'");
   says(desk.run("latency measure --out 0"), 2, "--out");
   says(desk.run("latency measure --rig nowhere.toml"), 3, "nowhere.toml");
   says(desk.run("latency measure --rig nowhere.toml --block 64"), 2,
@@ -348,7 +348,8 @@ TEST_CASE("latency calibrate: what lies in the loop becomes a profile, behind wh
           "[latency]") {
   const Desk desk;
   const std::string card = " --device loop:cable,high_pass=100 --block 64";
-  says(desk.run("latency calibrate --save path.toml" + card), 2, "was never measured with this setting");
+  says(desk.run("latency calibrate --save path.toml" + card), 2,
+       "has not been measured with this sample rate and block size");
   // 60.25 frames and two blocks, of which the profile takes 20 as its own.
   const auto ran = desk.run("latency calibrate --save path.toml --json --electrical '3.504375 ms'" + card);
   INFO(ran.out << ran.err);

@@ -8,9 +8,11 @@
 #include "apps/cli/console.h"
 #include "engine/graph/file/load.h"
 #include "engine/rig/check_rig.h"
+#include "tests/support/parse_graph.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace tactus;
+using tactus::test::parse_graph;
 using namespace tactus::app;
 
 namespace {
@@ -41,7 +43,7 @@ Talk talk(const std::string& answers, bool defaults = false, int outputs = 4) {
 
 }  // namespace
 
-TEST_CASE("save_rig: all defaults give a rig that fits, with cautious limits", "[rig]") {
+TEST_CASE("save_rig: all defaults give a rig that fits, with conservative limits", "[rig]") {
   const auto asked = talk("", true);
   CHECK(asked.shown.empty());
   const auto rig = parse_rig(to_text(asked.rig), "rig.toml", kRoot);
@@ -50,7 +52,7 @@ TEST_CASE("save_rig: all defaults give a rig that fits, with cautious limits", "
   CHECK(rig->inputs[0].channels == std::vector{1});
   CHECK(rig->outputs[0].channels == std::vector{1});
   CHECK(rig->outputs[1].channels == std::vector{2});
-  CHECK(rig->outputs[0].drive.limits.ceiling == cautious_limits().ceiling);
+  CHECK(rig->outputs[0].drive.limits.ceiling == conservative_limits().ceiling);
   CHECK(rig->device.block == 64);
 }
 
@@ -77,11 +79,11 @@ TEST_CASE("save_rig: answers become the rig, and nonsense is asked again", "[rig
   CHECK(rig->outputs[0].drive.limits.heat->watts_at_full_scale == Approx(100 / 6.5));
   CHECK(rig->outputs[1].channels == std::vector{1});
   CHECK(rig->actuator_on(4) != nullptr);
-  CHECK(asked.shown.find("the card has no channel 7; it has 1 to 2") != std::string::npos);
-  CHECK(asked.shown.find("'two' is no channel") != std::string::npos);
+  CHECK(asked.shown.find("the card has no channel 7; it has channels 1 to 2") != std::string::npos);
+  CHECK(asked.shown.find("'two' is not a channel") != std::string::npos);
   CHECK(asked.shown.find("did you mean 'woofer'?") != std::string::npos);
-  CHECK(asked.shown.find("this has no default; give an answer") != std::string::npos);
-  CHECK(asked.shown.find("channel 3 is taken already; choose another") != std::string::npos);
+  CHECK(asked.shown.find("this question has no default; give an answer") != std::string::npos);
+  CHECK(asked.shown.find("channel 3 is already used; choose another") != std::string::npos);
 }
 
 TEST_CASE("save_rig: the end of the input is an error that names the remedy", "[rig]") {
@@ -135,5 +137,5 @@ TEST_CASE("save_rig: a file that is there is overwritten only with a yes or by f
   CHECK(text() == to_text(rig));
   CHECK(folder.strip(
             to_string(save_rig(rig, folder.path() / "no" / "rig.toml", {nothing, out}, false).error())) ==
-        "no/rig.toml: cannot be written; choose a folder that exists and can be written");
+        "no/rig.toml: cannot be written; choose an existing, writable folder");
 }

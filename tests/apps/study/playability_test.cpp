@@ -109,9 +109,10 @@ TEST_CASE("playability report: a map of letters where something is swept", "[app
   }
   const auto text = text_of(study);
   CHECK(text.find("strength  delay 0 to 1 ms\n       1  RR\n     0.5  Ri\n") != std::string::npos);
-  CHECK(text.ends_with(
-      "1 of 2 settings are playable at every delay, not strength 0.5; 3 of 4 runs; all 2 at 0 ms; weakest at "
-      "1 ms: irregular, score 0.30 at strength 0.5\n"));
+  CHECK(
+      text.ends_with("1 of 2 settings are playable at every delay, except strength 0.5; 3 of 4 runs; all 2 "
+                     "at 0 ms; weakest at "
+                     "1 ms: irregular, score 0.30 at strength 0.5\n"));
 }
 
 TEST_CASE("playability report: the verdict of a map counts settings that are playable at every delay",
@@ -123,12 +124,13 @@ TEST_CASE("playability report: the verdict of a map counts settings that are pla
     study.runs[i].delay_s = study.delays_s[i / 6];
     study.runs[i].at = {study.over[0].values[i % 6 / 2].si, study.over[1].values[i % 2].si};
   }
-  CHECK(describe_verdict(study) ==
-        "2 of 6 settings are playable at every delay, not weight x 0.5, strength 0.4 / weight x 1, strength "
-        "0.2 / "
-        "weight x 1, strength 0.4 and 1 more; 8 of 12 runs; all 6 at 1 ms; weakest at 0 ms: irregular, score "
-        "0.10 "
-        "at weight x 1, strength 0.4");
+  CHECK(
+      describe_verdict(study) ==
+      "2 of 6 settings are playable at every delay, except weight x 0.5, strength 0.4 / weight x 1, strength "
+      "0.2 / "
+      "weight x 1, strength 0.4 and 1 more; 8 of 12 runs; all 6 at 1 ms; weakest at 0 ms: irregular, score "
+      "0.10 "
+      "at weight x 1, strength 0.4");
   for (auto& run : study.runs) run.result->playable = true;
   CHECK(describe_verdict(study).starts_with("all 6 settings are playable from 0 to 1 ms; weakest"));
 }

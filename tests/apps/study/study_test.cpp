@@ -42,7 +42,7 @@ TEST_CASE("study: the table goes from the cheapest run on, and tells no error of
   CHECK(cheap < close);
   CHECK(close < wild);
   CHECK(text.find("5.00e-06?") != std::string::npos);  // not ten times the reference's own error
-  CHECK(text.find("Within 1 %: explicit x 1 at 48 kHz, 100 ns a frame, 0.48 % of real time") !=
+  CHECK(text.find("Within 1 %: explicit x 1 at 48 kHz, 100 ns per frame, 0.48 % of real time") !=
         std::string::npos);
   CHECK(text.find("Within 0.01 %: passive x 16 at 48 kHz") != std::string::npos);
 }

@@ -2,7 +2,7 @@
 #include <string>
 
 #include "apps/play/play_report.h"
-#include "apps/study/study.h"
+#include "apps/study/reports.h"
 #include "tests/support/well_formed.h"
 
 using namespace tactus;
@@ -30,9 +30,9 @@ TEST_CASE("wall report: people, machines and pictures get the same map", "[apps]
   const auto text = text_of(map);
   const auto row = text.substr(text.find("ATMEL 20 kHz 0.05 ms"));
   CHECK(contains(row.substr(0, row.find('\n')), " 1333 N/m"));
-  CHECK(contains(text, "ATMEL computes in 16 bits: force in steps of 0.194 mN"));
+  CHECK(contains(text, "ATMEL computes with 16 bits: force in steps of 0.194 mN"));
   CHECK(contains(text, "Without dry friction"));
-  CHECK(contains(text, "30 of 30 borders confirmed"));
+  CHECK(contains(text, "30 of 30 stability limits confirmed"));
 
   const auto json = json_of(map);
   CHECK(json["borders"] == 30);
@@ -64,6 +64,6 @@ TEST_CASE("play report: a port that turned active says when, how much and how fa
   CHECK(json[1]["active_at_s"] == 0.25);
   CHECK(json[1]["growth_w"] == 1.5);
   CHECK(describe(active) ==
-        "arm: the loop turned active at 0.25 s: it gave 2 J where 0.01 J are allowed, 1.5 W on average from "
+        "arm: the loop became active at 0.25 s: it delivered 2 J (0.01 J allowed), 1.5 W on average from "
         "then on");
 }

@@ -102,7 +102,7 @@ TEST_CASE("growing wav: what is there is not overwritten", "[take]") {
   const auto wav = GrowingWav::create(path, 48_kHz, 1);
   REQUIRE_FALSE(wav.has_value());
   CHECK(folder.strip(to_string(wav.error())) ==
-        "a.wav: this take is there already; choose another name, or move it away");
+        "a.wav: this take already exists; choose another name, or move the file");
   CHECK(std::filesystem::file_size(path) == 8);
   const auto nowhere = GrowingWav::create(folder.path() / "none" / "a.wav", 48_kHz, 1);
   REQUIRE_FALSE(nowhere.has_value());

@@ -95,7 +95,7 @@ TEST_CASE("takes: sensors that fall out, stops and guards that heat are in it", 
       folder.write("test.toml", kBusyGraph + kOutputs),
       wav,
       seed,
-      {{DriveGuard::Kind::Drive, woofer()}, {DriveGuard::Kind::Drive, cautious_limits()}}};
+      {{DriveGuard::Kind::Drive, woofer()}, {DriveGuard::Kind::Drive, conservative_limits()}}};
   performance.play(60000, edited_busy_graph);
   CHECK(performance.finish().empty());
   bool railed = false;
@@ -170,8 +170,8 @@ TEST_CASE("takes: one with a gap is played, but not called the same", "[take]") 
   CHECK(again.replayed.frames == 5000);
   CHECK_FALSE(again.same());
   CHECK(again.verdict() ==
-        "this take cannot be replayed bit for bit: frames are missing at 0.104 s; the recorded part is the "
-        "same");
+        "this take cannot be replayed bit for bit: frames are missing at 0.104 s; the recorded part is "
+        "identical");
 }
 
 TEST_CASE("takes: a WAV of another take is refused", "[take]") {
@@ -181,9 +181,8 @@ TEST_CASE("takes: a WAV of another take is refused", "[take]") {
   performance.play(500);
   CHECK(performance.finish().empty());
   must(write_wav(wav, {44100_Hz, {{0.0}}}));
-  CHECK_THROWS_WITH(
-      replay_of(wav, {64}),
-      Catch::Contains("the WAV file has 1 channels at 44100 Hz, and the journal beside it 5 at 48000 Hz"));
+  CHECK_THROWS_WITH(replay_of(wav, {64}),
+                    Catch::Contains("the WAV file has 1 channels at 44100 Hz, its journal 5 at 48000 Hz"));
 }
 
 TEST_CASE("takes: what a restart leaves warm, muted or disarmed is in it", "[take]") {
@@ -258,10 +257,10 @@ TEST_CASE("takes: a take that would write outside of its folder is refused", "[t
     return file ? "" : file.error().what;
   };
   CHECK(refused({"a.toml", {{"a.toml", ""}, {"../b.toml", ""}}, {}, ""}) ==
-        "a file of the take is outside its folder");
-  CHECK(refused({"a.toml", {{"/b.toml", ""}}, {}, ""}) == "a file of the take is outside its folder");
+        "the take refers to a file outside its folder");
+  CHECK(refused({"a.toml", {{"/b.toml", ""}}, {}, ""}) == "the take refers to a file outside its folder");
   CHECK(refused({"a.toml", {{"parts/../../b.toml", ""}}, {}, ""}) ==
-        "a file of the take is outside its folder");
+        "the take refers to a file outside its folder");
   CHECK_FALSE(std::filesystem::exists(folder.path() / "b.toml"));
 }
 

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <limits>
 
+#include "tests/support/messages.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace tactus;
@@ -26,7 +27,7 @@ TakeHeader full_header() {
   header.left_out = {"sound"};
   header.input_scales = {1.0 / 3.0};
   header.padding_frames = 7;
-  DriveLimits limits = cautious_limits();
+  DriveLimits limits = conservative_limits();
   limits.heat = HeatLimits{1.5, 2.5, Seconds{3.5}, Seconds{4.5}, 0.25, 80};
   limits.excursion = ExcursionLimits{0.001, 0.002, 50_Hz, 0.7};
   header.guard = {{DriveGuard::Kind::Drive, limits}, {DriveGuard::Kind::Audio, {}}};
@@ -37,7 +38,7 @@ TakeHeader full_header() {
   return header;
 }
 
-std::string message(const TemporaryFolder& folder, const std::string& journal) {
+test::Messages message(const TemporaryFolder& folder, const std::string& journal) {
   folder.write("take.wav", "");
   folder.write("take.jsonl", journal);
   const auto take = read_take(folder.path() / "take.wav");
@@ -100,17 +101,17 @@ TEST_CASE("take: what is no take says what it is", "[take]") {
         "none.wav: there is no such file; check the path");
   folder.write("foreign.wav", "");
   CHECK(folder.strip(to_string(read_take(folder.path() / "foreign.wav").error())) ==
-        "foreign.wav: there is no 'foreign.jsonl' beside it, so the graph that was played is unknown; a WAV "
-        "file "
-        "of sensors alone is played with --in");
-  CHECK(message(folder, "") == "take.jsonl: it is empty; the take was cut off before it began");
+        "foreign.wav: 'foreign.jsonl' is missing in the same folder, so the recorded graph is unknown; use "
+        "--in for a WAV file with only sensor signals");
+  CHECK(message(folder, "") == "take.jsonl: it is empty; the take was cut off before its first frame");
   CHECK(message(folder, "hello\n") ==
-        "take.jsonl: its first line is no JSON; give the .jsonl that was recorded with the WAV file");
+        "take.jsonl: its first line is not JSON; give the .jsonl that was recorded with the WAV file");
   CHECK(message(folder, "{}\n") ==
-        "take.jsonl: its first line is not that of a take; give the .jsonl that was recorded with the WAV "
+        "take.jsonl: its first line is not the header of a take; give the .jsonl that was recorded with the "
+        "WAV "
         "file");
   CHECK(message(folder, "{\"tactus_take\": 3}\n") ==
         "take.jsonl: a later version of the program recorded this take; replay it with that version");
   CHECK(message(folder, header_line(full_header()) + "rubbish\n" + entry_line({})) ==
-        "take.jsonl:2: this is no line of a take; restore the file from a copy");
+        "take.jsonl:2: this line is not valid in a take; restore the file from a copy");
 }

@@ -118,7 +118,7 @@ TEST_CASE("take: more changes than there is room for are counted, and it says th
   REQUIRE(take.has_value());
   CHECK(take->guard.size() == 16384);
   CHECK(take->lost_entries == 3);
-  CHECK(why_not_exact(*take) == "3 changes of controls or of the guard could not be kept");
+  CHECK(why_not_exact(*take) == "3 control changes or guard events could not be recorded");
 }
 
 TEST_CASE("take: a full disk ends the take and keeps what is there", "[take]") {
@@ -194,7 +194,7 @@ TEST_CASE("take: a stream that begins again ends the take", "[take]") {
   const auto take = read_take(folder.path() / "take.wav");
   REQUIRE(take.has_value());
   CHECK(take->guard.empty());
-  CHECK(take->ended == "the stream began again");
+  CHECK(take->ended == "the stream restarted");
   CHECK(read_wav(folder.path() / "take.wav")->frames() == 3 * kFrames);
 }
 

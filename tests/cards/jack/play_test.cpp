@@ -127,7 +127,7 @@ TEST_CASE_METHOD(OnServer,
   CHECK(missing.find("there is no device 'jack:soundblaster'") != std::string::npos);
   CHECK(missing.find("'jack:system'") != std::string::npos);
   const auto both = refused("twin");
-  CHECK(both.find("'twin' may be several devices") != std::string::npos);
+  CHECK(both.find("'twin' matches several devices") != std::string::npos);
   CHECK(both.find("'jack:" + two.name() + "'") != std::string::npos);
 }
 
@@ -202,7 +202,7 @@ out = { from = "0.0316 * hit * wave", kind = "audio" }
   Playing play{{tone, "--rig", rig, "--learn", "--duration", "0.2 s"}};
   CHECK(play.says("hit softly five times: heard"));
   CHECK(play.ends() == 0);
-  CHECK(play.says("a soft hit reaches"));
+  CHECK(play.says("a soft hit peaks at"));
   CHECK_THAT(play.log(), Catch::Contains("1 2 3 4 5"));
 }
 
@@ -253,7 +253,7 @@ TEST_CASE_METHOD(OnServer, "play: nothing goes around a rig", "[cards]") {
   CHECK_THAT(refused({"--pad-delay", "20 ms"}), Catch::Contains("the padding is unknown"));
   Playing play{{tone, "--rig", rig, "--duration", "0.2 s"}};
   CHECK(play.ends() == 0);
-  CHECK_THAT(play.log(), Catch::Contains("it counts as unknown"));
+  CHECK_THAT(play.log(), Catch::Contains("it is treated as unknown"));
 }
 
 TEST_CASE_METHOD(

@@ -1,5 +1,3 @@
-#include "backends/rtmidi/rtmidi.h"
-
 #include <jack/jack.h>
 #include <jack/midiport.h>
 
@@ -8,6 +6,7 @@
 #include <catch2/catch.hpp>
 #include <memory>
 
+#include "backends/midi.h"
 #include "engine/core/spsc_queue.h"
 #include "tests/support/sound_server.h"
 #include "tests/support/wait_until.h"
@@ -121,7 +120,7 @@ TEST_CASE("rtmidi: a keyboard that is unplugged and plugged in again is heard ag
   }
   REQUIRE(closes(*inputs));
   CHECK(inputs->news().back() ==
-        "'jack:tactus_keys:keys' is disconnected; it is opened again when it comes back");
+        "'jack:tactus_keys:keys' is disconnected; it is reopened when it reconnects");
 }
 
 TEST_CASE("rtmidi: lives on when its server is killed, and hears again when there is a new one", "[cards]") {
@@ -164,5 +163,5 @@ TEST_CASE("rtmidi: without a server there are no ports, and no complaint of an A
     for (auto& text : wrong->news()) news.push_back(text);
     return !news.empty();
   }));
-  CHECK(news.front() == "no MIDI: this build has no MIDI by 'telegraph'");
+  CHECK(news.front() == "no MIDI: this program was built without the MIDI backend 'telegraph'");
 }

@@ -95,7 +95,7 @@ DriveLimits some_limits(std::mt19937& random) {
                                        .metres_at_full_scale = logarithmic(random, 0.3, 3),
                                        .resonance = Hertz{logarithmic(random, 20, 200)},
                                        .q = logarithmic(random, 0.3, 15)};
-  if (random() % 4 == 0) limits = cautious_limits();
+  if (random() % 4 == 0) limits = conservative_limits();
   return limits;
 }
 

@@ -1,7 +1,13 @@
 /* The kernels as C: what exported code does with them. */
 #include "tests/engine/nodes/kernels.h"
 
+#include <complex.h>
 #include <string.h>
+
+#define MODES 51
+#define GROUPS ((MODES + 7) / 8) /* 7: four, two and one are stepped together */
+#define LOWEST_PITCH 10.0
+#define NO_FILTER {{1, {1, 0, 0}, {0, 0}}, {0}, {0}, {0, 0}, {0, 0}}
 
 #include "kernels_c99.h" /* every *_kernel.h, made by CMake */
 
@@ -15,7 +21,7 @@
 /* A filter, the cutoff of which is input 1. */
 #define EACH_FILTERED(shape)                                                       \
   do {                                                                             \
-    tactus_filter state = {{1, {1, 0, 0}, {0, 0}}, {0}, {0}, {0, 0}, {0, 0}};      \
+    tactus_filter state = NO_FILTER;                                               \
     for (int n = 0; n < frames; ++n) {                                             \
       const double radians = tactus_filter_radians(in[1][n], rate);                \
       if (n % 8 == 0) tactus_filter_set(&state, (shape));                          \
@@ -24,8 +30,172 @@
     return 1;                                                                      \
   } while (0)
 
+static double clamped(double x, double low, double high) { return x > low ? tactus_min(x, high) : low; }
+
+static int run_fir(const double* in, int frames, double* out) {
+  static const double taps[8] = {0, 0, 0, 0, 0, 0.5, -0.25, 1}; /* of [1, -0.25, 0.5] */
+  for (int n = 0; n < frames; ++n) {
+    double inputs[8] = {0};
+    for (int k = 0; k < 8 && k <= n; ++k) inputs[7 - k] = in[n - k];
+    out[n] = tactus_fir_frame(taps, 8, inputs);
+  }
+  return 1;
+}
+
+/* Harmonic modes; those of the last group that are not used stay silent. */
+static int run_modal(const double* const* in, int frames, double rate, double* out) {
+  static tactus_modes groups[GROUPS];
+  memset(groups, 0, sizeof groups);
+  for (int k = 0; k < 8 * GROUPS; ++k) tactus_modes_set(&groups[k / 8], k % 8, tactus_mode_design(0, 1, 0, 1));
+  for (int n = 0; n < frames; ++n) {
+    for (int k = 0; n % 8 == 0 && k < MODES; ++k) {
+      const double frequency = clamped(in[1][n], 1, 1e6) * (k + 1);
+      const double decay = clamped(in[2][n], 1e-4, 1e4) * (pow(1.0 / (k + 1), 0.5) / 1.0);
+      tactus_modes_set(&groups[k / 8], k % 8, tactus_mode_design(frequency, decay, 1, rate));
+    }
+    out[n] = tactus_modal_step(groups, GROUPS, n == 0 ? 0.0 : in[0][n - 1]);
+  }
+  return 1;
+}
+
+/* Harmonic modes of 220 Hz, 0.1 s and 1 kg at a port of 2 N s/m. */
+static int run_modal_body(const double* in, int frames, double rate, double* out) {
+  static tactus_body_modes groups[GROUPS];
+  const double pi = 3.141592653589793;
+  tactus_modal_body body = {0};
+  double give = 0;
+  memset(groups, 0, sizeof groups);
+  for (int k = 0; k < MODES; ++k) {
+    const double sigma = 3 * 2.302585092994046 / (0.1 * (pow(1.0 / (k + 1), 0.5) / 1.0));
+    const double complex pole = cexp(-sigma / rate + 2 * pi * (220.0 * (k + 1)) / rate * I);
+    const double complex p = 2 * rate * (pole - 1.0) / (pole + 1.0);
+    const double norm = creal(p) * creal(p) + cimag(p) * cimag(p);
+    const double mass_ohm = 2 * rate, spring_ohm = norm / (2 * rate);
+    const double g = 1 / (mass_ohm + -2 * creal(p) + spring_ohm);
+    tactus_body_modes* group = &groups[k / 8];
+    group->give[k % 8] = g;
+    group->mass_turn[k % 8] = 2 * mass_ohm * g;
+    group->spring_turn[k % 8] = 2 * spring_ohm * g;
+    give += g;
+  }
+  body.impedance = 2;
+  body.by_state = 1 / (1 + 2 * give);
+  body.by_wave = 2 * give * body.by_state;
+  for (int n = 0; n < frames; ++n) out[n] = tactus_modal_body_step(&body, groups, GROUPS, in[n]).wave;
+  return 1;
+}
+
+static int run_align(const double* const* in, int frames, double rate, double* out) {
+  static double samples[16384];
+  tactus_line line = {samples, 16384, 0};
+  tactus_align state;
+  memset(samples, 0, sizeof samples);
+  memset(&state, 0, sizeof state);
+  tactus_align_start(&state, rate, TACTUS_ALIGN_LONGEST);
+  EACH_FRAME(tactus_align_step(&state, &line, in[0][n], in[1][n], in[2][n], in[3][n], in[4][n], in[5][n]));
+}
+
+/* Cubic, of times up to 10 ms. */
+static int run_delay(const double* const* in, int frames, double rate, double* out) {
+  static double samples[1024];
+  const tactus_delay delay = {3, 0, 0.01, rate};
+  tactus_line line = {samples, 1024, 0};
+  memset(samples, 0, sizeof samples);
+  EACH_FRAME(tactus_delay_step(&delay, &line, in[0][n], in[1][n]));
+}
+
+/* With losses by a zero. */
+static int run_string(const double* const* in, int frames, double rate, double* out) {
+  static double samples[8192];
+  const tactus_string_kind kind = {0, 0.9999, 0};
+  tactus_line line = {samples, 8192, 0};
+  tactus_string_design design = {0, {0}, 0};
+  memset(samples, 0, sizeof samples);
+  for (int n = 0; n < frames; ++n) {
+    if (n % 8 == 0) design = tactus_string(kind, tactus_max(LOWEST_PITCH, in[1][n]), in[2][n], in[3][n], rate);
+    out[n] = tactus_string_step(&design, 0, &line, 0, in[0][n], n % 8);
+  }
+  return 1;
+}
+
+/* Free at its end, with losses by a pole. */
+static int run_waveguide(const double* const* in, int frames, double rate, double* out) {
+  static double samples[8192];
+  const tactus_waveguide guide = tactus_waveguide_between(LOWEST_PITCH, 5000, 1, 0, rate);
+  tactus_line line = {samples, 8192, 0};
+  tactus_string_design design = {0, {0}, 0};
+  tactus_filter pole = NO_FILTER;
+  memset(samples, 0, sizeof samples);
+  for (int n = 0; n < frames; ++n) {
+    if (n % 8 == 0) {
+      design = tactus_waveguide_design(&guide, in[1][n], in[2][n], in[3][n]);
+      tactus_string_set_pole(&pole, &design);
+    }
+    out[n] = tactus_waveguide_step(&design, 1, &line, &pole, in[0][n], n % 8);
+  }
+  return 1;
+}
+
+static int run_onset(const double* const* in, int frames, double rate, double* out) {
+  tactus_onset state;
+  memset(&state, 0, sizeof state);
+  tactus_onset_start(&state, rate, 30, 0.020, 0.028);
+  EACH_FRAME(tactus_onset_step(&state, in[0][n], in[1][n], in[2][n], in[3][n], in[4][n]));
+}
+
+/* Starts over at each trigger; waits for the first one. */
+static int run_curve(const double* in, int frames, double* out) {
+  static const double x[] = {0, 96, 480}, y[] = {0.25, 1, -1};
+  const tactus_curve curve = {3, x, y, 0};
+  tactus_rise rise = {0};
+  int start = -1;
+  for (int n = 0; n < frames; ++n) {
+    if (tactus_rise_step(&rise, in[n])) start = n;
+    out[n] = tactus_curve_value(&curve, TACTUS_CURVE_LINEAR, start < 0 ? 0 : n - start);
+  }
+  return 1;
+}
+
+static int run_sample(const double* const* in, int frames, double* out) {
+  static const double samples[] = {0.5, -0.25, 0.125, 0};
+  tactus_sample state = {{0}, 0, 0};
+  for (int n = 0; n < frames; ++n) {
+    if (tactus_rise_step(&state.rise, in[0][n])) tactus_sample_start(&state);
+    out[n] = in[2][n] * tactus_sample_read(&state, samples, 4, tactus_clamp(in[1][n], 0.0, 1000.0), 1);
+  }
+  return 1;
+}
+
 int tactus_run_kernel(const char* node, const double* const* in, int frames, double rate, double* out) {
   if (strcmp(node, "clip") == 0) EACH_FRAME(tactus_clip(in[0][n], in[1][n], in[2][n]));
+  if (strcmp(node, "fir") == 0) return run_fir(in[0], frames, out);
+  if (strcmp(node, "modal") == 0) return run_modal(in, frames, rate, out);
+  if (strcmp(node, "modal_body") == 0) return run_modal_body(in[0], frames, rate, out);
+  if (strcmp(node, "align") == 0) return run_align(in, frames, rate, out);
+  if (strcmp(node, "delay") == 0) return run_delay(in, frames, rate, out);
+  if (strcmp(node, "string") == 0) return run_string(in, frames, rate, out);
+  if (strcmp(node, "waveguide") == 0) return run_waveguide(in, frames, rate, out);
+  if (strcmp(node, "onset") == 0) return run_onset(in, frames, rate, out);
+  if (strcmp(node, "curve") == 0) return run_curve(in[0], frames, out);
+  if (strcmp(node, "sample") == 0) return run_sample(in, frames, out);
+  if (strcmp(node, "wavetable") == 0) {
+    static const double table[] = {0, 1, 0.5, -0.5, -1};
+    tactus_phasor state = {0};
+    EACH_FRAME(tactus_wavetable_step(&state, table, 5, 0, in[0][n], in[1][n], in[2][n], rate));
+  }
+  if (strcmp(node, "map") == 0) {
+    static const double x[] = {-1, 0.25, 1}, y[] = {3, -1, 2};
+    const tactus_curve curve = {3, x, y, 0};
+    EACH_FRAME(tactus_curve_value(&curve, TACTUS_CURVE_LINEAR, in[0][n]));
+  }
+  if (strcmp(node, "mix") == 0) {
+    double lane;
+    EACH_FRAME((lane = in[0][n], tactus_mix(&lane, 1)));
+  }
+  if (strcmp(node, "hysteresis") == 0) {
+    tactus_hysteresis state = {0};
+    EACH_FRAME(tactus_hysteresis_step(&state, in[0][n], in[1][n]));
+  }
   if (strcmp(node, "quantiser") == 0) EACH_FRAME(tactus_quantise_nearest(in[0][n], in[1][n]));
   if (strcmp(node, "slew") == 0) {
     tactus_slew state = {0};

@@ -181,7 +181,7 @@ TEST_CASE("plot: long titles break into lines that fit", "[plot]") {
 TEST_CASE("plot: a plot is well-formed XML and says what it shows", "[plot]") {
   auto plot = small_plot();
   plot.events = {{0.01, "hit"}};
-  plot.bands = {{0.0, 0.005, "fall"}};
+  plot.subplots[0].bands = {{0.0, 0.005, "fall"}};
   plot.subplots[0].levels = {{0.0015, "limit"}};
   for (const auto mark : {PlotMark::Line, PlotMark::Points, PlotMark::LineAndPoints}) {
     plot.subplots[0].series[0].mark = mark;

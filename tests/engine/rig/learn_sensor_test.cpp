@@ -7,6 +7,7 @@
 
 #include "engine/nodes/table.h"
 #include "engine/scene/play_scene.h"
+#include "tests/support/messages.h"
 
 using namespace tactus;
 
@@ -39,7 +40,7 @@ Result<LearntSensor> learn(const Samples& samples, std::size_t block = 64) {
   return learner.result();
 }
 
-std::string refusal(const Samples& samples) {
+test::Messages refusal(const Samples& samples) {
   const auto learnt = learn(samples);
   return learnt ? "" : to_string(learnt.error());
 }
@@ -69,13 +70,14 @@ TEST_CASE("learn: what rings for long counts once a hit, and other gains shift o
 TEST_CASE("learn: hits that do not stand out, clip or differ are refused in words", "[rig]") {
   CHECK(refusal(hits({-34, -34, -34, -34, -34}, -52)).starts_with("the softest hit is only "));
   CHECK(refusal(hits({-30, -30, 1, -30, -30})) ==
-        "the hits clip at the card's input; turn the sensor's gain down, and hit again");
+        "the hits clip at the card's input; lower the sensor's gain, and hit again");
   CHECK(refusal(hits({-30, -30, -44, -30, -30})) ==
-        "the hits differ by 14 dB, more than 12; hit five times alike");
+        "the hits differ by 14 dB, more than 12 dB; hit five times with equal force");
   CHECK(refusal(hits({-30, -30, -30})) ==
-        "3 of 5 hits were detected; hit once more, a little harder, or turn the sensor's gain up");
+        "3 of 5 hits were detected; hit again, a little harder, or raise the sensor's gain");
   CHECK(refusal(hits({})) ==
-        "none of 5 hits were detected; is this the sensor's channel, and is its gain up?");
+        "none of 5 hits were detected; check that this is the sensor's channel and that its gain is not too "
+        "low");
   CHECK(refusal(hits({-200, -200, -200, -200, -200}, -60)).find("of 5 hits were detected") !=
         std::string::npos);
 }
@@ -117,5 +119,6 @@ TEST_CASE("learn: what was learnt becomes the sensitivity of a plain port", "[ri
   REQUIRE(use_learnt(rig, "microphone", {0.01, 0.0001, 0.1}, {}));
   CHECK(rig.inputs[0].sensitivity->si == Approx(0.4));
   CHECK(to_string(use_learnt(rig, "microphone", {}, parse_unit("N")->dimension).error()) ==
-        "'microphone' is in N, which hits cannot measure; take the sensitivity from the sensor's data sheet");
+        "'microphone' is in N, for which hits are not suitable; take the sensitivity from the sensor's data "
+        "sheet");
 }

@@ -6,6 +6,7 @@
 
 #include "engine/nodes/table.h"
 #include "engine/scene/play_scene.h"
+#include "tests/support/messages.h"
 
 using namespace tactus;
 
@@ -38,7 +39,7 @@ level = "2 V"
 time = "5 s"
 )";
 
-std::string mistakes(std::string text, const std::string& from, const std::string& to) {
+test::Messages mistakes(std::string text, const std::string& from, const std::string& to) {
   const auto at = text.find(from);
   REQUIRE(at != std::string::npos);
   const auto profile = parse_profile(text.replace(at, from.size(), to), "shaker.toml");
@@ -46,7 +47,7 @@ std::string mistakes(std::string text, const std::string& from, const std::strin
 }
 
 /// The mistakes of a scene of the haptic drum with this [drives].
-std::string drives_mistakes(const std::string& drives) {
+test::Messages drives_mistakes(const std::string& drives) {
   const auto scene =
       parse_scene_leniently(R"(format = 1
 duration = "1 s"
@@ -100,7 +101,7 @@ TEST_CASE("profile: mistakes are told with their place", "[scene]") {
   CHECK(mistakes(kActuator, "[heat]", "[hat]").find("unknown key 'hat'; did you mean 'heat'?") !=
         std::string::npos);
   CHECK(mistakes("format = 1\nname = \"x\"\n", "x", "y") ==
-        "shaker.toml:1:1: the profile lacks [drive]; give [drive]: the terminals");
+        "shaker.toml:1:1: the profile lacks [drive]; give [drive]: limits at the terminals");
 }
 
 TEST_CASE("profile: every shipped one can be read, says where its figures are from, and makes sense",
@@ -124,7 +125,7 @@ TEST_CASE("profile: every shipped one can be read, says where its figures are fr
 }
 
 TEST_CASE("profile: only the command line raises a limit, and only up", "[scene]") {
-  auto limits = cautious_limits();
+  auto limits = conservative_limits();
   CHECK(raise_limit(limits, "ceiling", "0.8", "--raise-limit"));
   CHECK(limits.ceiling == 0.8);
   CHECK(raise_limit(limits, "direct_time", "20 s", "--raise-limit"));
@@ -132,11 +133,10 @@ TEST_CASE("profile: only the command line raises a limit, and only up", "[scene]
   CHECK(to_string(raise_limit(limits, "ceiling", "0.7", "--raise-limit").error()) ==
         "--raise-limit: 'ceiling' is already 0.8; a limit can only be raised here");
   CHECK(to_string(raise_limit(limits, "ceiling", "1.2", "--raise-limit").error()) ==
-        "--raise-limit: the ceiling of a drive is outside (0, 1] full scale; give it as a fraction of what "
-        "the "
-        "converter can put out");
+        "--raise-limit: the ceiling of a drive must be above 0 and at most 1 full scale; give it as a "
+        "fraction of the converter's full scale");
   CHECK(to_string(raise_limit(limits, "travel", "8 mm", "--raise-limit").error()) ==
-        "--raise-limit: this drive has no limit on 'travel' to raise; leave it out");
+        "--raise-limit: this drive has no limit on 'travel' to raise; remove it");
   CHECK(to_string(raise_limit(limits, "volume", "11", "--raise-limit").error())
             .find("there is no limit 'volume'") != std::string::npos);
 }

@@ -7,8 +7,11 @@
 #include "engine/nodes/table.h"
 #include "engine/rig/check_rig.h"
 #include "engine/scene/guard_report.h"
+#include "tests/support/messages.h"
+#include "tests/support/parse_graph.h"
 
 using namespace tactus;
+using tactus::test::parse_graph;
 
 namespace {
 
@@ -44,7 +47,7 @@ Rig rig_of(const std::string& text) {
 }
 
 /// With the least that a rig must say before them.
-std::string mistakes(const std::string& lines) {
+test::Messages mistakes(const std::string& lines) {
   const auto rig = parse_rig("format = 1\n[device]\noutput = \"x\"\n" + lines, "rig.toml", kRoot);
   return rig ? "" : to_string(rig.error());
 }
@@ -55,7 +58,7 @@ std::shared_ptr<const GraphSpec> drum() {
   return *graph;
 }
 
-std::string misfits(const std::string& lines) {
+test::Messages misfits(const std::string& lines) {
   const auto rig = rig_of("format = 1\n[device]\noutput = \"x\"\n" + lines);
   return to_string(check_rig(rig, *drum()));
 }
@@ -75,7 +78,7 @@ TEST_CASE("rig: every line of a rig means what it says", "[rig]") {
   REQUIRE(rig.outputs.size() == 2);
   CHECK(rig.outputs[0].drive.limits.ceiling == 0.8);
   CHECK(rig.outputs[0].drive.limits.heat->watts_at_full_scale == Approx(100 / 6.5));  // V^2 / R
-  CHECK(rig.outputs[1].drive.limits.ceiling == cautious_limits().ceiling);
+  CHECK(rig.outputs[1].drive.limits.ceiling == conservative_limits().ceiling);
   REQUIRE(rig.actuator_on(3) != nullptr);
   CHECK(rig.actuator_on(3)->name == "shaker");
   CHECK(rig.actuator_on(2)->name == "woofer");
@@ -141,22 +144,23 @@ strength = { channel = 17, control = 7, note = 36 }
 [delay]
 measured = "12 mm"
 )") ==
-      R"(rig.toml:5:1: input 'microphone' lacks 'channel'; give 'channel': of the card, from 1; one for each lane; "none" leaves the port out
+      R"(rig.toml:5:1: input 'microphone' lacks 'channel'; give 'channel': channel of the card, counted from 1, one per lane; "none" leaves the port unconnected
 rig.toml:5:16: unknown key 'chanel'; did you mean 'channel'?
 rig.toml:6:1: input 'piezo' lacks 'sensitivity'; give both 'sensitivity' and 'volts_per_full_scale', or neither
-rig.toml:6:21: there is no channel 0; channels count from 1, as on the card; "none" leaves the port out
-rig.toml:8:22: a channel must be a whole number, not a number; channels count from 1, as on the card; "none" leaves the port out
+rig.toml:6:21: there is no channel 0; channels are counted from 1; "none" leaves the port unconnected
+rig.toml:8:22: a channel must be a whole number, not a number; channels are counted from 1; "none" leaves the port unconnected
 rig.toml:8:37: there is no profile 'wofer'; did you mean 'woofer'?
 rig.toml:10:1: control 'strength' needs exactly one MIDI source; give one of control = 7, note = 36 and pitch_bend = true
 rig.toml:10:24: 'channel' cannot be 17; give one from 1 to 16
 rig.toml:12:12: '12 mm' is in m, but 'measured' is in s; give "15 ms")");
-  CHECK(to_string(parse_rig("format = 1\n", "rig.toml", kRoot).error()) ==
-        "rig.toml:1:1: the rig lacks [device]; give [device]: as `tactus devices` prints it");
+  CHECK(
+      to_string(parse_rig("format = 1\n", "rig.toml", kRoot).error()) ==
+      "rig.toml:1:1: the rig lacks [device]; give [device]: the sound device, as listed by `tactus devices`");
 }
 
 TEST_CASE("rig: two outputs never share a channel, nor has a channel two actuators", "[rig]") {
   CHECK(mistakes("[outputs]\na = { channel = [1, 2] }\nb = { channel = 2 }\n") ==
-        "rig.toml:6:1: outputs 'b' and 'a' share channel 2; give each a channel of its own");
+        "rig.toml:6:1: outputs 'b' and 'a' share channel 2; give each its own channel");
   CHECK(mistakes(R"([outputs]
 a = { channel = 2, profile = "woofer", volts_per_full_scale = "10 V" }
 [actuators]
@@ -185,8 +189,8 @@ hold = "15 mm"
 [midi]
 strenght = { control = 7 }
 )") ==
-      R"(rig.toml:1:1: input 'microphone' of the instrument has no channel; under [inputs], write microphone = { channel = 1 }, or { channel = "none" } to leave it out
-rig.toml:1:1: output 'sound' of the instrument has no channel; under [outputs], write sound = { channel = 1 }, or { channel = "none" } to leave it out
+      R"(rig.toml:1:1: input 'microphone' of the instrument has no channel; under [inputs], write microphone = { channel = 1 }, or { channel = "none" } to leave it unconnected
+rig.toml:1:1: output 'sound' of the instrument has no channel; under [outputs], write sound = { channel = 1 }, or { channel = "none" } to leave it unconnected
 rig.toml:5:1: the instrument has no input 'microfone'; did you mean 'microphone'?
 rig.toml:9:12: 'strength' cannot be 1.5; it runs from 0 to 1
 rig.toml:10:8: 'hold' is set in m, but it is in s; give for instance 15 ms
@@ -196,11 +200,11 @@ rig.toml:12:1: the instrument has no control 'strenght'; did you mean 'strength'
 TEST_CASE("rig: sound never goes to a channel with an actuator", "[rig]") {
   const std::string inputs = "[inputs]\nmicrophone = { channel = 1 }\n[outputs]\nwoofer = { channel = 1 }\n";
   CHECK(misfits(inputs + "sound = { channel = 2 }\n[actuators]\nshaker = { channel = 2 }\n") ==
-        "rig.toml:8:1: 'sound' is sound, but channel 2 drives an actuator; sound is limited less than "
-        "drives; give it another channel, or make it a drive in the instrument");
+        "rig.toml:8:1: 'sound' is an audio output, but channel 2 drives an actuator; audio outputs have "
+        "weaker limits than drives; use another channel, or make this output a drive in the instrument");
   CHECK(misfits(inputs + "sound = { channel = 2, profile = \"woofer\", volts_per_full_scale = \"1 V\" }\n") ==
-        "rig.toml:8:1: 'sound' is sound, but channel 2 drives an actuator (woofer); sound is limited less "
-        "than drives; give it another channel, or make it a drive in the instrument");
+        "rig.toml:8:1: 'sound' is an audio output, but channel 2 drives an actuator (woofer); audio outputs "
+        "have weaker limits than drives; use another channel, or make this output a drive in the instrument");
 }
 
 TEST_CASE("rig: the unit of a sensitivity fits its port", "[rig]") {
@@ -222,12 +226,12 @@ out = { from = "force / 1 N" }
   };
   const std::string volts = ", volts_per_full_scale = \"2 V\", sensitivity = ";
   CHECK(told(volts + "\"50 mV/N\"").empty());
-  CHECK(
-      told(volts + "\"50 mV\"") ==
-      "rig.toml:6:68: the sensitivity of 'force' must be in V/N; give the volts for 1 N, such as \"2 V/N\"");
+  CHECK(told(volts + "\"50 mV\"") ==
+        "rig.toml:6:68: the sensitivity of 'force' must be in V/N; give the voltage for 1 N, such as \"2 "
+        "V/N\"");
   CHECK(told("") ==
-        "rig.toml:6:1: 'force' is in N, and nothing says how many volts that is; give volts_per_full_scale, "
-        "and as sensitivity the volts for 1 N, such as \"2 V/N\"");
+        "rig.toml:6:1: 'force' is in N, but its voltage is not given; give volts_per_full_scale, "
+        "and as sensitivity the voltage for 1 N, such as \"2 V/N\"");
 }
 
 TEST_CASE("rig: an instrument's channels lie on those of the card that the rig names", "[rig]") {
@@ -295,19 +299,19 @@ both = { from = "pair" }
   REQUIRE(fine);
   CHECK(fine->in_map == std::vector{3, 1});
   CHECK(fine->out_map == std::vector{0, 7});
-  CHECK(to_string(wire("1", "[1, 2, 3]").error()) ==
-        "rig.toml:5:1: 'pair' has 2 lanes, but 1 channel; give each lane one, as in channel = [1, 2]\n"
-        "rig.toml:7:1: 'both' has 2 lanes, but 3 channels; give each lane one, as in channel = [1, 2]");
+  CHECK(
+      to_string(wire("1", "[1, 2, 3]").error()) ==
+      "rig.toml:5:1: 'pair' has 2 lanes, but 1 channel; give one channel per lane, as in channel = [1, 2]\n"
+      "rig.toml:7:1: 'both' has 2 lanes, but 3 channels; give one channel per lane, as in channel = [1, 2]");
 }
 
 TEST_CASE("rig: the delay is padded from what was measured to what is asked for", "[rig]") {
   CHECK(*padding_frames(12.5_ms, 20_ms, 48_kHz, "--pad-delay") == 360);
   CHECK(*padding_frames(20_ms, 20_ms, 48_kHz, "--pad-delay") == 0);
   CHECK(to_string(padding_frames(std::nullopt, 20_ms, 48_kHz, "--pad-delay").error()) ==
-        "--pad-delay: the delay of this device was never measured, so nothing can be added to it; measure "
+        "--pad-delay: the delay of this device has not been measured, so it cannot be extended; measure "
         "it with tactus latency measure, or write it into the rig: [delay] measured = \"12.4 ms\"");
   CHECK(to_string(padding_frames(25_ms, 20_ms, 48_kHz, "--pad-delay").error()) ==
-        "--pad-delay: the device's own delay is 25 ms, longer than 20 ms; ask for a longer delay, or use "
-        "shorter "
-        "blocks");
+        "--pad-delay: the delay of the device itself is 25 ms, longer than 20 ms; request a longer delay, or "
+        "use smaller blocks");
 }

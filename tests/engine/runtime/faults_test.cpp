@@ -3,8 +3,10 @@
 
 #include "tests/support/graph_runner.h"
 #include "tests/support/node_runner.h"
+#include "tests/support/parse_graph.h"
 
 using namespace tactus;
+using tactus::test::parse_graph;
 
 namespace {
 

@@ -230,9 +230,8 @@ TEST_CASE("part rate: holding and taking are no delay that closes a loop", "[run
   CHECK(graphs.mistakes("[inputs]\nx = {}\n[nodes]\nsum = \"x + 0.1 * part\"\n"
                         "part = { use = \"part.toml\", x = \"sum\", rate = \"1/16\" }\n"
                         "[outputs]\ny = { from = \"sum\" }\n") ==
-        "part.toml:3:1: part.x -> part.y -> sum -> part.x has no delay in it; put a 'delay' node on one of "
-        "these "
-        "edges");
+        "part.toml:3:1: part.x -> part.y -> sum -> part.x contains no delay; insert a 'delay' node in one of "
+        "these connections");
 }
 
 TEST_CASE("part rate: blocks change no bit, whatever is in the part and around it", "[runtime]") {

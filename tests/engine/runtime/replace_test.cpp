@@ -228,11 +228,11 @@ TEST_CASE("Player: what cannot take over is refused, and the sounding graph play
     return status ? std::string{} : to_string(status.error());
   };
   CHECK(refused(graph("[inputs]\nother = {}\n[outputs]\ny = { from = \"other\" }\n")) ==
-        "the inputs of a graph cannot change while it plays; stop it and play it again");
+        "the inputs of a graph cannot change during playback; stop and restart it");
   CHECK(refused(graph("[inputs]\nx = {}\n[outputs]\nz = { from = \"x\" }\n")) ==
-        "the outputs of a graph cannot change while it plays; stop it and play it again");
+        "the outputs of a graph cannot change during playback; stop and restart it");
   CHECK(refused(simple("2 * x")) == "");
-  CHECK(refused(simple("3 * x")) == "the last edit has not taken over yet; try again after a block");
+  CHECK(refused(simple("3 * x")) == "the previous edit is not in effect yet; try again after a block");
   const test::Samples x(64, 0.25);
   test::Samples y(64);
   const double* in[] = {x.data()};

@@ -102,7 +102,7 @@ TEST_CASE("ClosedLoop: a plant that feels the drive in its sensor at once needs 
   CHECK(test::mistakes(feedthrough, options) == "");
   options.closed_outside = true;
   CHECK_THAT(test::mistakes(feedthrough, options),
-             Catch::Contains("a sensor answers its drive in the same frame"));
+             Catch::Contains("a sensor responds to its drive in the same frame"));
   // A tap may: nobody outside answers it.
   options.taps = {"felt"};
   CHECK(test::mistakes(graph("[inputs]\ndrive = {}\n[nodes]\nfelt = \"0.5 * drive\"\n"

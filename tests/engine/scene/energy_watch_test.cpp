@@ -107,7 +107,7 @@ TEST_CASE("energy_watch: growth is the mean power from the moment it turned acti
   const auto energy = watch(force, position, 10.5e-3);
   CHECK(*energy.active_at_s == Approx(11e-3));
   CHECK(energy.growth_w == Approx(1.0));
-  CHECK(describe(energy).find("turned active at 0.011 s") != std::string::npos);
+  CHECK(describe(energy).find("became active at 0.011 s") != std::string::npos);
 }
 
 TEST_CASE("energy_watch: pieces of any length add up to the same, and nothing allocates", "[scene]") {
@@ -215,9 +215,8 @@ TEST_CASE("energy_watch: what is wrong with a port is told before anything plays
         "scene.toml:12:15: no part other than the instrument has an output 'plant.forse'; did you mean "
         "'plant.force'?");
   CHECK(mistakes(R"(a = { force = "plant.force", position = "plant.speed", active_up_to = "1 mJ" })") ==
-        "scene.toml:12:1: 'plant.force' times a change of 'plant.speed' is not an energy; name a force in N "
-        "and a "
-        "position in m, or a torque in N m and an angle");
+        "scene.toml:12:1: 'plant.force' times a change of 'plant.speed' is not an energy; give a force in N "
+        "and a position in m, or a torque in N m and an angle");
   CHECK(mistakes(R"(a = { force = "plant.force", position = "plant.arm" })") ==
         "scene.toml:12:1: port 'a' lacks 'active_up_to'; give 'active_up_to': energy that the instrument may "
         "give, in J");

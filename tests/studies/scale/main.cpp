@@ -90,6 +90,7 @@ Measured measure(const std::string& text) {
     result.refused = schedule.error().front().what;
     return result;
   }
+  const NoDenormals no_denormals;
   Player engine{std::move(*schedule)};
   if (!engine.prepare({Hertz{kRate}, 1, 1, kBlock})) return result;
   std::vector<double> in(kBlock), out(kBlock);
@@ -145,7 +146,7 @@ void measure_all(const Kind& kind, const char* solver, int most) {
 int main() {
   const Kind kinds[] = {{"chain", chain, along}, {"grid", grid, across}, {"random", tangle, along}};
   fmt::print(
-      "| network | solver | masses | ns a frame | ns a mass | of a core | load, ms "
+      "| network | solver | masses | ns per frame | ns a mass | of a core | load, ms "
       "|\n|---|---|---|---|---|---|---|\n");
   for (const auto& kind : kinds) {
     measure_all(kind, "explicit", 100'000);

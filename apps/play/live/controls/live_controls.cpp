@@ -30,7 +30,7 @@ double LiveControls::position(std::size_t index) const {
   const auto& control = controls_[index].control;
   const double low = control.range.low, high = control.range.high;
   if (!(high > low)) return 0.0;
-  if (control.decibel && low > 0) return std::log(control.value / low) / std::log(high / low);
+  if (control.unit.decibel && low > 0) return std::log(control.value / low) / std::log(high / low);
   return (control.value - low) / (high - low);
 }
 
@@ -39,7 +39,8 @@ bool LiveControls::turn(std::size_t index, double position) {
   const int number = player_.control_index(control.name);
   if (frozen || number < 0 || !control.range.bounded()) return false;
   const double low = control.range.low, high = control.range.high, at = std::clamp(position, 0.0, 1.0);
-  const double value = control.decibel && low > 0 ? low * std::pow(high / low, at) : low + (high - low) * at;
+  const double value =
+      control.unit.decibel && low > 0 ? low * std::pow(high / low, at) : low + (high - low) * at;
   if (!player_.post({JournalEntry::kNow, JournalEntry::Kind::ControlChange, number, value})) return false;
   control.value = value;
   return true;

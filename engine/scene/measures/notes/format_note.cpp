@@ -31,8 +31,8 @@ std::string other_pitch_of(const DetectedNote& note) {
 
 std::string describe_swing(const DetectedNote& note) {
   if (note.expected.glides || note.swing_cents <= kAudible_cents) return {};
-  if (!note.vibrato_hz) return fmt::format(", swings by {:.0f}", note.swing_cents);
-  auto text = fmt::format(", vibrato of {:.0f} cents, {:.1f} a second", note.swing_cents, *note.vibrato_hz);
+  if (!note.vibrato_hz) return fmt::format(", varies by {:.0f}", note.swing_cents);
+  auto text = fmt::format(", vibrato of {:.0f} cents, {:.1f} per second", note.swing_cents, *note.vibrato_hz);
   if (note.expected_swing_cents > kAudible_cents)
     text += fmt::format(" ({:.0f} expected)", note.expected_swing_cents);
   return text;
@@ -43,7 +43,7 @@ std::string elsewhere_of(const DetectedNote& note) {
   if (note.partials_s >= kFormatNoteTold_s)
     text += fmt::format(", on partial {} for {:.2f} s", note.other_partial, note.partials_s);
   if (note.strays_s >= kFormatNoteTold_s)
-    text += fmt::format(", on stray pitches for {:.2f} s", note.strays_s);
+    text += fmt::format(", on other pitches for {:.2f} s", note.strays_s);
   if (note.silent_s >= kFormatNoteTold_s)
     text += fmt::format(", without a pitch for {:.2f} s", note.silent_s);
   return text;
@@ -58,11 +58,11 @@ std::string pitch_text(double hertz) {
 
 std::string describe(const DetectedNote& note) {
   auto text = head_of(note.expected);
-  if (note.detected_hz <= 0) return text + "nothing with a pitch";
+  if (note.detected_hz <= 0) return text + "no pitched sound";
   if (!note.right()) text += "not right: ";
   text += other_pitch_of(note) + fmt::format("{:+.1f} cents", note.cents) + describe_swing(note);
   if (note.speaks_after_s && !note.expected.glides)
-    text += fmt::format(", speaks after {:.2f} s", *note.speaks_after_s);
+    text += fmt::format(", steady after {:.2f} s", *note.speaks_after_s);
   return text + elsewhere_of(note);
 }
 
@@ -80,7 +80,7 @@ std::string describe(const std::vector<DetectedNote>& notes) {
   auto text = fmt::format("{} of {} notes right", right[0], all[0]);
   if (all[1] > 0) text += fmt::format(" and {} of {} glides", right[1], all[1]);
   if (right[0] + right[1] > 0)
-    text += fmt::format(", at most {:.1f} cents off, each speaks within {:.2f} s", off, slowest);
+    text += fmt::format(", at most {:.1f} cents off, each steady within {:.2f} s", off, slowest);
   return text;
 }
 

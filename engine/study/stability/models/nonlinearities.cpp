@@ -9,7 +9,7 @@
 namespace tactus {
 namespace {
 
-const char* const kAllSteepest = "laws where they are steepest";
+const char* const kAllSteepest = "nonlinearities at their largest slope";
 
 bool is_linear(Expression::Op op, const Operands& operands) {
   using enum Expression::Op;
@@ -79,7 +79,7 @@ std::vector<OperatingPoint> with(const std::vector<OperatingPoint>& places, cons
       auto& made = further.emplace_back(place);
       made.moved[group.source] = choice.to;
       if (group.choices.size() > 1)
-        made.name += fmt::format("{}where '{}' is steepest", made.name.empty() ? "" : ", ", choice.path);
+        made.name += fmt::format("{}'{}' at its largest slope", made.name.empty() ? "" : ", ", choice.path);
     }
   return further;
 }

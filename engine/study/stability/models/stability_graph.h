@@ -36,20 +36,16 @@ class LinearNetwork {
   Eigen::MatrixXcd response(std::complex<double> z) const { return response_->at(z); }
   /// False: it has more numbers than `kMostLinearised`, and only its radius is known.
   bool whole() const { return response_.has_value(); }
-  /// Input of the node of each signal.
-  const std::vector<int>& signal_ports() const { return ports_; }
-  /// Rows and columns of the driven point, -1 if nothing is driven.
-  int driven_row() const { return driven_row_; }
-  int test_force() const { return test_force_; }
-
-  const std::vector<StepMode>& modes() const { return modes_; }
-  double radius() const { return radius_; }
-  bool grows() const { return radius() > 1.0 + kRoundOfRadius; }
+  bool grows() const { return radius > 1.0 + kRoundOfRadius; }
   /// The least stable rate (see `least_rate`); searched at each call.
   std::optional<Hertz> needed_rate() const;
   /// The mode that would grow first: the mass that moves most and the link that it strains most.
   std::string weakest() const;
-  const NetworkRecipe& recipe() const { return recipe_; }
+
+  NetworkRecipe recipe;                  ///< with fingertip, test force and tangents; knows the node's inputs
+  int driven_row = -1, test_force = -1;  ///< row and column of the driven point, -1 if nothing is driven
+  std::vector<StepMode> modes = {};
+  double radius = 0.0;
 
  private:
   LinearNetwork() = default;
@@ -59,13 +55,9 @@ class LinearNetwork {
                            const Touching& touching) const;
   std::string carrier(const StepMode& mode) const;
 
-  NetworkRecipe recipe_;  // with fingertip, test force and tangents
-  std::vector<int> ports_;
   std::vector<int> masses_;  // points that are masses, in the order of the state
-  int driven_ = -1, driven_row_ = -1, test_force_ = -1;
+  int driven_ = -1;
   std::optional<StepResponse> response_;
-  std::vector<StepMode> modes_;
-  double radius_ = 0.0;
 };
 
 /// The small-signal effect of one signal of a graph on another.

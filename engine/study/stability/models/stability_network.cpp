@@ -57,11 +57,9 @@ std::shared_ptr<const LinearNetwork> LinearNetwork::make(const NetworkView& view
                                                          const Touching& touching,
                                                          const std::optional<Fingertip>& hand) {
   std::shared_ptr<LinearNetwork> model{new LinearNetwork};
-  model->recipe_ = view.recipe();
-  auto& recipe = model->recipe_;
-  model->ports_ = recipe.signal_ports;
+  auto& recipe = model->recipe = view.recipe();
   model->driven_ = driven_point(recipe.elements);
-  if (model->driven_ >= 0) model->driven_row_ = static_cast<int>(type.outputs.size());
+  if (model->driven_ >= 0) model->driven_row = static_cast<int>(type.outputs.size());
   for (std::size_t p = 0; p < recipe.elements.points.size(); ++p)
     if (recipe.elements.points[p].kind == Point::Kind::Mass) model->masses_.push_back(static_cast<int>(p));
   if (!recipe.elements.bonds.empty())
@@ -74,20 +72,20 @@ std::shared_ptr<const LinearNetwork> LinearNetwork::make(const NetworkView& view
       Network::make(recipe.elements, recipe.signals, recipe.rate, recipe.solver, recipe.oversample);
   if (!network) return nullptr;
   if (state_size(recipe.elements, recipe.signals) > kMostLinearised) {
-    model->radius_ = radius_by_running(*network, recipe.elements, recipe.signals);
+    model->radius = radius_by_running(*network, recipe.elements, recipe.signals);
     return model;
   }
   const auto step = linear_step(*network, recipe.elements, recipe.signals);
   if (!step.a.allFinite() || !step.b.allFinite()) return nullptr;
   model->response_.emplace(step, model->readings(*network, view, type.outputs.size(), touching));
-  model->modes_ = tactus::modes(step.a);
-  if (!model->modes_.empty()) model->radius_ = std::abs(model->modes_.front().pole);
+  model->modes = tactus::modes(step.a);
+  if (!model->modes.empty()) model->radius = std::abs(model->modes.front().pole);
   return model;
 }
 
 void LinearNetwork::add_fingertip(const Fingertip& hand) {
   if (driven_ < 0) return;
-  auto& elements = recipe_.elements;
+  auto& elements = recipe.elements;
   elements.points[index(driven_)].mass += hand.mass;
   elements.points.push_back({.kind = Point::Kind::Ground, .input = {}});
   Spring grip{static_cast<int>(elements.points.size()) - 1, driven_};
@@ -97,21 +95,21 @@ void LinearNetwork::add_fingertip(const Fingertip& hand) {
 
 void LinearNetwork::add_test_force() {
   if (driven_ < 0) return;
-  test_force_ = recipe_.signals++;
-  recipe_.elements.forces.push_back({driven_, {test_force_, {}}});
+  test_force = recipe.signals++;
+  recipe.elements.forces.push_back({driven_, {test_force, {}}});
 }
 
 /// Most outputs are straight lines and are found to the last bit; those of closed contacts are not.
 Eigen::MatrixXd LinearNetwork::readings(const Network& network, const NetworkView& view, std::size_t outputs,
                                         const Touching& touching) const {
-  auto c = slopes(network, recipe_.elements, view, outputs, 1.0);
+  auto c = slopes(network, recipe.elements, view, outputs, 1.0);
   if (!touching.contacts.empty()) {
     double least = 1.0;
     for (const int i : touching.contacts)
-      least = std::min(least, depth_of(recipe_.elements.contacts[index(i)], touching.push));
-    const auto pressed_elements = pressed(recipe_.elements, touching);
-    if (const auto pressed_network = Network::make(pressed_elements, recipe_.signals, recipe_.rate,
-                                                   recipe_.solver, recipe_.oversample)) {
+      least = std::min(least, depth_of(recipe.elements.contacts[index(i)], touching.push));
+    const auto pressed_elements = pressed(recipe.elements, touching);
+    if (const auto pressed_network =
+            Network::make(pressed_elements, recipe.signals, recipe.rate, recipe.solver, recipe.oversample)) {
       const auto bent = slopes(*pressed_network, pressed_elements, view, outputs, 1e-6 * least);
       for (Eigen::Index o = 0; o < c.rows(); ++o)
         if ((bent.row(o) - c.row(o)).norm() > 1e-3 * bent.row(o).norm()) c.row(o) = bent.row(o);
@@ -126,7 +124,7 @@ Eigen::MatrixXd LinearNetwork::readings(const Network& network, const NetworkVie
 }
 
 std::optional<Hertz> LinearNetwork::needed_rate() const {
-  return least_rate(recipe_.elements, recipe_.signals, recipe_.solver);
+  return least_rate(recipe.elements, recipe.signals, recipe.solver);
 }
 
 std::string LinearNetwork::carrier(const StepMode& mode) const {
@@ -138,26 +136,26 @@ std::string LinearNetwork::carrier(const StepMode& mode) const {
   double most = 0.0, strained = 0.0;
   for (const int point : masses_)
     if (std::abs(moves(point)) > most) most = std::abs(moves(point)), mass = point;
-  for (std::size_t s = 0; s < recipe_.springs.size(); ++s) {
-    const auto& link = recipe_.elements.springs[s];
-    const double stiffness = link.stiffness + 2.0 * link.damping * recipe_.rate.value * recipe_.oversample;
+  for (std::size_t s = 0; s < recipe.springs.size(); ++s) {
+    const auto& link = recipe.elements.springs[s];
+    const double stiffness = link.stiffness + 2.0 * link.damping * recipe.rate.value * recipe.oversample;
     const double strain = stiffness * std::norm(moves(link.lower) - moves(link.upper));
     if (strain > strained) strained = strain, spring = static_cast<int>(s);
   }
   if (mass < 0) return {};
-  const auto& on = recipe_.points[index(mass)];
-  return spring < 0 || recipe_.springs[index(spring)].empty() ? on
-                                                              : on + " on " + recipe_.springs[index(spring)];
+  const auto& on = recipe.points[index(mass)];
+  return spring < 0 || recipe.springs[index(spring)].empty() ? on
+                                                             : on + " on " + recipe.springs[index(spring)];
 }
 
 std::string LinearNetwork::weakest() const {
   if (!whole()) return {};
-  if (grows()) return carrier(modes_.front());
+  if (grows()) return carrier(modes.front());
   const auto needed = needed_rate();
   if (!needed || !std::isfinite(needed->value)) return {};
-  const auto network = Network::make(recipe_.elements, recipe_.signals, *needed * 0.98, recipe_.solver, 1);
+  const auto network = Network::make(recipe.elements, recipe.signals, *needed * 0.98, recipe.solver, 1);
   if (!network) return {};
-  const auto broken = tactus::modes(linear_step(*network, recipe_.elements, recipe_.signals).a);
+  const auto broken = tactus::modes(linear_step(*network, recipe.elements, recipe.signals).a);
   return broken.empty() ? std::string{} : carrier(broken.front());
 }
 

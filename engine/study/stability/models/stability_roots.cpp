@@ -41,7 +41,7 @@ LoopScan::LoopScan(const LoopGroup& group, Hertz rate)
   const auto& graph = group.graph();
   for (std::size_t n = 0; n < graph.networks.size(); ++n)
     if (group.contains(static_cast<int>(n)))
-      for (const auto& mode : graph.networks[n]->modes())
+      for (const auto& mode : graph.networks[n]->modes)
         if (std::abs(mode.pole) > kQuick) poles_.push_back(mode.pole);
   refine(first_points());
 }

@@ -48,31 +48,30 @@ TEST_CASE("cubic_curve: the monotone one does not leave the range between neighb
 }
 
 TEST_CASE("breakpoints: linear, step and exponential between two points", "[dsp]") {
-  using Shape = Breakpoints::Shape;
   const Breakpoints::Points points = {{0, 100}, {2, 400}};
-  CHECK(Breakpoints(points, Shape::Linear).value(1) == 250);
-  CHECK(Breakpoints(points, Shape::Linear).slope(1) == 150);
-  CHECK(Breakpoints(points, Shape::Step).value(1.999) == 100);
-  CHECK(Breakpoints(points, Shape::Step).value(2) == 400);
-  CHECK(Breakpoints(points, Shape::Exponential).value(1) == Approx(200).epsilon(1e-14));
-  CHECK(Breakpoints(points, Shape::Exponential).slope(1) == Approx(200 * std::log(4.0) / 2).epsilon(1e-14));
+  CHECK(Breakpoints(points, TACTUS_CURVE_LINEAR).value(1) == 250);
+  CHECK(Breakpoints(points, TACTUS_CURVE_LINEAR).slope(1) == 150);
+  CHECK(Breakpoints(points, TACTUS_CURVE_STEP).value(1.999) == 100);
+  CHECK(Breakpoints(points, TACTUS_CURVE_STEP).value(2) == 400);
+  CHECK(Breakpoints(points, TACTUS_CURVE_EXPONENTIAL).value(1) == Approx(200).epsilon(1e-14));
+  CHECK(Breakpoints(points, TACTUS_CURVE_EXPONENTIAL).slope(1) ==
+        Approx(200 * std::log(4.0) / 2).epsilon(1e-14));
 }
 
 TEST_CASE("breakpoints: two points at one place are a jump", "[dsp]") {
-  const Breakpoints jump({{0, 0}, {1, 0}, {1, 5}, {2, 5}}, Breakpoints::Shape::Linear);
+  const Breakpoints jump({{0, 0}, {1, 0}, {1, 5}, {2, 5}}, TACTUS_CURVE_LINEAR);
   CHECK(jump.value(std::nextafter(1.0, 0.0)) == 0);
   CHECK(jump.value(1) == 5);
   CHECK(jump.slope(0.5) == 0);
 }
 
 TEST_CASE("breakpoints: says what is wrong with points", "[dsp]") {
-  using Shape = Breakpoints::Shape;
-  CHECK(Breakpoints::error_in({{0, 1}, {1, 2}}, Shape::Smooth) == nullptr);
-  CHECK(std::string{Breakpoints::error_in({}, Shape::Linear)} == "there is no point");
-  CHECK(std::string{Breakpoints::error_in({{1, 0}, {0, 0}}, Shape::Linear)} ==
+  CHECK(Breakpoints::error_in({{0, 1}, {1, 2}}, TACTUS_CURVE_CUBIC) == nullptr);
+  CHECK(std::string{Breakpoints::error_in({}, TACTUS_CURVE_LINEAR)} == "there are no points");
+  CHECK(std::string{Breakpoints::error_in({{1, 0}, {0, 0}}, TACTUS_CURVE_LINEAR)} ==
         "the points are not in ascending order");
-  CHECK(std::string{Breakpoints::error_in({{0, -1}, {1, 1}}, Shape::Exponential)} ==
+  CHECK(std::string{Breakpoints::error_in({{0, -1}, {1, 1}}, TACTUS_CURVE_EXPONENTIAL)} ==
         "an exponential curve cannot reach or cross zero");
-  CHECK(std::string{Breakpoints::error_in({{1, 0}, {1, 2}}, Shape::Smooth)} ==
-        "two points lie at the same place, and a smooth curve cannot jump");
+  CHECK(std::string{Breakpoints::error_in({{1, 0}, {1, 2}}, TACTUS_CURVE_CUBIC)} ==
+        "two points have the same position, but a smooth curve cannot jump");
 }

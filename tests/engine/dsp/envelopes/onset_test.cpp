@@ -1,10 +1,10 @@
-#include "engine/dsp/envelopes/onset_kernel.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
 #include <random>
 #include <vector>
+
+#include "engine/dsp/envelopes/onset_kernel.h"
 
 namespace tactus {
 namespace {

@@ -13,6 +13,14 @@ namespace {
 
 constexpr double kRate = 48000;
 
+struct Mode {
+  double frequency_hz, decay_s, gain;
+};
+
+tactus_mode designed(const Mode& mode) {
+  return tactus_mode_design(mode.frequency_hz, mode.decay_s, mode.gain, kRate);
+}
+
 /// Even steps of pitch from 60 Hz to 12 kHz, high modes shorter, signs in turn.
 std::vector<Mode> modes_of(int count) {
   std::vector<Mode> modes;
@@ -25,8 +33,7 @@ std::vector<Mode> modes_of(int count) {
 
 ModalBank bank_of(const std::vector<Mode>& modes) {
   ModalBank bank(static_cast<int>(modes.size()));
-  for (std::size_t k = 0; k < modes.size(); ++k)
-    bank.set(static_cast<int>(k), ModeDesign{modes[k], Hertz{kRate}});
+  for (std::size_t k = 0; k < modes.size(); ++k) bank.set(static_cast<int>(k), designed(modes[k]));
   return bank;
 }
 
@@ -87,7 +94,7 @@ TEST_CASE("modal_bank: at half the sample rate and above a mode is silent", "[ds
 TEST_CASE("modal_bank: it decays at any frequency, whatever decay is asked for", "[dsp]") {
   for (const double decay : {-1.0, 0.0, 1e-9, 1.0, 1e30})
     for (double f = 1; f < 24000; f *= 1.7) {
-      const ModeDesign design{{f, decay, 1}, Hertz{kRate}};
+      const auto design = designed({f, decay, 1});
       // The triangle of stable two-pole resonators: |a1| < 1 - a2, a2 > -1.
       const double a1 = 1 + design.turn, a2 = -design.turn - design.pull;
       CHECK(a2 > -1);

@@ -39,7 +39,7 @@ TEST_CASE("wave_line: with the frames of a port, its pitch comes back in phase f
   const auto filter = GENERATE(LossFilter::OneZero, LossFilter::OnePole);
   const double loss = GENERATE(0.0, 0.5);
   for (double pitch = 40; pitch < 4000; pitch *= 1.07) {
-    const auto frame = std::polar(1.0, -2 * kPi * pitch / kRate * WaveLine::kPortFrames);
+    const auto frame = std::polar(1.0, -2 * kPi * pitch / kRate * TACTUS_WAVEGUIDE_PORT);
     const StringParameters parameters{pitch, 0.99, loss};
     const auto fixed = frame * at(line_of(filter, FarEnd::Fixed, pitch), parameters, pitch);
     // A tenth of a cent is 6e-5 of a period.

@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/support/graph_runner.h"
+#include "tests/support/messages.h"
 
 using namespace tactus;
 
@@ -29,11 +30,11 @@ a = 1
     {"a format of the future",
      R"(format = 2
 )",
-     R"(test.toml:1:10: this format is not known; write format = 1)"},
+     R"(test.toml:1:10: this format is unknown; write format = 1)"},
     {"a format in quotes",
      R"(format = "1"
 )",
-     R"(test.toml:1:10: this format is not known; write format = 1)"},
+     R"(test.toml:1:10: this format is unknown; write format = 1)"},
     {"a name that is a number",
      R"(format = 1
 name = 3
@@ -49,7 +50,7 @@ nodes = [1, 2]
 [gestures]
 a = { points = [[0, 0]] }
 )",
-     R"(test.toml:2:2: 'gestures' belongs in a scene, and this is a graph; move it to the scene's file)"},
+     R"(test.toml:2:2: 'gestures' is a key of scenes, but this is a graph; move it to the scene's file)"},
     {"an unknown section, nothing like it",
      R"(format = 1
 [weather]
@@ -97,37 +98,37 @@ x = { units = "m" }
 [controls]
 g = { value = [1, 2] }
 )",
-     R"(test.toml:3:15: a quantity cannot be a list; give a number, or a number with its unit in quotes, such as "15 ms")"},
+     R"(test.toml:3:15: a number with a unit cannot be a list; give a number, or a number with its unit in quotes, such as "15 ms")"},
     {"a control that is not finite",
      R"(format = 1
 [controls]
 g = { value = "7000 dB" }
 )",
-     R"(test.toml:3:15: '7000 dB' is not finite; give a number that is, in SI units, below 1e300)"},
+     R"(test.toml:3:15: '7000 dB' is not finite; give a number below 1e300 in SI units)"},
     {"a quantity that no number can hold",
      R"(format = 1
 [controls]
 g = { value = "1e999 m" }
 )",
-     R"(test.toml:3:15: '1e999 m' is not finite; give a number that is, in SI units, below 1e300)"},
+     R"(test.toml:3:15: '1e999 m' is not finite; give a number below 1e300 in SI units)"},
     {"a quantity that is not a number",
      R"(format = 1
 [controls]
 g = { value = "nan m" }
 )",
-     R"(test.toml:3:15: 'nan m' is not finite; give a number that is, in SI units, below 1e300)"},
+     R"(test.toml:3:15: 'nan m' is not finite; give a number below 1e300 in SI units)"},
     {"infinity",
      R"(format = 1
 [controls]
 g = { value = inf }
 )",
-     R"(test.toml:3:15: inf and nan are not numbers here; give a finite number)"},
+     R"(test.toml:3:15: inf and nan are not allowed; give a finite number)"},
     {"not a number",
      R"(format = 1
 [controls]
 g = { value = -nan }
 )",
-     R"(test.toml:3:15: inf and nan are not numbers here; give a finite number)"},
+     R"(test.toml:3:15: inf and nan are not allowed; give a finite number)"},
     {"a range in another unit",
      R"(format = 1
 [controls]
@@ -146,7 +147,7 @@ g = { value = "30 mm", range = ["0 mm", "20 mm"] }
 [controls]
 g = { value = 2008-06-05 }
 )",
-     R"(test.toml:3:15: dates and times of day mean nothing here; put it in quotes if it is a text)"},
+     R"(test.toml:3:15: dates and times are not allowed here; put it in quotes if it is a string)"},
     {"a capital",
      R"(format = 1
 [nodes]
@@ -164,16 +165,16 @@ Mix = "1"
 [controls]
 gain = { value ßoss, range = [0, 1] }
 )",
-     R"(test.toml:3:16: 'ß' (U+00DF) is outside of quotes; put the text that it belongs to in quotes, or remove it)"},
+     R"(test.toml:3:16: 'ß' (U+00DF) is not allowed outside quotes; put the text around it in quotes, or remove it)"},
     {"a name in UTF-8 without quotes",
      R"(format = 1
 [nodes]
 größe = "1"
 )",
-     R"(test.toml:3:3: 'ö' (U+00F6) is outside of quotes; put the text that it belongs to in quotes, or remove it)"},
+     R"(test.toml:3:3: 'ö' (U+00F6) is not allowed outside quotes; put the text around it in quotes, or remove it)"},
     {"a blank that is none",
      "format = 1\n[nodes]\na\xC2\xA0= 1\n",
-     "test.toml:3:2: '\xC2\xA0' (U+00A0) is outside of quotes; put the text that it belongs to in quotes, or remove it"},
+     "test.toml:3:2: '\xC2\xA0' (U+00A0) is not allowed outside quotes; put the text around it in quotes, or remove it"},
     {"a name with a dot",
      R"(format = 1
 [nodes]
@@ -206,7 +207,7 @@ x = { value = 1 }
 a = "1"
 a = "2"
 )",
-     R"(test.toml:4:5: cannot redefine existing string 'a'; rename or remove one of them)"},
+     R"(test.toml:4:5: cannot redefine existing string 'a'; rename or remove one of the two)"},
     {"two headings of one name",
      R"(format = 1
 [nodes]
@@ -216,7 +217,7 @@ g = { value = 1 }
 [nodes]
 b = "2"
 )",
-     R"(test.toml:6:1: cannot redefine existing table 'nodes'; put all that belongs to it under one heading, or rename one of them)"},
+     R"(test.toml:6:1: cannot redefine existing table 'nodes'; put all its entries under one heading, or rename one of the two)"},
     {"both type and use",
      R"(format = 1
 [nodes]
@@ -235,7 +236,7 @@ a = { type = 3 }
 [nodes]
 a = { type = "" }
 )",
-     R"(test.toml:3:14: 'type' is empty; name something)"},
+     R"(test.toml:3:14: 'type' is empty; give a name)"},
     {"a type in French",
      R"(format = 1
 [nodes]
@@ -255,7 +256,7 @@ x = {}
 [nodes]
 a = { type = "low_pass", in = "x" }
 )",
-     R"(test.toml:5:1: low_pass 'a' lacks 'cutoff'; write cutoff = … (gain q here (-3.01 dB for q = 0.7071); at most 0.49 of the sample rate))"},
+     R"(test.toml:5:1: low_pass 'a' lacks 'cutoff'; write cutoff = … (cutoff frequency, where the gain is q (-3.01 dB for q = 0.7071); at most 0.49 of the sample rate))"},
     {"an unknown port",
      R"(format = 1
 [inputs]
@@ -263,7 +264,7 @@ x = {}
 [nodes]
 a = { type = "low_pass", in = "x", cutof = "100 Hz" }
 )",
-     R"(test.toml:5:1: low_pass 'a' lacks 'cutoff'; write cutoff = … (gain q here (-3.01 dB for q = 0.7071); at most 0.49 of the sample rate)
+     R"(test.toml:5:1: low_pass 'a' lacks 'cutoff'; write cutoff = … (cutoff frequency, where the gain is q (-3.01 dB for q = 0.7071); at most 0.49 of the sample rate)
 test.toml:5:36: low_pass 'a' has no 'cutof'; did you mean 'cutoff'?)"},
     {"the wrong unit at a port",
      R"(format = 1
@@ -298,7 +299,7 @@ a = { type = "delay", in = "x", time = "1e9 s" }
 [outputs]
 y = { from = "a" }
 )",
-     R"(test.toml:5:1: delay 'a': it can be 1000000000 s long, and the longest delay is 350 s; shorten 'time', or give 'max')"},
+     R"(test.toml:5:1: delay 'a': it can be 1000000000 s long, but the longest possible delay is 350 s; shorten 'time', or give 'max')"},
     {"many voices",
      R"(format = 1
 [inputs]
@@ -317,7 +318,7 @@ b = { type = "mix", in = "a" }
 [outputs]
 y = { from = "b" }
 )",
-     R"(test.toml:5:1: delay 'a': the graph would keep more than 512 MB; take shorter delays and recordings, or fewer voices)"},
+     R"(test.toml:5:1: delay 'a': the graph would need more than 512 MB; use shorter delays and recordings, or fewer voices)"},
     {"clip upside down",
      R"(format = 1
 [inputs]
@@ -327,7 +328,7 @@ a = { type = "clip", in = "x", low = 1, high = -1 }
 [outputs]
 y = { from = "a" }
 )",
-     R"(test.toml:5:1: clip 'a': its 'low' is above its 'high', so that its output is always 'low'; exchange them)"},
+     R"(test.toml:5:1: clip 'a': 'low' is above 'high', so the output is always 'low'; exchange them)"},
     {"a step of nothing",
      R"(format = 1
 [inputs]
@@ -337,7 +338,7 @@ a = { type = "quantiser", in = "x", step = 0 }
 [outputs]
 y = { from = "a" }
 )",
-     R"(test.toml:5:1: quantiser 'a': its 'step' is 0, so that it rounds nothing; give the distance of two steps, or leave the node out)"},
+     R"(test.toml:5:1: quantiser 'a': its 'step' is 0, so nothing is rounded; give a step above 0, or remove the node)"},
     {"points that go back",
      R"(format = 1
 [nodes]
@@ -367,7 +368,7 @@ x = {}
 [nodes]
 a = "x +"
 )",
-     R"(test.toml:5:9: the expression ends too early; a number, a name or '(' belongs here)"},
+     R"(test.toml:5:9: the expression is incomplete; write a number, a name or '(' here)"},
     {"an expression with a bracket too many",
      R"toml(format = 1
 [inputs]
@@ -391,7 +392,7 @@ x = {}
 [nodes]
 a = "sin(x)"
 )toml",
-     R"(test.toml:5:6: there is no function 'sin'; there are min, max and abs)"},
+     R"(test.toml:5:6: there is no function 'sin'; the functions are min, max and abs)"},
     {"a comma for a point",
      R"(format = 1
 [inputs]
@@ -405,7 +406,7 @@ a = "0,5 * x"
 [nodes]
 a = ""
 )",
-     R"(test.toml:3:6: the expression is empty; a number, a name or '(' belongs here)"},
+     R"(test.toml:3:6: the expression is empty; write a number, a name or '(' here)"},
     {"an unknown unit behind a number",
      R"(format = 1
 [nodes]
@@ -417,7 +418,7 @@ a = "3 furlongs"
 [nodes]
 a = "1e999"
 )",
-     R"(test.toml:3:6: the number 1e999 is too large or too small; write one between 1e-300 and 1e300)"},
+     R"(test.toml:3:6: the number 1e999 is too large or too small; use a number between 1e-300 and 1e300)"},
     {"a typing slip in a name",
      R"(format = 1
 [inputs]
@@ -433,7 +434,7 @@ a = "a"
 [outputs]
 y = { from = "a" }
 )",
-     R"(test.toml:3:1: a -> a has no delay in it; put a 'delay' node on one of these edges)"},
+     R"(test.toml:3:1: a -> a contains no delay; insert a 'delay' node in one of these connections)"},
     {"a loop over expressions",
      R"(format = 1
 [inputs]
@@ -445,7 +446,7 @@ c = "a"
 [outputs]
 y = { from = "a" }
 )",
-     R"(test.toml:5:8: a -> b -> a has no delay in it; put a 'delay' node on one of these edges)"},
+     R"(test.toml:5:8: a -> b -> a contains no delay; insert a 'delay' node in one of these connections)"},
     {"a loop whose delay can be too short",
      R"(format = 1
 [inputs]
@@ -457,7 +458,7 @@ a = { type = "delay", in = "x + 0.5 * a", time = "t" }
 [outputs]
 y = { from = "a" }
 )",
-     R"(test.toml:7:1: a -> a has no delay in it; 'a' can be shorter than a frame: keep its time at one or more, with 'min' if need be)"},
+     R"(test.toml:7:1: a -> a contains no delay; 'a' can be shorter than one frame: keep its time at one frame or more, with 'min' if necessary)"},
     {"an output in quotes",
      R"(format = 1
 [outputs]
@@ -471,13 +472,13 @@ f = { unit = "N" }
 [outputs]
 y = { from = "f" }
 )",
-     R"(test.toml:5:1: output 'y' is a plain number, but it is given what is in N; give it a unit, as in unit = "N", or scale it to full scale)"},
+     R"(test.toml:5:1: output 'y' is a plain number, but its source is in N; give it a unit, as in unit = "N", or scale it to full scale)"},
     {"an output of nothing",
      R"(format = 1
 [outputs]
 y = { from = "" }
 )",
-     R"(test.toml:3:15: the expression is empty; a number, a name or '(' belongs here)"},
+     R"(test.toml:3:15: the expression is empty; write a number, a name or '(' here)"},
     {"an element of no kind",
      R"(format = 1
 [networks.n]
@@ -496,21 +497,21 @@ a = { type = "mass", mass = 0 }
 a = { type = "mass", mass = "1 kg" }
 s = { type = "spring", between = ["a"], stiffness = "1 N/m" }
 )",
-     R"(test.toml:4:34: spring 's' has 1 end; name two points, the lower one first, as in between = ["cone", "stick"])"},
+     R"(test.toml:4:34: spring 's' has 1 end; give two points, the lower one first, as in between = ["cone", "stick"])"},
     {"a spring to itself",
      R"(format = 1
 [networks.n]
 a = { type = "mass", mass = "1 kg" }
 s = { type = "spring", between = ["a", "a"], stiffness = "1 N/m" }
 )",
-     R"(test.toml:4:34: both ends of spring 's' are one point; name two different points)"},
+     R"(test.toml:4:34: both ends of spring 's' are one point; give two different points)"},
     {"a network of a million steps",
      R"(format = 1
 [networks.n]
 oversample = 1000000
 a = { type = "mass", mass = "1 kg" }
 )",
-     R"(test.toml:3:14: 'oversample' is not a whole number from 1 to 64; it is the number of steps in a frame)"},
+     R"(test.toml:3:14: 'oversample' cannot be 1e+06; give one from 1 to 64)"},
     {"a stiffness in the wrong unit",
      R"(format = 1
 [networks.n]
@@ -524,13 +525,13 @@ s = { type = "spring", between = ["a", "b"], stiffness = "1 N" }
 [delay]
 tested = ["40 ms", "0 ms"]
 )",
-     R"(test.toml:3:10: 'tested' of [delay] has its ends in the wrong order; write the lower end first)"},
+     R"(test.toml:3:10: 'tested' of [delay] has its limits in the wrong order; write the lower limit first)"},
     {"Windows lines",
      "format = 1\r\n[nodes]\r\na = { type = \"clip\" }\r\n",
      R"(test.toml:3:1: clip 'a' lacks 'in'; write in = … (signal))"},
     {"a byte order mark",
      "\xEF\xBB\xBF" "format = 1\n[nodes]\na = { typ = \"clip\" }\n",
-     R"(test.toml:3:1: node 'a' has neither 'type' nor 'use'; is 'typ' meant as 'type'?)"},
+     R"(test.toml:3:1: node 'a' has neither 'type' nor 'use'; is 'typ' a misspelling of 'type'?)"},
 };
 // clang-format on
 

@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "tests/support/graph_runner.h"
+#include "tests/support/messages.h"
 #include "tests/support/temporary_folder.h"
 
 // Files that were not written by a person who made a mistake.
@@ -14,7 +15,7 @@ namespace {
 
 constexpr auto kFormat = "format = 1\n";
 
-std::string told(const TemporaryFolder& folder, const std::filesystem::path& file) {
+test::Messages told(const TemporaryFolder& folder, const std::filesystem::path& file) {
   const auto schedule = compile(load_graph_leniently(file), standard_nodes(), {});
   return schedule ? "" : folder.strip(to_string(schedule.error()));
 }
@@ -39,7 +40,7 @@ TEST_CASE("hostile files: no file, a folder, nothing, bytes, a gigabyte", "[grap
   const TemporaryFolder folder;
   CHECK(told(folder, folder.path() / "none.toml") == "none.toml: there is no such file; check the path");
   std::filesystem::create_directory(folder.path() / "folder.toml");
-  CHECK(told(folder, folder.path() / "folder.toml") == "folder.toml: this is a folder; name a file in it");
+  CHECK(told(folder, folder.path() / "folder.toml") == "folder.toml: this is a folder; give a file in it");
   CHECK(told(folder, folder.write("empty.toml", "")) ==
         "empty.toml:1:1: 'format' is missing; begin the file with format = 1");
   CHECK(told(folder, folder.write("binary.toml", std::string("\x7f"
@@ -52,14 +53,14 @@ TEST_CASE("hostile files: no file, a folder, nothing, bytes, a gigabyte", "[grap
   const auto huge = folder.write("huge.toml", kFormat);
   std::filesystem::resize_file(huge, 1u << 30);
   CHECK(told(folder, huge) ==
-        "huge.toml: the file is larger than 16 MB; graph files are text of a few pages");
+        "huge.toml: the file is larger than 16 MB; split the file, or keep data in sound files");
 }
 
 TEST_CASE("hostile files: nesting 100000 deep is refused before the parser recurses", "[graph]") {
   for (const std::string open : {"[", "{ a = ", "a.", "[[", "[{ a = "}) {
     INFO(open);
     const auto text = (open == "a." ? "" : "x = ") + repeated(open, 100000);
-    CHECK(test::mistakes(text).find("brackets or dots more than 64 deep; close some of them before") !=
+    CHECK(test::mistakes(text).find("brackets or dots more than 64 deep; reduce the nesting") !=
           std::string::npos);
   }
   CHECK(test::mistakes("[" + repeated("a.", 100000) + "b]\n").find("more than 64 deep") != std::string::npos);
@@ -78,10 +79,10 @@ TEST_CASE("hostile files: 10000 nodes or masses load, more values than a parser 
                              "\"1 N/m\" }\n") +
                        "[outputs]\ny = { from = \"star.m9999.position\", unit = \"m\" }\n") == "");
   CHECK(test::mistakes("format = 1\n[nodes]\n" + lines(260000, "n# = 1\n")) ==
-        "test.toml:250001:9: more than 250000 values; keep tables of numbers in a sound file");
+        "test.toml:250001:9: more than 250000 values; store tables of numbers in a sound file");
   // 10^7 of them are more than 16 MB.
   CHECK(test::mistakes(repeated("a=\n", 10'000'000)) ==
-        "test.toml: the file is larger than 16 MB; graph files are text of a few pages");
+        "test.toml: the file is larger than 16 MB; split the file, or keep data in sound files");
 }
 
 TEST_CASE("hostile files: a long chain of names, written backwards, and as many wrong ones", "[graph]") {
@@ -102,23 +103,21 @@ TEST_CASE("hostile files: parts of parts that double are refused", "[graph]") {
   }
   folder.write("p30.toml", std::string{kFormat} + "[nodes]\na = \"1\"\n");
   const auto doubled = told(folder, folder.path() / "p0.toml");
-  CHECK(doubled.ends_with("the parts come to more than 250000 signals; use fewer parts inside parts"));
+  CHECK(doubled.ends_with("the parts contain more than 250000 signals; use fewer nested parts"));
   CHECK(std::count(doubled.begin(), doubled.end(), '\n') == 0);
 }
 
 TEST_CASE("hostile files: neither lanes nor delays can ask for more than there is", "[graph]") {
-  CHECK(
-      test::mistakes("format = 1\n[inputs]\nx = { lanes = 1024 }\n[nodes]\n" +
-                     lines(3, "n# = \"x" + repeated(" + x", 99) + "\"\n")) ==
-      "test.toml: with all its lanes the graph has more than 250000 nodes and operators; take fewer voices, "
-      "or fewer parts");
+  CHECK(test::mistakes("format = 1\n[inputs]\nx = { lanes = 1024 }\n[nodes]\n" +
+                       lines(3, "n# = \"x" + repeated(" + x", 99) + "\"\n")) ==
+        "test.toml: with all lanes the graph has more than 250000 nodes and operators; use fewer voices or "
+        "fewer parts");
   const auto delays = test::mistakes(
       "format = 1\n[inputs]\nx = {}\n[nodes]\na = { type = \"delay\", in = \"x\", time = \"10 s\", voices = "
       "1024 }\nb = { type = \"mix\", in = \"a\" }\n[outputs]\ny = { from = \"b\" }\n");
-  CHECK(
-      delays ==
-      "test.toml:5:1: delay 'a': the graph would keep more than 512 MB; take shorter delays and recordings, "
-      "or fewer voices");
+  CHECK(delays ==
+        "test.toml:5:1: delay 'a': the graph would need more than 512 MB; use shorter delays and recordings, "
+        "or fewer voices");
 }
 
 TEST_CASE("hostile files: a file of a node does not lead out of its folder either", "[graph]") {
@@ -131,13 +130,13 @@ TEST_CASE("hostile files: a file of a node does not lead out of its folder eithe
                                          name + "\" }\n"));
   };
   CHECK(with("../secret.wav") ==
-        "drum/a.toml:3:44: '../secret.wav' leads out of the folder 'drum'; keep the files of an instrument "
+        "drum/a.toml:3:44: '../secret.wav' is outside the folder 'drum'; keep the files of an instrument "
         "inside it");
   CHECK(with("/etc/passwd") ==
-        "drum/a.toml:3:44: '/etc/passwd' is an absolute path; give it relative to this file");
+        "drum/a.toml:3:44: '/etc/passwd' is an absolute path; give the path relative to this file");
   std::filesystem::create_symlink(folder.path() / "secret.wav", folder.path() / "drum/link.wav");
   CHECK(with("link.wav") ==
-        "drum/a.toml:3:44: 'link.wav' leads out of the folder 'drum'; keep the files of an instrument inside "
+        "drum/a.toml:3:44: 'link.wav' is outside the folder 'drum'; keep the files of an instrument inside "
         "it");
   CHECK(
       with("thunder_and_lightning.wav") ==

@@ -2,11 +2,15 @@
 
 #include <catch2/catch.hpp>
 
+#include "tests/support/messages.h"
+#include "tests/support/parse_graph.h"
+
 using namespace tactus;
+using tactus::test::parse_graph;
 
 namespace {
 
-std::string mistakes(std::string_view text) {
+test::Messages mistakes(std::string_view text) {
   const auto spec = parse_graph(text, "drum.toml");
   return spec ? "" : to_string(spec.error());
 }
@@ -59,8 +63,9 @@ tested = ["0 ms", "40 ms"]
   CHECK(pulse.fields[0].key == "trigger");
   CHECK(*spec.nodes[2].value->text() == "x + 2");
   CHECK(*spec.nodes[3].value->number() == 0.5);
-  REQUIRE(spec.delay);
-  CHECK(find(spec.delay->fields, "tested")->list()->size() == 2);
+  REQUIRE(spec.tested);
+  CHECK(spec.tested->low == 0.0);
+  CHECK(spec.tested->high == Approx(0.040));
 }
 
 TEST_CASE("graph: a table of its own and a table in a line are the same", "[graph]") {
@@ -85,8 +90,8 @@ between = ["stick", "ground"]
   REQUIRE(read);
   const auto& drum = (*read)->networks.at(0);
   CHECK(drum.name == "drum");
-  REQUIRE(drum.options.size() == 1);
-  CHECK(drum.options[0].key == "oversample");
+  REQUIRE(drum.fields.size() == 1);
+  CHECK(drum.fields[0].key == "oversample");
   CHECK(names(drum.elements) == "stick head ");
   CHECK(drum.elements[1].type == "contact");
   CHECK(drum.elements[1].fields.size() == 1);
@@ -121,22 +126,22 @@ drum.toml:2:2: unknown key 'nods'; did you mean 'nodes'?
 drum.toml:4:1: 'Hit' cannot name a node; names begin with a small letter and continue with small letters, digits and _
 drum.toml:5:1: 'ms' is a unit and cannot name a node; choose another name
 drum.toml:6:1: 'min' is reserved and cannot name a node; choose another name
-drum.toml:7:1: node 'x' has neither 'type' nor 'use'; is 'typ' meant as 'type'?
-drum.toml:8:1: node 'y' has neither 'type' nor 'use'; name a node type, as in type = "low_pass", or the file of a part, as in use = "string.toml"
+drum.toml:7:1: node 'x' has neither 'type' nor 'use'; is 'typ' a misspelling of 'type'?
+drum.toml:8:1: node 'y' has neither 'type' nor 'use'; give a node type, as in type = "low_pass", or the file of a part, as in use = "string.toml"
 drum.toml:9:1: node 'z' has both 'type' and 'use'; remove one of them
 drum.toml:9:28: there is no file 'gain.toml'; paths are relative to this file
 drum.toml:10:14: 'type' must be a string, not a number; put it in quotes
-drum.toml:11:14: 'type' is empty; name something
+drum.toml:11:14: 'type' is empty; give a name
 drum.toml:14:1: 'mic' cannot name an input: it names a node in line 12; choose another name
 drum.toml:14:7: 'mic' in [inputs] must be a table, not a number; write mic = { unit = "full scale" }
 drum.toml:16:7: 'mic' in [outputs] must be a table, not a string; write mic = { from = "node" }
 drum.toml:18:1: element 'a' of network 'n' has no 'type'; give its type, as in type = "mass"
-drum.toml:21:2: 'gestures' belongs in a scene, and this is a graph; move it to the scene's file)");
+drum.toml:21:2: 'gestures' is a key of scenes, but this is a graph; move it to the scene's file)");
 }
 
 TEST_CASE("graph: sections must be tables, and the format must be known", "[graph]") {
   CHECK(mistakes("format = 2\nnodes = 3\ninputs = \"mic\"\nxyz = 1") ==
-        "drum.toml:1:10: this format is not known; write format = 1\n"
+        "drum.toml:1:10: this format is unknown; write format = 1\n"
         "drum.toml:2:9: 'nodes' must be a table, not a number; begin it with [nodes]\n"
         "drum.toml:3:10: 'inputs' must be a table, not a string; begin it with [inputs]\n"
         "drum.toml:4:1: unknown key 'xyz'; there are 'format', 'name', 'about', 'source', 'inputs', "

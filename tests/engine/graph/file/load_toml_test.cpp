@@ -1,12 +1,13 @@
 #include <catch2/catch.hpp>
 
 #include "engine/graph/file/load.h"
+#include "tests/support/messages.h"
 
 using namespace tactus;
 
 namespace {
 
-std::string refused(std::string_view text) {
+test::Messages refused(std::string_view text) {
   const auto table = parse_toml(text, "a.toml");
   return table ? "read" : to_string(table.error());
 }
@@ -55,23 +56,23 @@ TEST_CASE("toml: a syntax error is said in words, with its place", "[graph]") {
       {"x = { time = 12 ms }", "a.toml:1:14: '12 ms' needs quotes; write \"12 ms\""},
       {"in = microphone # why", "a.toml:1:6: 'microphone' needs quotes; write \"microphone\""},
       {"range = [0, 60 dB]", "a.toml:1:13: '60 dB' needs quotes; write \"60 dB\""},
-      {"a = 1\na = 2", "a.toml:2:5: cannot redefine existing integer 'a'; rename or remove one of them"},
+      {"a = 1\na = 2", "a.toml:2:5: cannot redefine existing integer 'a'; rename or remove one of the two"},
       {"[n]\nx = 1\n[n]",
-       "a.toml:3:1: cannot redefine existing table 'n'; put all that belongs to it under one heading, or "
-       "rename "
-       "one of them"},
+       "a.toml:3:1: cannot redefine existing table 'n'; put all its entries under one heading, or rename one "
+       "of the two"},
       {"[nodes\nx = 1",
-       "a.toml:1:7: in this table header: expected ']', saw '\\n'; fix it to see further errors"},
-      {"a = [1,", "a.toml:1:8: in this array: encountered end-of-file; fix it to see further errors"},
-      {"a = \"x", "a.toml:1:7: in this string: encountered end-of-file; fix it to see further errors"},
+       "a.toml:1:7: in this table header: expected ']', saw '\\n'; fix this to see further errors"},
+      {"a = [1,", "a.toml:1:8: in this array: encountered end-of-file; fix this to see further errors"},
+      {"a = \"x", "a.toml:1:7: in this string: encountered end-of-file; fix this to see further errors"},
       {"a = 1\nb = 'caf\xe9'", "a.toml:2:9: this is not UTF-8 text; save the file as UTF-8"},
       {"a = \"\xed\xa0\x80\"", "a.toml:1:6: this is not UTF-8 text; save the file as UTF-8"},
       {"a = [1, {x = 2]", "a.toml:1:15: ']' closes a '{'; write '}'"},
       {"a = [ }", "a.toml:1:7: '}' closes a '['; write ']'"},
-      {"a = ]", "a.toml:1:5: in this key-value pair: expected value, saw ']'; fix it to see further errors"},
-      {"a = inf", "a.toml:1:5: inf and nan are not numbers here; give a finite number"},
+      {"a = ]",
+       "a.toml:1:5: in this key-value pair: expected value, saw ']'; fix this to see further errors"},
+      {"a = inf", "a.toml:1:5: inf and nan are not allowed; give a finite number"},
       {"a = 2007-06-06",
-       "a.toml:1:5: dates and times of day mean nothing here; put it in quotes if it is a text"},
+       "a.toml:1:5: dates and times are not allowed here; put it in quotes if it is a string"},
   }));
   CHECK(refused(text) == message);
 }
@@ -94,11 +95,10 @@ TEST_CASE("toml: depth and size are bounded before the parser recurses", "[graph
     return keys;
   }());
   const bool dots = deep[0] == 'a';
-  CHECK(refused("a = \"é[\" # ]\n" + deep) ==
-        std::string{"a.toml:2:"} + (dots ? "130" : "65") +
-            ": brackets or dots more than 64 deep; close some of them before");
+  CHECK(refused("a = \"é[\" # ]\n" + deep) == std::string{"a.toml:2:"} + (dots ? "130" : "65") +
+                                                  ": brackets or dots more than 64 deep; reduce the nesting");
   CHECK(refused(std::string((16u << 20) + 1, ' ')) ==
-        "a.toml: the file is larger than 16 MB; graph files are text of a few pages");
+        "a.toml: the file is larger than 16 MB; split the file, or keep data in sound files");
 }
 
 TEST_CASE("toml: brackets in strings and comments do not count", "[graph]") {
@@ -114,5 +114,5 @@ TEST_CASE("toml: a file that cannot be opened says why", "[graph]") {
   CHECK(to_string(load_toml("no/such.toml").error()) ==
         "no/such.toml: there is no such file; check the path");
   const std::filesystem::path folder = TACTUS_SOURCE_DIR;
-  CHECK(to_string(load_toml(folder).error()) == folder.string() + ": this is a folder; name a file in it");
+  CHECK(to_string(load_toml(folder).error()) == folder.string() + ": this is a folder; give a file in it");
 }

@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/support/graph_runner.h"
+#include "tests/support/messages.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace tactus;
@@ -10,7 +11,7 @@ using test::TemporaryFolder;
 namespace {
 
 /// Line 1 is the format; line 2 is the first of `text`.
-std::string told(const std::string& text) { return mistakes("format = 1\n" + text); }
+test::Messages told(const std::string& text) { return mistakes("format = 1\n" + text); }
 
 }  // namespace
 
@@ -29,9 +30,9 @@ y = { from = "sum" }
 )") ==
       R"(test.toml:5:1: 'Hit' cannot name a node; names begin with a small letter and continue with small letters, digits and _
 test.toml:6:12: this is in N, but it is added to what is in m; multiply one of them by a quantity that turns its unit into the other's
-test.toml:7:1: node 'lost' has neither 'type' nor 'use'; name a node type, as in type = "low_pass", or the file of a part, as in use = "string.toml"
-test.toml:9:28: there is no 'nowhere'; name an input, a control or a node of this file
-test.toml:11:1: output 'y' is a plain number, but it is given what is in m; give it a unit, as in unit = "m", or scale it to full scale)");
+test.toml:7:1: node 'lost' has neither 'type' nor 'use'; give a node type, as in type = "low_pass", or the file of a part, as in use = "string.toml"
+test.toml:9:28: there is no 'nowhere'; write an input, a control or a node of this file
+test.toml:11:1: output 'y' is a plain number, but its source is in m; give it a unit, as in unit = "m", or scale it to full scale)");
 }
 
 TEST_CASE("mistakes: what was told already raises no second error", "[graph]") {
@@ -54,10 +55,10 @@ y = { from = "i + j + k + l + m_ + n + o + net.mass_.position" }
         R"(test.toml:3:5: 'i' in [inputs] must be a table, not a number; write i = { unit = "full scale" }
 test.toml:4:14: 'furlong' is not a unit; write units as "m/s", "N/m", "ms", "dB" or "full scale"
 test.toml:6:5: 'k' in [controls] must be a table, not a number; write k = { value = 0.5, range = [0, 1] }
-test.toml:7:1: control 'l' lacks 'value'; give its start value, as in value = 0.5
+test.toml:7:1: control 'l' lacks 'value'; give its initial value, as in value = 0.5
 test.toml:8:16: '3 N' is in N, but 'value' is in m; give "12 mm"
-test.toml:10:1: node 'n' has neither 'type' nor 'use'; is 'typ' meant as 'type'?
-test.toml:11:9: the expression ends too early; a number, a name or '(' belongs here
+test.toml:10:1: node 'n' has neither 'type' nor 'use'; is 'typ' a misspelling of 'type'?
+test.toml:11:9: the expression is incomplete; write a number, a name or '(' here
 test.toml:12:1: 'j' cannot name a node: it names an input in line 4; choose another name
 test.toml:14:1: element 'mass_' of network 'net' has no 'type'; give its type, as in type = "mass")");
 }
@@ -69,7 +70,7 @@ a = { type = "clip", in = "x" }
 y = { from = "a + b + 3 m" }
 )") ==
         R"(test.toml:2:2: unknown key 'nods'; did you mean 'nodes'?
-test.toml:5:1: output 'y' is a plain number, but it is given what is in m; give it a unit, as in unit = "m", or scale it to full scale)");
+test.toml:5:1: output 'y' is a plain number, but its source is in m; give it a unit, as in unit = "m", or scale it to full scale)");
 }
 
 TEST_CASE("mistakes: units that meet in an expression", "[graph]") {
@@ -89,10 +90,10 @@ z = { from = "e", unit = "parsec" }
 )toml") ==
       R"(test.toml:6:10: this is in N, but it is taken from what is in m; multiply one of them by a quantity that turns its unit into the other's
 test.toml:7:13: this is in s, but it is compared with what is in m; multiply one of them by a quantity that turns its unit into the other's
-test.toml:8:34: this is in N, but it is a lane beside what is in m; give both the same unit
+test.toml:8:34: this is in N, but it is in a list with what is in m; give both the same unit
 test.toml:9:32: 'in' of spring 'd' is in m, but this is in m/s; give a quantity in m
 test.toml:9:53: 'stiffness' of spring 'd' is in N/m, but this is in N; give a quantity in N/m
-test.toml:12:1: output 'y' is in N, but it is given what is in m; fix 'from' or 'unit'
+test.toml:12:1: output 'y' is in N, but its source is in m; fix 'from' or 'unit'
 test.toml:13:26: 'parsec' is not a unit; write units as "m/s", "N/m", "ms", "dB" or "full scale")");
 }
 
@@ -122,7 +123,7 @@ test.toml:8:60: 'voices' of clip 'f' cannot be 0; give one from 1 to 1024
 test.toml:9:46: '1 m' is in m, but 'points' is in s; give "15 ms"
 test.toml:9:57: 'points' of curve 'g' must hold pairs; write [[x, y], [x, y], …]
 test.toml:10:30: 'seed' of noise 'h' must be a whole number; give one from 0 to 9007199254740992
-test.toml:12:1: output 'y' lacks 'from'; name its source, as in from = "node"
+test.toml:12:1: output 'y' lacks 'from'; give its source, as in from = "node"
 test.toml:12:7: output 'y' has no 'form'; did you mean 'from'?
 test.toml:12:26: 'kind' of output 'y' cannot be 'sound'; there are 'drive' and 'audio')");
 }
@@ -142,11 +143,11 @@ e = { type = "clip", in = { from = 0, to = 1, curve = "exponential" }, voices = 
 y = { from = "a" }
 )") ==
         R"(test.toml:4:18: 'lanes' of input 'many' cannot be 0; give one from 1 to 1024
-test.toml:6:6: 2 lanes meet 3; give both the same number of lanes, or put a 'mix' between them
-test.toml:8:28: a lane cannot be a list; a list holds one number, quantity or expression for each lane
+test.toml:6:6: 2 lanes are combined with 3; give both the same number of lanes, or put a 'mix' between them
+test.toml:8:28: a lane cannot be a list; a list must have one number, quantity or expression for each lane
 test.toml:9:59: 'curve' of a spread over lanes cannot be 'round'; there are 'linear' and 'exponential'
-test.toml:10:48: this is in s, but it ends a spread from what is in m; give both the same unit
-test.toml:11:27: an exponential spread cannot begin, end or pass at 0; give both ends the same sign, or take the linear curve)");
+test.toml:10:48: this is in s, but it is in a spread with what is in m; give both the same unit
+test.toml:11:27: an exponential spread cannot start at, end at or cross 0; give both ends the same sign, or use the linear curve)");
 }
 
 TEST_CASE("mistakes: controls", "[graph]") {
@@ -164,11 +165,11 @@ tested = ["40 ms", "0 m"]
 )") ==
         R"(test.toml:3:15: control 'a' starts at 2, which is outside its range; it runs from 0 to 1
 test.toml:4:15: control 'b' starts at -70 dB, which is outside its range; it runs from -60 dB to 0 dB
-test.toml:5:28: 'range' of control 'c' has its ends in the wrong order; write the lower end first
+test.toml:5:28: 'range' of control 'c' has its limits in the wrong order; write the lower limit first
 test.toml:6:32: '1 mm' is in m, but 'range' is in s; give "15 ms"
 test.toml:6:40: '20 mm' is in m, but 'range' is in s; give "15 ms"
-test.toml:7:28: 'range' of control 'e' must have two ends; write range = [low, high]
-test.toml:8:15: 'loud' is not a quantity; write a number and its unit, such as "15 ms"
+test.toml:7:28: 'range' of control 'e' must have two limits; write range = [low, high]
+test.toml:8:15: 'loud' is not a number with a unit; write a number and its unit, such as "15 ms"
 test.toml:9:27: 'smooth' of control 'g' cannot be -1 ms; it must be at least 0 s
 test.toml:10:18: control 'h' has no 'rnage'; did you mean 'range'?
 test.toml:12:20: '0 m' is in m, but 'tested' is in s; give "15 ms")");
@@ -194,13 +195,13 @@ a = "drum.stick.position"
 b = "wall.stick.colour"
 c = "2 * wall"
 )") ==
-      R"(test.toml:3:10: unknown solver 'fast'; there are 'explicit', 'exact', 'implicit', 'passive', 'auto' and 'reference'
-test.toml:5:18: no kind of element is called 'mas'; did you mean 'mass'?
+      R"(test.toml:3:10: 'solver' cannot be 'fast'; there are 'explicit', 'exact', 'implicit', 'passive', 'auto' and 'reference'
+test.toml:5:18: there is no element type 'mas'; did you mean 'mass'?
 test.toml:6:48: network 'drum' has no element 'stik'; did you mean 'stick'?
 test.toml:8:34: 'stick.mass' of network 'wall' is in kg, but this is in m; give a quantity in kg
-test.toml:8:46: there is no 'nowhere'; name an input, a control or a node of this file
+test.toml:8:46: there is no 'nowhere'; write an input, a control or a node of this file
 test.toml:11:6: there is no 'wall.stick.colour'; did you mean 'wall.stick.velocity'?
-test.toml:12:10: 'wall' is not a signal; name an element of the network, such as 'wall.stick.position')");
+test.toml:12:10: 'wall' is not a signal; write an element of the network, such as 'wall.stick.position')");
 }
 
 TEST_CASE("mistakes: delays without bounds, changing fixed ports and loops come together", "[graph]") {
@@ -217,10 +218,10 @@ r = { type = "clip", in = "r + x" }
 [outputs]
 y = { from = "a + b + p + r" }
 )") ==
-        R"(test.toml:7:1: delay 'a': the longest delay is not known; give max = "..." a time
-test.toml:8:65: 'high_pass' of onset 'b' must not change while it runs; give a number, a quantity, or an expression of controls
-test.toml:9:1: p -> q -> p has no delay in it; put a 'delay' node on one of these edges
-test.toml:11:1: r -> r has no delay in it; put a 'delay' node on one of these edges)");
+        R"(test.toml:7:1: delay 'a': the maximum delay cannot be determined; give max = "..." a time
+test.toml:8:65: 'high_pass' of onset 'b' must not change during playback; give a number, a quantity, or an expression of controls
+test.toml:9:1: p -> q -> p contains no delay; insert a 'delay' node in one of these connections
+test.toml:11:1: r -> r contains no delay; insert a 'delay' node in one of these connections)");
 }
 
 TEST_CASE("mistakes: what is compensated for must be a node with a type", "[graph]") {
@@ -233,9 +234,9 @@ c = { type = "delay", in = "x", time = "9 ms", compensate = [3] }
 [outputs]
 y = { from = "b + c" }
 )") ==
-        R"(test.toml:6:61: there is no node 'nobody' to compensate; name nodes of this file that have a type
-test.toml:6:61: there is no node 's' to compensate; name nodes of this file that have a type
-test.toml:7:62: 'compensate' of delay 'c' must hold names of nodes; write ["node", "node"])");
+        R"(test.toml:6:61: there is no node 'nobody' to compensate; list nodes of this file that have a type
+test.toml:6:61: there is no node 's' to compensate; list nodes of this file that have a type
+test.toml:7:62: 'compensate' of delay 'c' must be a list of node names; write ["node", "node"])");
 }
 
 TEST_CASE("mistakes: what is compensated for is a filter, and named once", "[graph]") {
@@ -250,18 +251,21 @@ c = { type = "align", in = "tone", period = "9 ms", delay = "9 ms", compensate =
 [outputs]
 y = { from = "a + b + c + string" }
 )") ==
-        R"(test.toml:7:82: 'tone' is compensated twice; name it once
-test.toml:8:82: 'string' cannot be compensated: it is not a filter; leave it out; name what only turns the phase
-test.toml:9:82: 'c' cannot be compensated: it is not a filter; leave it out; name what only turns the phase)");
-  CHECK(told(R"([inputs]
+        R"(test.toml:7:82: 'tone' is compensated twice; list it once
+test.toml:8:82: 'string' cannot be compensated: it is not a filter; omit it; list only nodes that change the phase
+test.toml:9:82: 'c' cannot be compensated: it is not a filter; omit it; list only nodes that change the phase)");
+  CHECK(
+      told(R"([inputs]
 x = {}
 [nodes]
 pad = { type = "align", in = "x", period = "0 s", delay = "9 ms" }
 [outputs]
 y = { from = "pad" }
-)") == "test.toml:5:1: align 'pad': its period is never as long as two frames; give the period of the note, "
-       "as in "
-       "period = \"1 / pitch\"");
+)") ==
+      "test.toml:5:1: align 'pad': its period is always shorter than two frames, 41.6667 us; give the period "
+      "of the note, "
+      "as in "
+      "period = \"1 / pitch\"");
 }
 
 TEST_CASE("mistakes: what is in a part that is used twice is told once, and a loop through it by its path",
@@ -279,7 +283,7 @@ y = { from = "a" }
   REQUIRE(!schedule);
   CHECK(
       folder.strip(to_string(schedule.error())) ==
-      R"(part.toml:5:19: a.out -> b.out -> a.out has no delay in it; put a 'delay' node on one of these edges)");
+      R"(part.toml:5:19: a.out -> b.out -> a.out contains no delay; insert a 'delay' node in one of these connections)");
 }
 
 TEST_CASE("mistakes: parts", "[graph]") {
@@ -317,10 +321,10 @@ whole.toml:5:32: 'in' is in m, but this is in V; give a quantity in m
 whole.toml:5:36: part 'a' has no 'gian'; did you mean 'gain'?
 whole.toml:6:51: 'gain' is in N/m, but this is in m; give a quantity in N/m
 whole.toml:7:13: there is no file 'prat.toml'; did you mean 'part.toml'?
-whole.toml:8:13: '/part.toml' is an absolute path; give it relative to this file
-whole.toml:9:6: 'a' is not a signal; name one of its outputs, such as 'a.force'
+whole.toml:8:13: '/part.toml' is an absolute path; give the path relative to this file
+whole.toml:9:6: 'a' is not a signal; write one of its outputs, such as 'a.force'
 whole.toml:9:10: there is no 'b.froce'; did you mean 'b.force'?
-whole.toml:10:13: a file uses itself: whole.toml -> whole.toml; take one of these parts out of its file
+whole.toml:10:13: a file includes itself: whole.toml -> whole.toml; remove one of these parts from its file
 part.toml:8:15: this is in s, but it is added to what is in m; multiply one of them by a quantity that turns its unit into the other's)");
 }
 
@@ -333,5 +337,5 @@ TEST_CASE("mistakes: a part does not leave the folder of its instrument", "[grap
   REQUIRE(!schedule);
   CHECK(
       folder.strip(to_string(schedule.error())) ==
-      R"(drum/whole.toml:3:13: '../part.toml' leads out of the folder 'drum'; keep the files of an instrument inside it)");
+      R"(drum/whole.toml:3:13: '../part.toml' is outside the folder 'drum'; keep the files of an instrument inside it)");
 }

@@ -2,9 +2,12 @@
 #include <catch2/catch.hpp>
 
 #include "engine/graph/file/load.h"
+#include "tests/support/messages.h"
+#include "tests/support/parse_graph.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace tactus;
+using tactus::test::parse_graph;
 using test::TemporaryFolder;
 
 namespace {
@@ -15,8 +18,8 @@ std::string use(std::string_view file) {
   return "format = 1\n[nodes]\np = { use = \"" + std::string{file} + "\" }\n";
 }
 
-std::string mistakes(const TemporaryFolder& folder, const std::filesystem::path& file,
-                     const std::filesystem::path& root = {}) {
+test::Messages mistakes(const TemporaryFolder& folder, const std::filesystem::path& file,
+                        const std::filesystem::path& root = {}) {
   const auto spec = load_graph(file, root);
   return spec ? "" : folder.strip(to_string(spec.error()));
 }
@@ -53,7 +56,7 @@ TEST_CASE("parts: mistakes in all files come together, each file once", "[graph]
       "digits "
       "and _\n"
       "bad.toml:2:1: unknown key 'nods'; did you mean 'nodes'?\n"
-      "worse.toml:1:10: in this key-value pair: encountered end-of-file; fix it to see further errors");
+      "worse.toml:1:10: in this key-value pair: encountered end-of-file; fix this to see further errors");
 }
 
 TEST_CASE("parts: a circle of files is printed file by file", "[graph]") {
@@ -61,13 +64,13 @@ TEST_CASE("parts: a circle of files is printed file by file", "[graph]") {
   const auto a = folder.write("a.toml", use("b.toml"));
   folder.write("b.toml", use("c.toml"));
   folder.write("c.toml", use("b.toml"));
-  CHECK(
-      mistakes(folder, a) ==
-      "c.toml:3:13: a file uses itself: b.toml -> c.toml -> b.toml; take one of these parts out of its file");
+  CHECK(mistakes(folder, a) ==
+        "c.toml:3:13: a file includes itself: b.toml -> c.toml -> b.toml; remove one of these parts from its "
+        "file");
   const auto self = folder.write("self.toml", use("self.toml"));
-  CHECK(
-      mistakes(folder, self) ==
-      "self.toml:3:13: a file uses itself: self.toml -> self.toml; take one of these parts out of its file");
+  CHECK(mistakes(folder, self) ==
+        "self.toml:3:13: a file includes itself: self.toml -> self.toml; remove one of these parts from its "
+        "file");
 }
 
 TEST_CASE("parts: no path leaves the root, not even through a link", "[graph]") {
@@ -76,22 +79,22 @@ TEST_CASE("parts: no path leaves the root, not even through a link", "[graph]") 
   folder.write("secret.toml", kEmpty);
   const auto file = folder.write("drum/a.toml", use("../parts/string.toml"));
   CHECK(mistakes(folder, file) ==
-        "drum/a.toml:3:13: '../parts/string.toml' leads out of the folder 'drum'; keep the files of an "
+        "drum/a.toml:3:13: '../parts/string.toml' is outside the folder 'drum'; keep the files of an "
         "instrument "
         "inside it");
   CHECK(mistakes(folder, file, folder.path()) == "");
   folder.write("drum/a.toml", use("/etc/passwd"));
   CHECK(mistakes(folder, file) ==
-        "drum/a.toml:3:13: '/etc/passwd' is an absolute path; give it relative to this file");
+        "drum/a.toml:3:13: '/etc/passwd' is an absolute path; give the path relative to this file");
   folder.write("drum/a.toml", use("link.toml"));
   std::filesystem::create_symlink(folder.path() / "secret.toml", folder.path() / "drum/link.toml");
   CHECK(mistakes(folder, file) ==
-        "drum/a.toml:3:13: 'link.toml' leads out of the folder 'drum'; keep the files of an instrument "
+        "drum/a.toml:3:13: 'link.toml' is outside the folder 'drum'; keep the files of an instrument "
         "inside it");
   // A neighbour whose name begins like the root's is outside too.
   folder.write("drum_2/b.toml", kEmpty);
   folder.write("drum/a.toml", use("../drum_2/b.toml"));
-  CHECK(mistakes(folder, file).find("leads out of the folder 'drum'") != std::string::npos);
+  CHECK(mistakes(folder, file).find("is outside the folder 'drum'") != std::string::npos);
 }
 
 TEST_CASE("parts: a missing file is reported where it is used, with the nearest one", "[graph]") {

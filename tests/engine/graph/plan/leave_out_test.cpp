@@ -33,6 +33,6 @@ TEST_CASE("compile: each of the 9988 nodes that do not run is named, with the re
       std::count_if(named.begin(), named.end(), [](const auto& name) { return name.starts_with("idle"); });
   CHECK(idle == 9988);
   CHECK(reasons["is always"] == 1998);
-  CHECK(reasons["reaches only what is multiplied by zero"] == 400);
-  CHECK(reasons["nothing reads it"] == 1997);
+  CHECK(reasons["reaches only signals that are multiplied by zero"] == 400);
+  CHECK(reasons["its output is not used"] == 1997);
 }

@@ -23,8 +23,8 @@ c = { type = "clip", in = "a + d" }
 d = { type = "clip", in = "c" }
 [outputs]
 y = { from = "d" }
-)")) == R"(test.toml:6:1: a -> b -> a has no delay in it; put a 'delay' node on one of these edges
-test.toml:8:1: c -> d -> c has no delay in it; put a 'delay' node on one of these edges)");
+)")) == R"(test.toml:6:1: a -> b -> a contains no delay; insert a 'delay' node in one of these connections
+test.toml:8:1: c -> d -> c contains no delay; insert a 'delay' node in one of these connections)");
 }
 
 TEST_CASE("order: what only hangs on a loop without delay is not blamed", "[graph]") {
@@ -38,7 +38,7 @@ a    = { type = "clip", in = "x + b + back" }
 b    = { type = "clip", in = "a" }
 [outputs]
 y = { from = "end" }
-)")) == "test.toml:9:1: a -> b -> a has no delay in it; put a 'delay' node on one of these edges");
+)")) == "test.toml:9:1: a -> b -> a contains no delay; insert a 'delay' node in one of these connections");
 }
 
 TEST_CASE("order: names that only name each other are a loop", "[graph]") {
@@ -48,9 +48,9 @@ a = "b"
 b = "a"
 [outputs]
 y = { from = "x" }
-)")) == "test.toml:5:1: a -> b -> a has no delay in it; put a 'delay' node on one of these edges");
+)")) == "test.toml:5:1: a -> b -> a contains no delay; insert a 'delay' node in one of these connections");
   CHECK_THAT(mistakes(graph("[nodes]\na = \"1 * a\"\n[outputs]\ny = { from = \"a\" }\n")),
-             Catch::StartsWith("test.toml:4:") && Catch::Contains("a -> a has no delay in it"));
+             Catch::StartsWith("test.toml:4:") && Catch::Contains("a -> a contains no delay"));
 }
 
 TEST_CASE("order: a delay that can be shorter than a frame closes no loop, and the message says so",
@@ -62,8 +62,8 @@ TEST_CASE("order: a delay that can be shorter than a frame closes no loop, and t
         time + " }\n[outputs]\ny = { from = \"y\" }\n");
   };
   CHECK(mistakes(loop("time = \"t\"")) ==
-        "test.toml:8:1: y -> y has no delay in it; 'y' can be shorter than a frame: keep its time at one or "
-        "more, with 'min' if need be");
+        "test.toml:8:1: y -> y contains no delay; 'y' can be shorter than one frame: keep its time at one "
+        "frame or more, with 'min' if necessary");
   CHECK(mistakes(loop("time = \"t\", min = \"0.1 ms\"")) == "");
 }
 
@@ -88,7 +88,8 @@ y = { from = "p.out" }
   const auto compiled = compile(**spec, standard_nodes(), {});
   REQUIRE_FALSE(compiled);
   CHECK(folder.strip(to_string(compiled.error())) ==
-        "part.toml:6:1: p.a -> p.b -> p.a has no delay in it; put a 'delay' node on one of these edges");
+        "part.toml:6:1: p.a -> p.b -> p.a contains no delay; insert a 'delay' node in one of these "
+        "connections");
 }
 
 TEST_CASE("order: a network answers a frame later, so that its forces may depend on it", "[graph]") {
@@ -102,5 +103,5 @@ TEST_CASE("order: a network answers a frame later, so that its forces may depend
                          "s")) == "");
   // ... but what it drives may be a loop of its own.
   CHECK_THAT(mistakes(network("a = \"n.m.position * 1 N/m + b\"\nb = \"0.5 * a\"\n", "b")),
-             Catch::Contains("a -> b -> a has no delay in it"));
+             Catch::Contains("a -> b -> a contains no delay"));
 }

@@ -115,8 +115,8 @@ TEST_CASE("modal: it says what does not fit", "[nodes]") {
   CHECK(said({{"frequencies", "[100, 200]"}, {"decays", "[]"}}) ==
         "'decays' has 0 numbers for 2 modes; give one number for all modes, or one for each");
   CHECK(said({{"frequencies", "[100]"}, {"series", "bar"}}) ==
-        "'frequencies' and 'series' both say where the modes lie; leave one of them out");
-  CHECK(said({{"frequencies", "[100, 0]"}}) == "one of 'frequencies' is below 1 Hz; leave it out");
+        "'frequencies' and 'series' both determine the mode frequencies; omit one of them");
+  CHECK(said({{"frequencies", "[100, 0]"}}) == "one of 'frequencies' is below 1 Hz; remove it");
   CHECK(said({{"frequencies", "[]"}}) ==
-        "'frequencies' has 0 numbers, and there are from 1 to 4096 modes; list one frequency a mode");
+        "'frequencies' has 0 numbers; allowed are 1 to 4096 modes; list one frequency per mode");
 }

@@ -93,7 +93,7 @@ TEST_CASE("wavetable: repeats its numbers, and backwards at negative frequency",
 
 TEST_CASE("wavetable: an empty table is refused", "[nodes]") {
   CHECK(refusal(test::node_type("wavetable"), {{"frequency", 1.0}}) ==
-        "'table' holds no number; write one period, as in table = [0, 1, 0, -1]");
+        "'table' is empty; write one period, as in table = [0, 1, 0, -1]");
 }
 
 TEST_CASE("sample: plays the chosen channel from each trigger", "[nodes]") {

@@ -80,7 +80,7 @@ TEST_CASE("terrain: points are asked for when the profile is made of them", "[no
         "the profile 'points' needs at least two points; add points = [[x, z], ...]");
   CHECK(refusal(test::node_type("terrain"), {{"position", 0.0}},
                 {{"profile", "points"}, {"points", "[[1, 0], [0, 0]]"}}) ==
-        "'points' is not a profile: x does not ascend; write [[x, z], ...] with ascending x");
+        "'points' is not a profile: x is not in ascending order; write [[x, z], ...] with ascending x");
 }
 
 TEST_CASE("wall: pushes out behind its place, more when driven in, never pulls", "[nodes]") {

@@ -46,7 +46,7 @@ TEST_CASE("modal_body: it says what does not fit", "[nodes]") {
     return refusal(test::node_type("modal_body"), {{"wave", 0.0}, {"impedance", 1.0}}, settings);
   };
   CHECK(said({{"frequencies", "[100, 200]"}, {"masses", "[1, 0]"}}) ==
-        "one of 'masses' is not above 0; leave out the modes that do not move where the body is touched");
+        "one of 'masses' is not above 0; omit the modes that do not move at the point of contact");
   CHECK(said({{"frequencies", "[100, 200]"}, {"masses", "[1, 2, 3]"}}) ==
         "'masses' has 3 numbers for 2 modes; give one number for all modes, or one for each");
 }

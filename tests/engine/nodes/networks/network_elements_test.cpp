@@ -10,6 +10,7 @@
 
 #include "tests/support/allocation_count.h"
 #include "tests/support/graph_runner.h"
+#include "tests/support/messages.h"
 
 using namespace tactus;
 using namespace tactus::test;
@@ -36,7 +37,9 @@ double period(const Samples& x) {
   return (passages.back() - passages.front()) / static_cast<double>(passages.size() - 1);
 }
 
-std::string mistakes_of(const std::string& elements) { return mistakes(graph(elements, "n.energy / 1 J")); }
+test::Messages mistakes_of(const std::string& elements) {
+  return mistakes(graph(elements, "n.energy / 1 J"));
+}
 
 }  // namespace
 
@@ -205,20 +208,20 @@ TEST_CASE("network elements: what is wrong with them is told with its place and 
   CHECK(
       mistakes_of(
           "c = { type = \"chain\", masses = 3, mass = \"1 g\", stiffness = 1 }\np = { type = \"probe\", on = "
-          "\"c.4\" }") == "test.toml:5:28: 'c.4' lies outside 'c'; it ends with 'c.3'");
+          "\"c.4\" }") == "test.toml:5:28: 'c.4' is outside 'c'; its last mass is 'c.3'");
   CHECK(
       mistakes_of(
           "c = { type = \"chain\", masses = 3, mass = \"1 g\", stiffness = 1 }\np = { type = \"probe\", on = "
-          "\"c\" }") == "test.toml:5:28: 'c' is many masses, and 'c' is not one of them; write \"c.1\"");
+          "\"c\" }") == "test.toml:5:28: 'c' has several masses, but 'c' is not one of them; write \"c.1\"");
   CHECK(mistakes_of("m = { type = \"mass\", mass = \"1 g\" }\np = { type = \"probe\", on = \"m.1\" }") ==
-        "test.toml:5:28: 'm' is one mass, and 'm.1' none of it; write \"m\"");
+        "test.toml:5:28: 'm' is a single mass, so 'm.1' is not a mass of it; write \"m\"");
   CHECK(mistakes_of("c = { type = \"chain\", mass = \"1 g\", stiffness = 1 }") ==
         "test.toml:4:1: chain 'c' lacks 'masses'; write masses = … (how many)");
   CHECK(
       mistakes_of("c = { type = \"chain\", masses = 3, ends = \"loose\", mass = \"1 g\", stiffness = 1 }") ==
       "test.toml:4:42: 'ends' of chain 'c' cannot be 'loose'; there are 'fixed' and 'free'");
   CHECK(mistakes_of("solver = \"exat\"\nm = { type = \"mass\", mass = \"1 g\" }") ==
-        "test.toml:4:10: unknown solver 'exat'; did you mean 'exact'?");
+        "test.toml:4:10: 'solver' cannot be 'exat'; did you mean 'exact'?");
 }
 
 TEST_CASE("network elements: the solver that auto takes, and why, is told", "[physics]") {
@@ -255,9 +258,9 @@ TEST_CASE("network elements: a choice among bad ones is told as that, in a line 
   CHECK(forced.find("16 %\n  warning: ") != std::string::npos);
   CHECK(forced.find("`oversample`") != std::string::npos);
   const auto free = told("");
-  CHECK(free.starts_with("solver explicit with 8 steps a frame, "));
+  CHECK(free.starts_with("solver explicit with 8 steps per frame, "));
   CHECK(free.find("warning") == std::string::npos);
-  CHECK(free.find("\n  not explicit with 4 steps a frame: ") != std::string::npos);
+  CHECK(free.find("\n  not explicit with 4 steps per frame: ") != std::string::npos);
   CHECK(std::count(free.begin(), free.end(), '\n') <= 3);
 }
 

@@ -4,10 +4,12 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "engine/core/named.h"
 #include "engine/nodes/networks/network_elements.h"
 #include "tests/support/allocation_count.h"
 #include "tests/support/graph_runner.h"
 #include "tests/support/node_runner.h"
+#include "tests/support/parse_graph.h"
 
 using namespace tactus;
 using namespace tactus::test;
@@ -141,8 +143,8 @@ TEST_CASE("network node: signals are late, answers come one frame later, numbers
   for (const auto* output : {"stick", "stick.position", "stick.velocity", "suspension",
                              "suspension.extension", "lens", "lens.force", "lens.indentation", "coil",
                              "coil.current", "coil.force", "weight", "hand", "hand.position", "energy"})
-    CHECK(type->output_index(output) >= 0);
-  CHECK(type->output_index("frame") == -1);
+    CHECK(find_named(type->outputs, output) != nullptr);
+  CHECK(find_named(type->outputs, "frame") == nullptr);
 }
 
 TEST_CASE("network node: every mistake in its structure is reported in one go", "[physics]") {
@@ -159,19 +161,19 @@ w = { type = "force", on = "s", force = "1 N" }
 g = { type = "ground" }
 h = { type = "hand", on = "g" }
 c = { type = "coil", on = 3 })")) ==
-        R"(test.toml:4:10: unknown solver 'pasive'; did you mean 'passive'?
-test.toml:5:14: 'oversample' is not a whole number from 1 to 64; it is the number of steps in a frame
-test.toml:6:1: an element cannot be called 'energy'; 'n.energy' is the energy of the whole network
-test.toml:7:14: no kind of element is called 'mas'; did you mean 'mass'?
+        R"(test.toml:4:10: 'solver' cannot be 'pasive'; did you mean 'passive'?
+test.toml:5:14: 'oversample' cannot be 0; give one from 1 to 64
+test.toml:6:1: an element cannot have the name 'energy'; 'n.energy' is the energy of the whole network
+test.toml:7:14: there is no element type 'mas'; did you mean 'mass'?
 test.toml:8:22: unknown key 'mas'; did you mean 'mass'?
-test.toml:9:34: spring 's' has 1 end; name two points, the lower one first, as in between = ["cone", "stick"]
-test.toml:10:34: both ends of spring 't' are one point; name two different points
+test.toml:9:34: spring 's' has 1 end; give two points, the lower one first, as in between = ["cone", "stick"]
+test.toml:10:34: both ends of spring 't' are one point; give two different points
 test.toml:11:41: network 'n' has no element 'x'; there are 'energy', 'b' and 'g'
 test.toml:11:92: contact 'u' has both 'loss' and 'restitution'; remove one of them
-test.toml:12:1: force 'v' lacks 'on'; name the mass that it acts on
-test.toml:13:28: 's' is a spring, not a point; an end is a mass, a ground or a motion
+test.toml:12:1: force 'v' lacks 'on'; give the mass that it acts on
+test.toml:13:28: 's' is a spring, not a point; an end must be a mass, a ground or a motion element
 test.toml:15:27: 'g' is a ground, not a mass; a hand acts on a mass
-test.toml:16:27: an end of coil 'c' is a number; name an element, in quotes)");
+test.toml:16:27: an end of coil 'c' is a number; give the name of an element, in quotes)");
 }
 
 TEST_CASE("network node: wrong units and missing numbers are found by the compiler", "[physics]") {

@@ -133,7 +133,7 @@ TEST_CASE("waves: a mass and the body at its port move together", "[nodes]") {
   CHECK(heard[4].back() == Approx(3).epsilon(1e-6));
   // The frames between the two are a spring.
   CHECK(heard[2].back() - heard[3].back() ==
-        Approx(3 * WaveLine::kPortFrames / (2 * 20 * 48000.0)).epsilon(1e-3));
+        Approx(3 * TACTUS_WAVEGUIDE_PORT / (2 * 20 * 48000.0)).epsilon(1e-3));
 }
 
 // Two modes and a mass are two oscillators: Y(s) s M = -1, a quadratic equation in s^2.

@@ -121,6 +121,7 @@ TEST_CASE("exact: too many masses are refused with what to do", "[physics]") {
   const auto network = Network::make(elements, 0, 48_kHz, Solver::Exact, 1);
   REQUIRE_FALSE(network);
   CHECK(to_string(network.error()) ==
-        "springs and dampers join 200 masses, more than the 128 that the exact solver takes; use solver = "
+        "springs and dampers connect 200 masses, more than the 128 that the exact solver supports; use "
+        "solver = "
         "\"passive\" or \"implicit\"");
 }

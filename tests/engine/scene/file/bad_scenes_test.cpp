@@ -3,6 +3,7 @@
 
 #include "engine/nodes/table.h"
 #include "engine/scene/build_scene.h"
+#include "tests/support/messages.h"
 #include "tests/support/scene_folder.h"
 
 using namespace tactus;
@@ -94,7 +95,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [nodes]
 a = 1
 )",
-     R"(scene.toml:6:2: 'nodes' belongs in a graph, and this is a scene; move it to the file of a part)"},
+     R"(scene.toml:6:2: 'nodes' is a key of graphs, but this is a scene; move it to the file of a part)"},
     {"no plant",
      R"(format = 1
 duration = "1 s"
@@ -117,7 +118,7 @@ duration = "1 s"
 instrument = { mic = 0, pedal = 0 }
 plant = { use = "plant.toml", drive = 0, lift = 0 }
 )",
-     R"(scene.toml:4:1: part 'instrument' has no 'use'; name its file, as in use = "instrument.toml")"},
+     R"(scene.toml:4:1: part 'instrument' has no 'use'; give its file, as in use = "instrument.toml")"},
     {"a part whose file is not there",
      R"(format = 1
 duration = "1 s"
@@ -133,8 +134,8 @@ duration = "1 s"
 instrument = { use = "../instrument.toml", mic = 0, pedal = 0 }
 plant = { use = "/plant.toml", drive = 0, lift = 0 }
 )",
-     R"(scene.toml:4:22: '../instrument.toml' leads out of the folder 'FOLDER'; keep the files of an instrument inside it
-scene.toml:5:17: '/plant.toml' is an absolute path; give it relative to this file)"},
+     R"(scene.toml:4:22: '../instrument.toml' is outside the folder 'FOLDER'; keep the files of an instrument inside it
+scene.toml:5:17: '/plant.toml' is an absolute path; give the path relative to this file)"},
     {"a part that is the scene itself",
      R"(format = 1
 duration = "1 s"
@@ -142,7 +143,7 @@ duration = "1 s"
 instrument = { use = "scene.toml" }
 plant = { use = "plant.toml", drive = 0, lift = 0 }
 )",
-     R"(scene.toml:4:22: a scene cannot be a part of itself; name the file of a graph)"},
+     R"(scene.toml:4:22: a scene cannot be a part of itself; give the file of a graph)"},
     {"a wire that stops",
      R"(format = 1
 duration = "1 s"
@@ -150,7 +151,7 @@ duration = "1 s"
 instrument = { use = "instrument.toml", mic = "plant.mic +", pedal = 0 }
 plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 )",
-     R"(scene.toml:4:59: the expression ends too early; a number, a name or '(' belongs here)"},
+     R"(scene.toml:4:59: the expression is incomplete; write a number, a name or '(' here)"},
     {"a wire to nowhere",
      R"(format = 1
 duration = "1 s"
@@ -182,7 +183,7 @@ duration = "1 s"
 instrument = { use = "instrument.toml", mic = 0 }
 plant = { use = "plant.toml", drive = 0 }
 )",
-     R"(scene.toml:4:1: input 'pedal' of the instrument is not wired; say where it comes from, as in pedal = "plant.pedal"
+     R"(scene.toml:4:1: input 'pedal' of the instrument is not connected; give its source, as in pedal = "plant.pedal"
 scene.toml:5:1: part 'plant' lacks 'lift'; it is an input of plant.toml)"},
     {"a gesture without points",
      R"(format = 1
@@ -193,7 +194,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [gestures]
 hand = { curve = "step" }
 )",
-     R"(scene.toml:7:1: gesture 'hand' lacks 'points'; give 'points': [[time, value], …], times increase)"},
+     R"(scene.toml:7:1: gesture 'hand' lacks 'points'; give 'points': [[time, value], …] with ascending times)"},
     {"a gesture that is a list",
      R"(format = 1
 duration = "1 s"
@@ -213,7 +214,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [gestures]
 hand = { points = [["0 s"]] }
 )",
-     R"(scene.toml:7:20: a point is a time and a value; write it as in ["0.1 s", "2 m/s"])"},
+     R"(scene.toml:7:20: a point must be a time and a value; write for instance ["0.1 s", "2 m/s"])"},
     {"a gesture that goes back in time",
      R"(format = 1
 duration = "1 s"
@@ -223,7 +224,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [gestures]
 hand = { points = [["0 s", 0], ["0.5 s", 1], ["20 ms", 0]] }
 )",
-     R"(scene.toml:7:47: 20 ms does not come after 500 ms before it; the times of a gesture increase)"},
+     R"(scene.toml:7:47: 20 ms is not later than 500 ms before it; the times of a gesture must be ascending)"},
     {"a gesture before the beginning",
      R"(format = 1
 duration = "1 s"
@@ -233,7 +234,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [gestures]
 hand = { points = [["-5 ms", 0]] }
 )",
-     R"(scene.toml:7:21: the time of a point cannot be -5 ms; times run from 0 s to a day)"},
+     R"(scene.toml:7:21: the time of a point cannot be -5 ms; use times between 0 s and one day)"},
     {"a gesture in two units",
      R"(format = 1
 duration = "1 s"
@@ -273,7 +274,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [gestures]
 rise = { points = [["0 s", 0], ["1 s", 3]] }
 )",
-     R"(scene.toml:4:82: gesture 'rise' moves control 'strength' to 3, which is outside its range; it runs from 0 to 1)"},
+     R"(scene.toml:4:82: gesture 'rise' sets control 'strength' to 3, which is outside its range; it runs from 0 to 1)"},
     {"a control beyond its range",
      R"(format = 1
 duration = "1 s"
@@ -302,7 +303,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 off = true
 bits = 16
 )",
-     R"(scene.toml:7:7: converters that are off have no bits; remove 'off' or 'bits')"},
+     R"(scene.toml:7:7: 'bits' has no effect while the converters are 'off'; remove 'off' or 'bits')"},
     {"converters off in quotes",
      R"(format = 1
 duration = "1 s"
@@ -332,7 +333,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [expect]
 roll = { of = "instrument.hit", min = 1 }
 )",
-     R"(scene.toml:7:1: expectation 'roll' lacks 'measure'; give 'measure': what is measured)"},
+     R"(scene.toml:7:1: expectation 'roll' lacks 'measure'; give 'measure': name of a measure)"},
     {"an unknown measure",
      R"(format = 1
 duration = "1 s"
@@ -372,7 +373,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [expect]
 roll = { measure = "peak", of = "plant.stick", min = "1 mm", max = "1 s" }
 )",
-     R"(scene.toml:7:68: 'min' and 'max' are in different units; give both in the same)"},
+     R"(scene.toml:7:68: 'min' and 'max' are in different units; give both in the same unit)"},
     {"limits in the wrong unit",
      R"(format = 1
 duration = "1 s"
@@ -382,7 +383,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [expect]
 roll = { measure = "count", of = "instrument.hit", max = "3 ms" }
 )",
-     R"(scene.toml:7:1: 'count' is a plain number, but it is to be compared with 3 ms; leave the unit out)"},
+     R"(scene.toml:7:1: 'count' is a plain number, but it is compared with 3 ms; omit the unit)"},
     {"an end after the end",
      R"(format = 1
 duration = "1 s"
@@ -402,7 +403,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [expect]
 roll = { measure = "rate", of = "instrument.hit", from = "800 ms", to = "200 ms", min = 1 }
 )",
-     R"(scene.toml:7:73: 'to' does not come after 'from'; swap them)"},
+     R"(scene.toml:7:73: 'to' is not later than 'from'; swap them)"},
     {"strikes without a contact",
      R"(format = 1
 duration = "1 s"
@@ -412,7 +413,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [expect]
 roll = { measure = "missed", max = 0 }
 )",
-     R"(scene.toml:7:1: 'missed' needs a signal with the role 'contact'; name one under [roles], as in contact = "plant.contact")"},
+     R"(scene.toml:7:1: 'missed' needs a signal with the role 'contact'; give one under [roles], as in contact = "plant.contact")"},
     {"a comparison without a name",
      R"(format = 1
 duration = "1 s"
@@ -470,24 +471,23 @@ TEST_CASE("bad files: a scene that is wrong says where, what, and what to do", "
     auto told = built ? "" : folder.strip(to_string(built.error()));
     const auto name = folder.path().filename().string();
     if (const auto at = told.find(name); at != std::string::npos) told.replace(at, name.size(), "FOLDER");
-    CHECK(told == file.told);
+    CHECK(test::Messages{told} == file.told);
   }
 }
 
 TEST_CASE("hostile files: a scene is read as carefully as a graph", "[scene]") {
   const test::TemporaryFolder folder;
-  const auto told = [&](std::string_view text, std::uintmax_t bytes = 0) {
+  const auto told = [&](std::string_view text, std::uintmax_t bytes = 0) -> test::Messages {
     const auto file = folder.write("scene.toml", text);
     if (bytes > 0) std::filesystem::resize_file(file, bytes);
     const auto built = build_scene(load_scene_leniently(file), standard_nodes());
     return built ? "" : folder.strip(to_string(built.error()));
   };
   CHECK(told("format = 1\n", 1u << 30) ==
-        "scene.toml: the file is larger than 16 MB; graph files are text of a few pages");
+        "scene.toml: the file is larger than 16 MB; split the file, or keep data in sound files");
   CHECK(told("format = 1\n\xff\xfe") == "scene.toml:2:1: this is not UTF-8 text; save the file as UTF-8");
   CHECK(told("parts = " + std::string(100000, '[')) ==
-        "scene.toml:1:73: brackets or dots more than 64 deep; close some of them before");
-  CHECK(told("duration = nan\n")
-            .find("scene.toml:1:12: inf and nan are not numbers here; give a finite number") !=
+        "scene.toml:1:73: brackets or dots more than 64 deep; reduce the nesting");
+  CHECK(told("duration = nan\n").find("scene.toml:1:12: inf and nan are not allowed; give a finite number") !=
         std::string::npos);
 }

@@ -144,7 +144,7 @@ TEST_CASE("path file: what is no measured path is told with its place", "[scene]
   CHECK(mistakes("[nodes.path]", "[nodes]\nmore = \"2 * path\"\n[nodes.path]") ==
         "path.toml:7:1: 'more' is not part of a measured path" + form);
   CHECK(mistakes("rate = \"48 kHz\"\n", "") ==
-        "path.toml:6:8: fir 'path' lacks 'rate'; write the sample rate that its taps were measured at, as in "
+        "path.toml:6:8: fir 'path' lacks 'rate'; give the sample rate of its taps, as in "
         "rate = "
         "\"48 kHz\"");
   CHECK(mistakes("48 kHz", "48 Hz").find("path.toml:9:8: 'rate' of fir 'path' is out of range") == 0);

@@ -2,6 +2,7 @@
 
 #include "engine/nodes/table.h"
 #include "engine/scene/build_scene.h"
+#include "tests/support/messages.h"
 #include "tests/support/scene_folder.h"
 
 using namespace tactus;
@@ -18,7 +19,7 @@ struct Folder : test::SceneFolder {
         section;
     return parse_scene_leniently(text, (path() / "scene.toml").string(), path());
   }
-  std::string mistakes(const std::string& section) const {
+  test::Messages mistakes(const std::string& section) const {
     const auto built = build_scene(load(section), standard_nodes());
     return built ? "" : strip(to_string(built.error()));
   }
@@ -73,7 +74,7 @@ note = { from = "110 Hz", unit = "Hz" }
   CHECK(folder.mistakes(tone + "pitch = \"plant.not\"\n") ==
         "scene.toml:10:9: no signal 'plant.not' is recorded; did you mean 'plant.note'?");
   CHECK(folder.mistakes(tone + "pitch = \"plant.stick\"\n") ==
-        "scene.toml:10:9: 'plant.stick' is in m, but 'pitch' is in Hz; name an output in Hz, or give it a "
+        "scene.toml:10:9: 'plant.stick' is in m, but 'pitch' is in Hz; give an output in Hz, or give it a "
         "unit in "
         "its part");
   CHECK(folder.mistakes(tone + "pitch = \"plant.mic\"\n")
@@ -83,7 +84,7 @@ note = { from = "110 Hz", unit = "Hz" }
 TEST_CASE("playability section: its mistakes come with line and column", "[scene]") {
   const Folder folder;
   CHECK(folder.mistakes("from = \"1 s\"\n") ==
-        "scene.toml:7:1: [playability] lacks 'kind'; give 'kind': what is played, one of 'roll' and 'tone'");
+        "scene.toml:7:1: [playability] lacks 'kind'; give 'kind': kind of playing, one of 'roll' and 'tone'");
   CHECK(folder.mistakes("kind = \"rol\"\n") ==
         "scene.toml:8:8: 'kind' cannot be 'rol'; did you mean 'roll'?");
   CHECK(folder.mistakes("kind = \"roll\"\ncontact = \"plant.stick\"\npitch = \"110 Hz\"\n")
@@ -91,16 +92,16 @@ TEST_CASE("playability section: its mistakes come with line and column", "[scene
   CHECK(folder.mistakes("kind = \"roll\"\n")
             .starts_with("scene.toml:7:1: '[playability]' needs a signal with the role 'contact'"));
   CHECK(folder.mistakes("kind = \"roll\"\ncontact = \"plant.stik\"\n") ==
-        "scene.toml:9:11: '[playability]' needs 'plant.stik', and no such signal is recorded; did you mean "
+        "scene.toml:9:11: '[playability]' needs 'plant.stik', but no such signal is recorded; did you mean "
         "'plant.stick'?");
   CHECK(folder.mistakes("kind = \"tone\"\nsound = \"plant.mic\"\n") ==
-        "scene.toml:7:1: a tone needs the expected 'pitch'; give it as in pitch = \"110 Hz\", or as "
-        "an output of a part: \"wanted.pitch\"");
+        "scene.toml:7:1: a tone needs the expected 'pitch'; write pitch = \"110 Hz\", or an output of a "
+        "part: \"wanted.pitch\"");
   CHECK(folder.mistakes("kind = \"tone\"\nsound = \"plant.mic\"\npitch = \"1 s\"\n")
             .starts_with("scene.toml:10:9: '1 s' is in s, but 'pitch' is in Hz"));
   CHECK(folder.mistakes("kind = \"roll\"\ncontact = \"plant.stick\"\nfrom = \"3.5 s\"\n") ==
-        "scene.toml:10:8: the window to evaluate is shorter than a second; lower 'from', or raise 'to' or "
+        "scene.toml:10:8: the evaluated window is shorter than one second; lower 'from', or raise 'to' or "
         "'duration'");
   CHECK(folder.mistakes("kind = \"tone\"\nsound = \"plant.mic\"\npitch = \"110 Hz\"\nbegin = \"2 s\"\n")
-            .starts_with("scene.toml:11:9: the tone begins after 'from'"));
+            .starts_with("scene.toml:11:9: 'begin' is later than 'from'"));
 }

@@ -2,6 +2,7 @@
 
 #include "engine/nodes/table.h"
 #include "engine/scene/build_scene.h"
+#include "tests/support/messages.h"
 #include "tests/support/scene_folder.h"
 
 using namespace tactus;
@@ -9,7 +10,7 @@ using namespace tactus;
 namespace {
 
 struct Folder : test::SceneFolder {
-  std::string mistakes(const std::string& text) const {
+  test::Messages mistakes(const std::string& text) const {
     const auto file = (path() / "scene.toml").string();
     const auto built = build_scene(parse_scene_leniently(text, file, path()), standard_nodes());
     return built ? "" : strip(to_string(built.error()));
@@ -57,17 +58,17 @@ strengt = 0
 drum.gain = 1
 )") ==
         R"(scene.toml:2:12: '1 m' is in m, but 'duration' is in s; give "15 ms"
-scene.toml:4:1: input 'pedal' of the instrument is not wired; say where it comes from, as in pedal = "plant.pedal"
+scene.toml:4:1: input 'pedal' of the instrument is not connected; give its source, as in pedal = "plant.pedal"
 scene.toml:4:48: there is no 'plant.mik'; did you mean 'plant.mic'?
 scene.toml:4:60: the instrument has no input or control 'strenght'; did you mean 'strength'?
-scene.toml:4:85: control 'strength' is like 0.5, but gesture 'hand' is like 10 mm; give the points of the gesture the unit of the control
+scene.toml:4:85: control 'strength' has the unit of 0.5, but gesture 'hand' has the unit of 10 mm; give the points of the gesture the unit of the control
 scene.toml:5:40: 'drive' is a plain number, but this is in m; divide by a quantity in m
 scene.toml:5:55: there is no 'heigth'; did you mean 'height'?
 scene.toml:10:20: 'measure' cannot be 'peek'; did you mean 'peak'?
 scene.toml:11:35: no signal 'instrument.hti' is recorded; did you mean 'instrument.hit'?
-scene.toml:12:1: 'missed' needs a signal with the role 'contact'; name one under [roles], as in contact = "plant.contact"
-scene.toml:13:1: 'rms' needs an 'of'; name a signal, as in of = "plant.stick"
-scene.toml:14:1: 'rate' is in Hz, but it is to be compared with 15 ms; give it in Hz
+scene.toml:12:1: 'missed' needs a signal with the role 'contact'; give one under [roles], as in contact = "plant.contact"
+scene.toml:13:1: 'rms' needs an 'of'; give a signal, as in of = "plant.stick"
+scene.toml:14:1: 'rate' is in Hz, but it is compared with 15 ms; give it in Hz
 scene.toml:17:1: part 'instrument' has no control 'strengt'; did you mean 'strength'?
 scene.toml:18:6: there is no part 'drum'; see [parts])");
 }
@@ -83,7 +84,7 @@ plant = { use = "plant.toml", drive = 0, lift = "1 s" }
 [gestures]
 rise = { points = [["0 s", 0], ["1 s", 2]] }
 )") ==
-      R"(scene.toml:4:72: gesture 'rise' moves control 'strength' to 2, which is outside its range; it runs from 0 to 1
+      R"(scene.toml:4:72: gesture 'rise' sets control 'strength' to 2, which is outside its range; it runs from 0 to 1
 scene.toml:5:50: 'lift' is in m, but this is in s; give a quantity in m)");
   CHECK(
       folder.mistakes(R"(format = 1
@@ -92,7 +93,7 @@ duration = "1 s"
 instrument = { use = "instrument.toml", mic = 0, pedal = 0, strength = "plant.mic" }
 plant = { use = "plant.toml", drive = 0, lift = "1 mm" }
 )") ==
-      R"(scene.toml:4:72: 'plant.mic' is neither a value for control 'strength' nor a gesture; give a quantity, or name a gesture that moves it)");
+      R"(scene.toml:4:72: 'plant.mic' is neither a value for control 'strength' nor a gesture; give a number or a quantity, or the name of a gesture)");
 }
 
 TEST_CASE("scene: a file that cannot be read hides what would be in it", "[scene]") {
@@ -107,7 +108,7 @@ plant = { use = "plant.toml", drive = "instrument.anything", lift = "1 s" }
 some = { measure = "count", of = "instrument.anything", max = 3 }
 )") ==
         R"(scene.toml:5:70: 'lift' is in m, but this is in s; give a quantity in m
-broken.toml:2:8: in this table header: expected ']', saw '\n'; fix it to see further errors)");
+broken.toml:2:8: in this table header: expected ']', saw '\n'; fix this to see further errors)");
   CHECK(folder.mistakes(R"(format = 1
 duration = "1 s"
 [parts]

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "tests/support/messages.h"
 #include "tests/support/scene_folder.h"
 
 using namespace tactus;
@@ -21,7 +22,7 @@ struct Folder : TemporaryFolder {
   Checked<SceneSpec> read(std::string_view text) const {
     return test::parse_scene(text, (path() / "scene.toml").string());
   }
-  std::string mistakes(std::string_view text) const {
+  test::Messages mistakes(std::string_view text) const {
     const auto scene = read(text);
     return scene ? "" : strip(to_string(scene.error()));
   }
@@ -50,7 +51,7 @@ bits = 16
 pitch = { measure = "frequency", of = "plant.piezo", from = "1 s", to = "6 s", min = "439 Hz", max = "441 Hz" }
 calm  = { measure = "peak", max = 1 }
 )");
-  const auto scene = load_scene(folder.path());  // a folder means its scene.toml
+  const auto scene = load_scene(folder.path());  // for a folder, its scene.toml
   REQUIRE(scene);
   CHECK(scene->name == "bow");
   CHECK(scene->rate == Hertz{44100});
@@ -137,23 +138,23 @@ scene.toml:3:1: unknown key 'sead'; did you mean 'seed'?
 scene.toml:4:8: 'seed' must be a whole number; give one from 0 to 9007199254740991
 scene.toml:5:12: 'duration' cannot be -1 s; it runs from 1 ms to 86400 s
 scene.toml:7:22: there is no file 'instrment.toml'; did you mean 'instrument.toml'?
-scene.toml:7:62: the expression ends too early; a number, a name or '(' belongs here
-scene.toml:7:80: the expression ends too early; a number, a name or '(' belongs here
-scene.toml:9:1: part 'hand' has no 'use'; name its file, as in use = "hand.toml"
+scene.toml:7:62: the expression is incomplete; write a number, a name or '(' here
+scene.toml:7:80: the expression is incomplete; write a number, a name or '(' here
+scene.toml:9:1: part 'hand' has no 'use'; give its file, as in use = "hand.toml"
 scene.toml:11:1: 'hand' cannot name a gesture: it names a part in line 9; choose another name
-scene.toml:12:34: 0 s does not come after 0 s before it; the times of a gesture increase
+scene.toml:12:34: 0 s is not later than 0 s before it; the times of a gesture must be ascending
 scene.toml:12:41: '1 N' is in N, but 'a' is in m; give "12 mm"
 scene.toml:12:50: '1 mm' is in m, but 'time' is in s; give "15 ms"
-scene.toml:12:62: a point is a time and a value; write it as in ["0.1 s", "2 m/s"]
+scene.toml:12:62: a point must be a time and a value; write for instance ["0.1 s", "2 m/s"]
 scene.toml:12:76: 'curve' cannot be 'stpe'; did you mean 'step'?
-scene.toml:13:1: gesture 'b' lacks 'points'; give 'points': [[time, value], …], times increase
+scene.toml:13:1: gesture 'b' lacks 'points'; give 'points': [[time, value], …] with ascending times
 scene.toml:15:8: 'bits' cannot be 64; give one from 1 to 32
 scene.toml:16:7: 'off' must be true or false, not a number; write off = true
-scene.toml:17:2: 'nodes' belongs in a graph, and this is a scene; move it to the file of a part
+scene.toml:17:2: 'nodes' is a key of graphs, but this is a scene; move it to the file of a part
 scene.toml:19:1: expectation 'p' lacks 'measure'; give 'measure': what is measured
-scene.toml:19:46: 'to' does not come after 'from'; swap them
+scene.toml:19:46: 'to' is not later than 'from'; swap them
 scene.toml:19:68: 'max' is below 'min'; swap them
-scene.toml:20:44: 'min' and 'max' are in different units; give both in the same
+scene.toml:20:44: 'min' and 'max' are in different units; give both in the same unit
 scene.toml:21:1: expectation 'r' lacks 'min' and 'max'; give at least one of them
 scene.toml:21:25: unknown key 'mx'; did you mean 'max'?
 plant.toml:2:1: unknown key 'nods'; did you mean 'nodes'?)");
@@ -183,13 +184,12 @@ TEST_CASE("scene: parts stay below the root, and mistakes that two parts share a
   folder.write("drum/scene.toml", std::string{"format = 1\nduration = 1\n"} + kParts);
   const auto narrow = load_scene(folder.path() / "drum");
   REQUIRE_FALSE(narrow);
-  CHECK(
-      folder.strip(to_string(narrow.error())) ==
-      "drum/instrument.toml:3:13: '../shared/bad.toml' leads out of the folder 'drum'; keep the files of an "
-      "instrument inside it\n"
-      "drum/plant.toml:3:13: '../shared/bad.toml' leads out of the folder 'drum'; keep the files of an "
-      "instrument "
-      "inside it");
+  CHECK(folder.strip(to_string(narrow.error())) ==
+        "drum/instrument.toml:3:13: '../shared/bad.toml' is outside the folder 'drum'; keep the files of an "
+        "instrument inside it\n"
+        "drum/plant.toml:3:13: '../shared/bad.toml' is outside the folder 'drum'; keep the files of an "
+        "instrument "
+        "inside it");
   const auto wide = load_scene(folder.path() / "drum", folder.path());
   REQUIRE_FALSE(wide);
   CHECK(folder.strip(to_string(wide.error())) ==

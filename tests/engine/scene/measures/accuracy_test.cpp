@@ -2,6 +2,7 @@
 
 #include "engine/nodes/table.h"
 #include "engine/scene/build_scene.h"
+#include "tests/support/messages.h"
 #include "tests/support/scene_folder.h"
 
 using namespace tactus;
@@ -10,7 +11,7 @@ using namespace tactus::test;
 namespace {
 
 /// All that is wrong with a scene of this [accuracy].
-std::string mistakes(const std::string& lines) {
+test::Messages mistakes(const std::string& lines) {
   const SceneFolder folder;
   folder.write("scene.toml",
                "format = 1\nduration = \"1 s\"\n[parts]\n"
@@ -29,17 +30,17 @@ TEST_CASE("accuracy: a scene of a plant alone says what must come out right", "[
 
 TEST_CASE("accuracy: mistakes are told by their place", "[scene]") {
   CHECK(mistakes("a = { of = \"plant.stick\" }\n") ==
-        "scene.toml:6:1: accuracy 'a' lacks 'measure'; give 'measure': what is compared");
+        "scene.toml:6:1: accuracy 'a' lacks 'measure'; give 'measure': name of a measure");
   CHECK(mistakes("a = { measure = \"positon\", of = \"plant.stick\" }\n") ==
         "scene.toml:6:17: 'measure' cannot be 'positon'; did you mean 'position'?");
   CHECK(mistakes("a = { measure = \"position\" }\n") ==
-        "scene.toml:6:1: accuracy 'a' lacks 'of'; give 'of': a signal, as in \"plant.tip\"");
+        "scene.toml:6:1: accuracy 'a' lacks 'of'; give 'of': recorded signal, such as \"plant.tip\"");
   CHECK(mistakes("a = { measure = \"position\", of = \"plant.stik\" }\n") ==
         "scene.toml:6:34: no signal 'plant.stik' is recorded; did you mean 'plant.stick'?");
   CHECK(mistakes("a = { measure = \"position\", of = \"plant.stick\", exact = 1 }\n") ==
-        "scene.toml:6:57: 'position' is not a single number that could be exact; remove 'exact'");
+        "scene.toml:6:57: 'position' has no single exact value; remove 'exact'");
   CHECK(mistakes("a = { measure = \"frequency\", of = \"plant.stick\", exact = \"1 m\" }\n") ==
-        "scene.toml:6:1: 'frequency' is in Hz, but it is to be compared with 1 m; give it in Hz");
+        "scene.toml:6:1: 'frequency' is in Hz, but it is compared with 1 m; give it in Hz");
   CHECK(mistakes("a = { measure = \"position\", of = \"plant.stick\", scale = 0 }\n") ==
-        "scene.toml:6:57: 'scale' must be above 0; give the value of an error of 1");
+        "scene.toml:6:57: 'scale' must be above 0; give the value that counts as a relative error of 1");
 }

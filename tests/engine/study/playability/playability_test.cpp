@@ -70,7 +70,7 @@ TEST_CASE("playability: the number of workers changes nothing", "[analysis]") {
   options.workers = 1;
   const auto alone = studied(options);
   REQUIRE(alone.runs.size() == 2 * 2 * 4);
-  CHECK(alone.finished() == 16);
+  CHECK(finished(alone.runs) == 16);
   CHECK(alone.runs[0].as_written());
   CHECK(alone.runs[1].variant == "actuator x 0.5");
   CHECK(alone.runs[3].variant == "draw 1");
@@ -106,7 +106,7 @@ TEST_CASE("playability: the shares of a study make the whole of it", "[analysis]
   options.parts = 3;
   for (options.part = 0; options.part < 3; ++options.part) {
     const auto share = studied(options);
-    CHECK((share.finished() == 16) == (options.part == 2));
+    CHECK((finished(share.runs) == 16) == (options.part == 2));
   }
   options.parts = 1;
   options.part = 0;
@@ -123,7 +123,7 @@ TEST_CASE("playability: stopped, it stores finished runs and resumes", "[analysi
   int calls = 0;
   options.stop = [&] { return ++calls > 5; };
   const auto stopped = studied(options);
-  CHECK(stopped.finished() == 5);
+  CHECK(finished(stopped.runs) == 5);
   options.stop = {};
   CHECK(same(studied(options), fresh));
 }
@@ -135,13 +135,13 @@ TEST_CASE("playability: another scene, seed or control is another run", "[analys
   options.cache = folder.path();
   studied(options);
   options.stop = [] { return true; };
-  CHECK(studied(options).finished() == 8);
+  CHECK(finished(studied(options).runs) == 8);
   auto other = options;
   other.seed = 2;
-  CHECK(studied(other).finished() == 6);  // all but the draws
+  CHECK(finished(studied(other).runs) == 6);  // all but the draws
   other = options;
   other.set["strength"] = 0.9;
-  CHECK(studied(other).finished() == 0);
+  CHECK(finished(studied(other).runs) == 0);
 }
 
 TEST_CASE("playability: a delay is playable when all as written are, and nine of ten of the others",
@@ -181,7 +181,7 @@ TEST_CASE("playability: a control that a gesture moves is swept by the gesture",
   for (auto& part : scene.parts)
     if (part.name == "instrument")
       part.wires.push_back({"strength", part.at, {std::string{"weight"}, part.at}});
-  CHECK(error_of(scene, options) == "control 'strength' is moved by gesture 'weight'");
+  CHECK(error_of(scene, options) == "control 'strength' is set by gesture 'weight'");
 }
 
 TEST_CASE("playability: a gesture can be held at values of its own unit", "[analysis]") {
@@ -214,7 +214,7 @@ TEST_CASE("playability: the shipped instruments are playable over all the delays
   const std::string file = GENERATE("haptic_drum/scene.toml", "cellomobo/open_string.toml");
   auto scene = scene_of(file);
   scene.duration = Seconds{std::min(scene.duration.value, 4.0)};
-  const auto tested = tested_delays(*scene.part("instrument")->graph);
+  const auto tested = scene.part("instrument")->graph->tested;
   REQUIRE(tested);
   REQUIRE(tested->low <= 0.02);
   REQUIRE(tested->high >= 0.02);
@@ -232,7 +232,7 @@ TEST_CASE("playability: the drum keeps to its tested delays with other woofers a
           "[analysis][instruments]") {
   auto scene = scene_of("haptic_drum/scene.toml");
   scene.duration = Seconds{4};
-  const auto tested = tested_delays(*scene.part("instrument")->graph);
+  const auto tested = scene.part("instrument")->graph->tested;
   REQUIRE(tested);
   PlayabilityOptions options;
   // Both ends, and both sides of the delay from which it waits for the third bounce.

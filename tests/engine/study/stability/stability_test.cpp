@@ -122,8 +122,8 @@ TEST_CASE("stability: a spring below its border holds and one above it grows", "
 
 TEST_CASE("stability: a wall is analysed as it is touched, bare and held", "[analysis]") {
   const auto verdict = analysed(kWall, {});
-  const auto& bare = regime(verdict, "laws where they are steepest", false);
-  const auto& held = regime(verdict, "laws where they are steepest", true);
+  const auto& bare = regime(verdict, "nonlinearities at their largest slope", false);
+  const auto& held = regime(verdict, "nonlinearities at their largest slope", true);
   REQUIRE(bare.stiff.size() == 1);
   CHECK(bare.stiff[0].stiffness == Approx(40));
   CHECK(bare.stiff[0].stable_up_to == Approx(0.1 / (0.001 + 0.5 / 48000)).epsilon(0.01));
@@ -157,7 +157,7 @@ mirror = { type = "wall", position = "-place", stiffness = "80 N/m", at = "5 mm"
   const auto* const second = GENERATE_COPY(mirrored, by_hand);
   const auto ends = two_walls(second);
   CHECK(ends.stable);
-  CHECK(regime(ends, "where 'instrument.high' is steepest", false).stiff.at(0).stable_up_to ==
+  CHECK(regime(ends, "'instrument.high' at its largest slope", false).stiff.at(0).stable_up_to ==
         Approx(border).epsilon(0.01));
   CHECK_FALSE(
       two_walls(R"(low = { type = "wall", position = "place", stiffness = "80 N/m", at = "4 mm" })").stable);
@@ -178,7 +178,7 @@ push = { from = "ribs", unit = "N" }
   CHECK(verdict.stable);
   CHECK(regime(verdict, "at rest", false).unstable_equilibria == std::vector<std::string>{"instrument.ribs"});
   CHECK(regime(verdict, "at rest", false).stiff.empty());
-  const auto& steep = regime(verdict, "laws where they are steepest", false);
+  const auto& steep = regime(verdict, "nonlinearities at their largest slope", false);
   REQUIRE(steep.stiff.size() == 1);
   const double stiffest = 4 * std::pow(std::numbers::pi / 8e-3, 2) * 0.1 * 1e-4;
   CHECK(steep.stiff[0].stiffness == Approx(stiffest).epsilon(1e-6));

@@ -116,7 +116,7 @@ TEST_CASE("work and precision: a scene that compares nothing is told so", "[anal
   scene.accuracy.clear();
   const auto study = study_work_precision(scene, standard_nodes());
   REQUIRE_FALSE(study);
-  CHECK(study.error().front().what == "the scene does not say what must come out right");
+  CHECK(study.error().front().what == "the scene does not list the measures to compare");
 }
 
 TEST_CASE("work and precision: the solver is set in parts of parts, and not in the instrument",
@@ -138,11 +138,11 @@ TEST_CASE("work and precision: the solver is set in parts of parts, and not in t
   const auto changed =
       with_network_option(with_network_option(*loaded, "solver", "explicit"), "oversample", 4.0);
   const auto solver = [](const GraphSpec& graph) {
-    return *find(graph.networks.front().options, "solver")->text();
+    return *find(graph.networks.front().fields, "solver")->text();
   };
   const auto& inner = *changed.part("plant")->graph->parts.at("inner.toml");
   CHECK(solver(inner) == "explicit");
-  CHECK(*find(inner.networks.front().options, "oversample")->number() == 4.0);
+  CHECK(*find(inner.networks.front().fields, "oversample")->number() == 4.0);
   CHECK(solver(*changed.part("instrument")->graph) == "passive");
   CHECK(solver(*loaded->part("plant")->graph->parts.at("inner.toml")) == "passive");
 }

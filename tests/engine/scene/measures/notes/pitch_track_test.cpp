@@ -72,8 +72,8 @@ TEST_CASE("notes_heard: each wanted note with its cents and partial", "[analysis
   CHECK(describe(notes[2]).starts_with("E3, 165.0 Hz: not right: 495.0 Hz sounds, partial 3, "));
   CHECK(notes[3].detected_hz == 0);
   CHECK(notes[3].expected.from_s == Approx(1.5));
-  CHECK(describe(notes[3]) == "E4, 330.0 Hz: nothing with a pitch");
-  CHECK(describe(notes) == "2 of 4 notes right, at most 7.0 cents off, each speaks within 0.03 s");
+  CHECK(describe(notes[3]) == "E4, 330.0 Hz: no pitched sound");
+  CHECK(describe(notes) == "2 of 4 notes right, at most 7.0 cents off, each steady within 0.03 s");
 }
 
 TEST_CASE("notes_heard: a note that takes long to leave another partial is told so and not right",

@@ -53,7 +53,7 @@ TEST_CASE("nonlinearities: a corner answers beyond its edge, on the side where i
 TEST_CASE("nonlinearities: stops at both ends are two places, on one side they are one", "[analysis]") {
   const auto ends = operating_points({stop("low", kX, -1), stop("high", kX, 1)});
   REQUIRE(ends.size() == 2);
-  CHECK(ends[0].name == "where 'low' is steepest");
+  CHECK(ends[0].name == "'low' at its largest slope");
   CHECK(ends[0].moved.at(kX) == Approx(-1.1));
   CHECK(ends[1].moved.at(kX) == Approx(1.1));
 
@@ -71,7 +71,7 @@ TEST_CASE("nonlinearities: overlapping laws are analysed at the steepest point o
   };
   const auto places = operating_points({bell("low", -0.6, 1), bell("high", 0.6, 1)});
   REQUIRE(places.size() == 3);
-  CHECK(places[2].name == "where 'low' with 'high' is steepest");
+  CHECK(places[2].name == "'low' with 'high' at its largest slope");
   CHECK(places[2].moved.at(kX) == Approx(0).margin(1e-3));
 }
 

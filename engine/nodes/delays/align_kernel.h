@@ -1,0 +1,122 @@
+#pragma once
+
+// Thread: [realtime].
+
+#include "engine/dsp/delays/taps_kernel.h"
+#include "engine/dsp/envelopes/rise_kernel.h"
+
+#define TACTUS_ALIGN_TAPS 4
+#define TACTUS_ALIGN_LONGEST 0.1  ///< period [s]: 10 Hz, the lowest string
+
+/// Where taps of the line lie: the newest, in frames back, and what each weighs.
+typedef struct tactus_align_taps {
+  int newest;
+  tactus_real weights[TACTUS_ALIGN_TAPS];
+} tactus_align_taps;
+
+/// Delay that makes a loop a whole number of periods long at its pitch:
+///
+///   pad = k P − rest,   rest = delay − phase P / 2π
+///
+/// P [s] is one period, `delay` [s] what the loop takes without the pad, `phase` [rad] what turns in it
+/// besides (below 0 it lags). k is chosen when a note starts, the least with a pad of at least a frame; after
+/// that the pad follows P with the same k, up to a frame + 1.5 P: so wide that a vibrato at one end of it
+/// moves to the middle and stays there. While the pad moves from one k to another there are two taps, where
+/// it is and where it was. Their gains add up to 1: at the pitch both are in phase. Source: Berdahl, Steiner
+/// & Oldham, NIME 2008, section 7.2, for the loop; k P from the condition of oscillation (Barkhausen).
+typedef struct tactus_align {
+  tactus_rise rise;
+  int started, note, on;
+  tactus_real period, pad, turns;  ///< [s], [s], k
+  int fading;                      ///< frames left
+  tactus_align_taps now, before;
+
+  // What does not change.
+  tactus_real rate, frame, shortest_period, longest_period;  ///< [Hz], [s]
+  int fade_frames;
+} tactus_align;
+
+static inline tactus_real tactus_align_longest_pad(const tactus_align* s, tactus_real period) {
+  return s->frame + 1.5 * period;
+}
+static inline tactus_real tactus_align_period(const tactus_align* s, tactus_real period) {
+  return tactus_clamp(period, s->shortest_period, s->longest_period);
+}
+static inline tactus_real tactus_align_rest(tactus_real period, tactus_real delay, tactus_real phase) {
+  return delay - phase * period / 6.283185307179586;
+}
+/// k of a new note.
+static inline tactus_real tactus_align_turns(const tactus_align* s, tactus_real period, tactus_real rest) {
+  return ceil((rest + s->frame) / period);
+}
+static inline tactus_real tactus_align_inside(const tactus_align* s, tactus_real pad) {
+  return pad > 0 ? tactus_min(pad, tactus_align_longest_pad(s, s->longest_period)) : 0.0;
+}
+
+static inline void tactus_align_aim(tactus_align* s, tactus_real pad) {
+  const tactus_real inside = tactus_align_inside(s, pad);
+  if (inside != s->pad) {
+    const tactus_real frames = tactus_delay_frames(inside, s->rate);
+    s->pad = inside;
+    s->now.newest = tactus_delay_newest(frames, TACTUS_ALIGN_TAPS - 1, 0);
+    tactus_lagrange(s->now.weights, TACTUS_ALIGN_TAPS, frames - s->now.newest);
+  }
+}
+
+/// Of a state of zeros.
+static inline void tactus_align_start(tactus_align* s, tactus_real rate, tactus_real longest_period) {
+  s->rate = rate;
+  s->frame = 1 / rate;
+  s->shortest_period = 2 * s->frame;
+  s->longest_period = tactus_clamp(longest_period, s->shortest_period, TACTUS_ALIGN_LONGEST);
+  s->fade_frames = (int)lround(0.010 / s->frame);
+  s->now.weights[0] = s->before.weights[0] = 1;
+}
+
+static inline void tactus_align_move(tactus_align* s, int on, tactus_real period, tactus_real rest) {
+  const tactus_real pad_before = s->pad;
+  s->on = on;
+  s->turns = tactus_align_turns(s, period, rest);
+  s->note = 0;
+  s->before = s->now;
+  tactus_align_aim(s, on ? s->turns * period - rest : 0.0);
+  if (s->started && s->pad != pad_before) s->fading = s->fade_frames;
+  s->started = 1;
+}
+
+/// Sets the taps of a frame. A note starts at a trigger, or where the period jumps by half a semitone.
+static inline void tactus_align_follow(tactus_align* s, tactus_real wanted_period, tactus_real delay,
+                                       tactus_real phase, tactus_real trigger, tactus_real wanted_on) {
+  const tactus_real half_semitone = 0.0293;  // 2^(1/24) - 1
+  const tactus_real period = tactus_align_period(s, wanted_period);
+  const tactus_real rest = tactus_align_rest(period, delay, phase), pad = s->turns * period - rest;
+  const int on = wanted_on >= 0.5;
+  const int serves = pad >= s->frame && pad <= tactus_align_longest_pad(s, period);
+  const int jumped =
+      s->started && tactus_max(period, s->period) > (1 + half_semitone) * tactus_min(period, s->period);
+  s->note |= tactus_rise_step(&s->rise, trigger) | jumped;
+  s->period = period;
+  // While one move is under way, a new note has to wait.
+  if ((!s->started || s->note || on != s->on || !serves) && s->fading == 0)
+    tactus_align_move(s, on, period, rest);
+  if (!s->note) tactus_align_aim(s, s->on ? s->turns * period - rest : 0.0);
+}
+
+/// What the taps where the pad was count in this frame; then one frame on.
+static inline tactus_real tactus_align_fade(tactus_align* s) {
+  return (tactus_real)s->fading-- / s->fade_frames;
+}
+
+/// `line` holds the longest pad and the taps.
+static inline tactus_real tactus_align_step(tactus_align* s, tactus_line* line, tactus_real in,
+                                            tactus_real period, tactus_real delay, tactus_real phase,
+                                            tactus_real trigger, tactus_real on) {
+  tactus_real out;
+  tactus_line_write(line, in);
+  tactus_align_follow(s, period, delay, phase, trigger, on);
+  out = tactus_line_sum(line, s->now.newest + 1, s->now.weights, TACTUS_ALIGN_TAPS, 0);
+  if (s->fading > 0)
+    out += tactus_align_fade(s) *
+           (tactus_line_sum(line, s->before.newest + 1, s->before.weights, TACTUS_ALIGN_TAPS, 0) - out);
+  return out;
+}
