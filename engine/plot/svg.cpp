@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 namespace tactus::plot {
 namespace {
@@ -42,19 +43,14 @@ std::string rules(const Theme& theme, bool dark) {
 }  // namespace
 
 std::string escape(const std::string& text) {
+  static const std::map<char, const char*> kEntities = {
+      {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}};
   std::string safe;
-  for (const char c : text) {
-    if (c == '&')
-      safe += "&amp;";
-    else if (c == '<')
-      safe += "&lt;";
-    else if (c == '>')
-      safe += "&gt;";
-    else if (c == '"')
-      safe += "&quot;";
+  for (const char c : text)
+    if (const auto entity = kEntities.find(c); entity != kEntities.end())
+      safe += entity->second;
     else if (static_cast<unsigned char>(c) >= 0x20)
       safe += c;
-  }
   return safe;
 }
 

@@ -98,7 +98,9 @@ double fundamental(const std::vector<double>& x, double f0, double from_s) {
   return std::abs(sum);
 }
 
-int partial_of(double hertz, double f0) { return std::max(1, static_cast<int>(std::lround(hertz / f0))); }
+int nearest_partial(double hertz, double f0) {
+  return std::max(1, static_cast<int>(std::lround(hertz / f0)));
+}
 
 /// |H_LP|, |H_2LP| and |H_ac| at f.
 double string_loss(double f) {
@@ -150,7 +152,7 @@ TEST_CASE("cellomobo loop: where and at which gain it starts to sound", "[instru
   const auto border = border_of({row.f0, row.g, row.delay});
   CHECK(border.hertz == Approx(row.hertz).epsilon(2e-4));
   CHECK(border.rho == Approx(row.rho).epsilon(0.01));
-  CHECK(partial_of(border.hertz, row.f0) == row.partial);
+  CHECK(nearest_partial(border.hertz, row.f0) == row.partial);
 }
 
 TEST_CASE("cellomobo loop: aligned it starts at its fundamental, with the least gain that there is",
@@ -214,7 +216,7 @@ TEST_CASE("cellomobo loop: its pitch stays within the bound at every delay", "[i
   for (double delay_ms = 0; delay_ms <= 40; delay_ms += 2) {
     INFO(f0 << " Hz, " << delay_ms << " ms");
     const auto border = border_of({f0, g, std::round(delay_ms * kRate / 1000)});
-    const int h = partial_of(border.hertz, f0);
+    const int h = nearest_partial(border.hertz, f0);
     const double error = std::abs(cents(border.hertz, h * f0));
     // rho at the root, with all filters, and g |H_LP| there.
     const double rho = border.rho * tone_gain(border.hertz, 2 * f0) * std::pow(ac_gain(border.hertz), 2);

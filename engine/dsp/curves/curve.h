@@ -23,11 +23,6 @@ class CubicCurve {
   /// [control] All slopes are 0.
   explicit CubicCurve(const Points& points);
 
-  /// [realtime] Value, slope and second derivative at x.
-  tactus_cubic_point at(double x) const {
-    const auto curve = view();
-    return tactus_cubic_at(&curve, x);
-  }
   /// [realtime] Valid as long as this object.
   tactus_curve view() const { return {static_cast<int>(x_.size()), x_.data(), value_.data(), slope_.data()}; }
 

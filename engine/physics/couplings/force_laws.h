@@ -72,12 +72,13 @@ class ContactLaw {
   /// [realtime] All for n >= 0.
   double root_slope(double n) const noexcept { return slope_ * raise(n); }
   double root(double n) const noexcept { return root_slope(n) * n * two_over_a1_; }
-  double force(double n) const noexcept { return force_from_slope(root_slope(n), n); }
+  double force(double n) const noexcept {
+    const double slope = root_slope(n);
+    return slope * slope * n * two_over_a1_;
+  }
   double energy(double n) const noexcept { return 0.5 * root(n) * root(n); }
   /// dF/dn [N/m], n > 0.
   double stiffness(double n) const noexcept { return (2.0 / two_over_a1_ - 1.0) * force(n) / n; }
-  /// The force, when the slope is known already: saves the power.
-  double force_from_slope(double slope, double n) const noexcept { return slope * slope * n * two_over_a1_; }
 
  private:
   // The exponents that occur (linear, Hertz, cone, cubic) need roots only, five times cheaper than pow.

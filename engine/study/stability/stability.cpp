@@ -49,8 +49,7 @@ void analyse_group(const ClosedGraph& closed, const LoopGroup& group, Hertz rate
     const int cut = group.cuts()[index(c)];
     if (const auto place = std::ranges::find(graph.stiff, cut, &StiffPlace::signal);
         place != graph.stiff.end()) {
-      verdict.stiff.push_back({place->path, place->type, place->stiffness, place->stiffness * margin.border,
-                               margin.border_hz, std::nullopt});
+      verdict.stiff.push_back({*place, place->stiffness * margin.border, margin.border_hz, std::nullopt});
       find_passive_limit(closed, group, c, rate, verdict);
     } else {
       verdict.loops.push_back({graph.signals[index(cut)], group.path_around(c), among(closed.drives, cut),

@@ -47,9 +47,7 @@ struct LoopVerdict {
 };
 
 /// A force that depends on a position: its stiffness, and the limits of it.
-struct StiffVerdict {
-  std::string path, type;
-  double stiffness = 0;     ///< [N/m]
+struct StiffVerdict : StiffPlace {
   double stable_up_to = 0;  ///< [N/m]; infinite: any
   double border_hz = 0;
   std::optional<double> passive_up_to;  ///< [N/m]; nullopt unless the device is driven by one drive alone
