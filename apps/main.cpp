@@ -37,14 +37,13 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", version());
   app.footer("Start with:  tactus play instruments/haptic_drum\nHelp on a command:  tactus render --help");
   int exit_code = kDone;
-  for (auto* add_command : {TACTUS_COMMANDS}) add_command(app, exit_code);  // as apps/CMakeLists.txt says
+  for (auto* add : {TACTUS_COMMANDS}) add(app, exit_code);  // as apps/CMakeLists.txt says
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kDone : kUsage;
   } catch (const CommandError& error) {
-    const int code = report(error.errors);
-    return error.exit != 0 ? error.exit : code;
+    return report(error);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "tactus: %s\n", error.what());
     return kNo;

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <random>
 #include <system_error>
 #include <utility>
 
 #include "backends/json_fields.h"
+#include "engine/core/files.h"
 
 namespace tactus {
 
@@ -57,11 +57,6 @@ Error set_aside(const fs::path& file, const std::string& reason) {
           "the delays measured on this computer cannot be read (" + reason + ")",
           error ? "move the file, and measure again"
                 : "it was renamed to '" + aside.string() + "'; measure again, or repair that file"};
-}
-
-Status cannot_write(const fs::path& file) {
-  return fail(Errc::BadFile, file.string(), "cannot be written",
-              "make its folder writable, or choose another by XDG_STATE_HOME");
 }
 
 }  // namespace
@@ -114,21 +109,11 @@ Status MeasuredDelays::save(MeasuredDelay delay) {
   delays_ = std::move(now.delays_);
 
   const Json json{{"format", 1}, {"delays", JsonWriter::written(delays_)}};
-  std::error_code error;
-  fs::create_directories(file_.parent_path(), error);
-  auto temporary = file_;
-  temporary += ".new" + std::to_string(std::random_device{}());  // that no other program takes
-  {
-    std::ofstream text{temporary};
-    text << json.dump(1) << "\n";
-    text.close();
-    if (!text) return fs::remove(temporary, error), cannot_write(file_);
-  }
-  fs::rename(temporary, file_, error);
-  if (!error) return {};
   std::error_code ignored;
-  fs::remove(temporary, ignored);
-  return cannot_write(file_);
+  fs::create_directories(file_.parent_path(), ignored);
+  auto status = replace_file(file_, json.dump(1) + "\n");
+  if (!status) status.error().remedy = "make its folder writable, or choose another by XDG_STATE_HOME";
+  return status;
 }
 
 fs::path MeasuredDelays::default_file() {

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
+#include "apps/cli/json.h"
 #include "engine/core/decibels.h"
 #include "engine/core/index.h"
 #include "engine/graph/file/read_graph.h"
@@ -20,8 +20,6 @@
 
 namespace tactus::app {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// What `tactus check` found.
 struct CheckReport {
@@ -38,15 +36,6 @@ struct CheckReport {
 };
 
 // JSON has no infinity and no NaN: they are written as null.
-
-Json or_null(const std::optional<double>& number) { return number ? Json(*number) : Json(); }
-
-template <class List, class Convert>
-Json list_of(const List& list, Convert convert) {
-  Json json = Json::array();
-  for (const auto& item : list) json.push_back(convert(item));
-  return json;
-}
 
 Json loop_json(const LoopVerdict& loop) {
   const auto& margin = loop.margin;
@@ -71,7 +60,7 @@ Json loop_json(const LoopVerdict& loop) {
 Json stiff_json(const StiffVerdict& stiff) {
   return {{"name", stiff.path},           {"type", stiff.type},
           {"n_per_m", stiff.stiffness},   {"stable_up_to_n_per_m", stiff.stable_up_to},
-          {"border_hz", stiff.border_hz}, {"passive_up_to_n_per_m", or_null(stiff.passive_up_to)}};
+          {"border_hz", stiff.border_hz}, {"passive_up_to_n_per_m", known(stiff.passive_up_to)}};
 }
 
 Json regime_json(const RegimeVerdict& regime) {
@@ -85,7 +74,7 @@ Json regime_json(const RegimeVerdict& regime) {
           {"loops", list_of(regime.loops, loop_json)},
           {"stiff", list_of(regime.stiff, stiff_json)},
           {"crests", regime.unstable_equilibria},
-          {"device_damping_n_s_per_m", or_null(regime.device_damping)}};
+          {"device_damping_n_s_per_m", known(regime.device_damping)}};
 }
 
 Json network_json(const NetworkVerdict& network) {
@@ -95,7 +84,7 @@ Json network_json(const NetworkVerdict& network) {
           {"spectral_radius", network.radius},
           {"rate_hz", network.rate_hz},
           {"holds_at_every_rate", !network.needed_hz.has_value()},
-          {"needs_hz", or_null(network.needed_hz)},
+          {"needs_hz", known(network.needed_hz)},
           {"weakest", network.weakest},
           {"contact_steps", network.contact_steps},
           {"contact_too_deep", network.too_deep},
@@ -121,13 +110,13 @@ Json control_json(const ControlVerdict& control) {
   return {{"name", control.control.name},       {"value", control.control.value},
           {"low", control.control.range.low},   {"high", control.control.range.high},
           {"holds_at_low", control.stable_low}, {"holds_at_high", control.stable_high},
-          {"border", or_null(control.border)}};
+          {"border", known(control.border)}};
 }
 
 Json event_json(const EventVerdict& event) {
   return {{"name", event.place.path},
           {"type", event.place.type},
-          {"hold_s", or_null(event.place.hold_s)},
+          {"hold_s", known(event.place.hold_s)},
           {"on_loop", event.on_loop}};
 }
 
@@ -285,18 +274,12 @@ std::string load(const CheckOptions& options, CheckJob& job) {
   return job.instrument->spec->name;
 }
 
-double above_zero(const std::string& text, const char* unit, const char* option) {
-  const double value = or_exit(parse_option(text, unit, option), kUsage);
-  if (!(value > 0)) exit_with({Errc::OutOfRange, std::string{"--"} + option, "must be above 0", ""}, kUsage);
-  return value;
-}
-
 /// --delay, else the scene's, else the measured one of the rig, else the longest of what was tested. Gives
 /// its source.
 std::string choose_delay(const CheckOptions& options, CheckJob& job) {
   auto& world = job.options.world;
   if (!options.delay.empty()) {
-    world.delay = or_exit(parse_delay(options.delay), kUsage);
+    world.delay = parse_delay(options.delay);
     return "delay from --delay";
   }
   if (job.scene) {
@@ -311,8 +294,7 @@ std::string choose_delay(const CheckOptions& options, CheckJob& job) {
            "measure the delay with 'tactus latency measure --rig " + options.rig + "', or give --delay"},
           kBadFile);
     world.delay = *rig.measured_delay;
-    for (const auto& control : rig.controls)
-      world.set.try_emplace(control.name, ControlValue{control.value.si});
+    for (const auto& control : rig.controls) world.set.try_emplace(control.name, control.value.si);
     return "delay as measured on the rig";
   }
   const auto& tested = job.instrument->spec->tested;
@@ -324,13 +306,16 @@ std::string choose_delay(const CheckOptions& options, CheckJob& job) {
 /// Gives the source of the delay.
 std::string read_options(const CheckOptions& options, CheckJob& job) {
   auto& world = job.options.world;
-  if (!options.rate.empty()) world.rate = or_exit(parse_rate(options.rate), kUsage);
-  job.options.hand = {above_zero(options.hand_damping, "N s/m", "hand-damping"),
-                      above_zero(options.hand_mass, "kg", "hand-mass")};
-  world.device = {above_zero(options.device_mass, "kg", "device-mass"),
-                  above_zero(options.device_damping, "N s/m", "device-damping")};
-  job.options.push = above_zero(options.push, "N", "push");
-  world.set = or_exit(parse_settings(options.set), kUsage);
+  if (!options.rate.empty()) world.rate = parse_rate(options.rate);
+  const auto size = [](const std::string& text, const char* unit, const char* option) {
+    return parse_option(text, unit, option, kAboveZero);
+  };
+  job.options.hand = {size(options.hand_damping, "N s/m", "hand-damping"),
+                      size(options.hand_mass, "kg", "hand-mass")};
+  world.device = {size(options.device_mass, "kg", "device-mass"),
+                  size(options.device_damping, "N s/m", "device-damping")};
+  job.options.push = size(options.push, "N", "push");
+  world.set = parse_settings(options.set);
   return choose_delay(options, job);
 }
 
@@ -368,45 +353,41 @@ int run_check(const CheckOptions& options) {
   report.delay_source = read_options(options, job);
   report.verdict = analyse(job);
   if (!options.quick) report.runs = run_all(job, report.verdict);
-  if (options.json)
-    fmt::print("{}\n", check_json(report).dump(2));
-  else
-    print(report, options.verbose);
+  options.json ? print_json(check_json(report)) : print(report, options.verbose);
   return report.passed() ? kDone : kNo;
 }
 
 }  // namespace
 
 void add_check(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand(
-      "check", "Check whether an instrument or scene is stable, and what would become unstable first");
-  auto options = std::make_shared<CheckOptions>();
+  auto [command, options] = add_command(
+      app, "check", "Check whether an instrument or scene is stable, and what would become unstable first",
+      exit_code, run_check);
   command
-      ->add_option(
-          "FILE", options->target,
+      .add_option(
+          "FILE", options.target,
           "instrument or scene file; for a folder, its scene.toml, or its instrument.toml if --rig is given")
       ->required();
-  command->add_option("--rate", options->rate, "sample rate; default: the scene's, or 48 kHz");
-  command->add_option("--delay", options->delay, "system delay; default: the scene's or the rig's");
-  command->add_option("--rig", options->rig, "rig file; its measured delay is used as the system delay");
-  command->add_option("--set", options->set, "NAME=VALUE: sets a control");
+  command.add_option("--rate", options.rate, "sample rate; default: the scene's, or 48 kHz");
+  command.add_option("--delay", options.delay, "system delay; default: the scene's or the rig's");
+  command.add_option("--rig", options.rig, "rig file; its measured delay is used as the system delay");
+  command.add_option("--set", options.set, "NAME=VALUE: sets a control");
   for (const auto& [name, value, help] :
-       {std::tuple{"--hand-damping", &options->hand_damping, "damping added to the device by a fingertip"},
-        {"--hand-mass", &options->hand_mass, "mass added to the device by a fingertip"},
-        {"--push", &options->push, "contact force assumed when a contact is analysed in its closed state"},
-        {"--device-mass", &options->device_mass,
+       {std::tuple{"--hand-damping", &options.hand_damping, "damping added to the device by a fingertip"},
+        {"--hand-mass", &options.hand_mass, "mass added to the device by a fingertip"},
+        {"--push", &options.push, "contact force assumed when a contact is analysed in its closed state"},
+        {"--device-mass", &options.device_mass,
          "mass of the haptic device assumed for an instrument without a scene"},
-        {"--device-damping", &options->device_damping,
+        {"--device-damping", &options.device_damping,
          "damping of the haptic device assumed for an instrument without a scene"}})
-    command->add_option(name, *value, help)->capture_default_str();
-  command->add_flag("--quick", options->quick, "analyse the graph only; do not simulate");
-  command->add_flag("--verbose", options->verbose,
-                    "also print every loop, network, control and run as a table");
-  command->add_flag("--json", options->json, "print every number as JSON");
-  command->footer(
+    command.add_option(name, *value, help)->capture_default_str();
+  command.add_flag("--quick", options.quick, "analyse the graph only; do not simulate");
+  command.add_flag("--verbose", options.verbose,
+                   "also print every loop, network, control and run as a table");
+  command.add_flag("--json", options.json, "print every number as JSON");
+  command.footer(
       "Examples:\n  tactus check instruments/haptic_drum\n  tactus check my_wall.toml --delay \"1 ms\" "
       "--device-mass \"30 g\"\n  tactus check my_scene.toml --quick --json\n\nExit code 1: unstable.");
-  command->callback([options, &exit_code] { exit_code = run_check(*options); });
 }
 
 }  // namespace tactus::app

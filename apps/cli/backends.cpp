@@ -4,16 +4,14 @@
 
 #include <algorithm>
 
+#include "apps/cli/console.h"
 #include "backends/find_device.h"
 #include "backends/loop/loop.h"
+#include "engine/core/named.h"
 
 namespace tactus::app {
 
-std::vector<std::string> card_backends() {
-  std::vector<std::string> names;
-  for (const auto& backend : sound_backends()) names.push_back(backend.name);
-  return names;
-}
+std::vector<std::string> card_backends() { return names_of(sound_backends()); }
 
 Result<std::vector<SoundBackend>> backends_called(const std::string& name) {
   std::vector<SoundBackend> found;
@@ -62,6 +60,17 @@ Result<ChosenDevices> choose_devices(const std::string& backend, const std::stri
     return tl::unexpected(missing.error());
   return fail(Errc::Device, "", wanted.empty() ? "no sound device" : "there is no device '" + wanted + "'",
               reasons);
+}
+
+StreamRequest request_for(const ChosenDevices& devices, const Rig::Device& rig, const std::string& rate,
+                          std::optional<int> block, std::optional<int> periods) {
+  StreamRequest request;
+  request.device = devices.output.id;
+  if (devices.input.id != request.device) request.input_device = devices.input.id;
+  request.sample_rate = rate.empty() ? rig.rate.value_or(devices.output.default_rate) : parse_rate(rate);
+  request.block_frames = block ? block : rig.block;
+  request.periods = periods ? periods : rig.periods;
+  return request;
 }
 
 std::unique_ptr<MidiInputs> make_midi_inputs([[maybe_unused]] const std::string& api) {

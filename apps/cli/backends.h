@@ -7,6 +7,7 @@
 
 #include "backends/backend.h"
 #include "backends/midi.h"
+#include "engine/rig/rig.h"
 
 namespace tactus::app {
 
@@ -27,6 +28,11 @@ struct ChosenDevices {
 /// backends_called; Device if no backend has any.
 Result<ChosenDevices> choose_devices(const std::string& backend, const std::string& output,
                                      const std::string& input);
+
+/// A request for them. `rate`, `block` and `periods`, as options give them, go before the setting of a rig,
+/// and that before the device's own. Throws a CommandError.
+StreamRequest request_for(const ChosenDevices& devices, const Rig::Device& rig, const std::string& rate,
+                          std::optional<int> block, std::optional<int> periods);
 
 /// nullptr: this program was built without MIDI. `api`: see RtMidiSettings.
 std::unique_ptr<MidiInputs> make_midi_inputs(const std::string& api);

@@ -2,6 +2,11 @@
 // Thread: [control]
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "engine/core/error.h"
 
 namespace tactus::app {
 
@@ -22,5 +27,32 @@ void add_nodes(CLI::App& app, int& exit_code);
 void add_devices(CLI::App& app, int& exit_code);
 void add_doctor(CLI::App& app, int& exit_code);
 void add_latency(CLI::App& app, int& exit_code);
+
+/// A subcommand, and the options that `run` gets when it is called; what it returns is the exit code.
+template <class Options>
+std::pair<CLI::App&, Options&> add_command(CLI::App& parent, const char* name, const char* help,
+                                           int& exit_code, int (*run)(const Options&)) {
+  auto options = std::make_shared<Options>();
+  auto* command = parent.add_subcommand(name, help);
+  command->callback([options, run, &exit_code] { exit_code = run(*options); });
+  return {*command, *options};
+}
+/// A subcommand of subcommands. Without one of them it prints its help.
+CLI::App& add_command_group(CLI::App& app, const char* name, const char* help, const char* footer);
+
+/// A number from `low` to `high`, or several; the help shows its default.
+template <class Number, class Bound>
+CLI::Option* add_number(CLI::App& command, const char* name, Number& value, const char* help, Bound low,
+                        Bound high) {
+  return command.add_option(name, value, help)->check(CLI::Range(low, high))->capture_default_str();
+}
+
+/// Whether a file can be written there, or files into that folder, which may still be missing. Leaves
+/// everything as it was. To be asked before the work whose result goes there. Errors: BadFile.
+Status can_write_file(const std::filesystem::path& file);
+Status can_write_into(const std::filesystem::path& folder);
+/// The same of an option, when the command line is read.
+CLI::Validator writable_file();
+CLI::Validator writable_folder();
 
 }  // namespace tactus::app

@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <csignal>
 #include <cstdio>
+#include <fstream>
 
 #include "apps/cli/commands.h"
 #include "apps/play/live/controls/keyboard.h"
@@ -12,17 +13,89 @@
 #include "engine/graph/file/read_graph.h"
 
 namespace tactus::app {
-int report(const std::vector<Error>& errors) {
-  fmt::print(stderr, "{}\n", to_string(errors));
+namespace {
+
+namespace fs = std::filesystem;
+
+volatile std::sig_atomic_t signalled = 0;
+extern "C" void note_signal(int) { signalled = 1; }
+
+bool opens(const fs::path& file) {
+  std::error_code none;
+  const auto kind = fs::status(file, none).type();
+  if (kind == fs::file_type::directory) return false;
+  // A pipe would wait for its reader.
+  if (kind != fs::file_type::not_found && kind != fs::file_type::regular) return true;
+  const bool opened = std::ofstream{file, std::ios::app}.is_open();
+  if (kind == fs::file_type::not_found) fs::remove(file, none);
+  return opened;
+}
+
+Status writable_if(bool writable, const fs::path& path, const char* hint) {
+  return writable ? Status{} : fail(Errc::BadFile, path.string(), "cannot be written", hint);
+}
+
+CLI::Validator asks(Status (*can_write)(const fs::path&)) {
+  return {[can_write](const std::string& text) {
+            const auto status = text.empty() ? Status{} : can_write(text);
+            return status ? std::string{} : to_string(status.error());
+          },
+          ""};
+}
+
+}  // namespace
+
+const char* version() { return "tactus " TACTUS_VERSION; }
+
+CLI::App& add_command_group(CLI::App& app, const char* name, const char* help, const char* footer) {
+  auto* group = app.add_subcommand(name, help);
+  group->require_subcommand(0, 1);
+  group->footer(footer);
+  group->callback([group] {
+    if (group->get_subcommands().empty()) fmt::print("{}", group->help("tactus"));
+  });
+  return *group;
+}
+
+Status can_write_file(const fs::path& file) {
+  return writable_if(opens(file), file, "choose a file in an existing, writable folder");
+}
+
+Status can_write_into(const fs::path& folder) {
+  std::error_code none;
+  auto there = fs::absolute(folder, none).lexically_normal();
+  while (!fs::exists(there, none) && there.has_relative_path()) there = there.parent_path();
+  return writable_if(fs::is_directory(there, none) && opens(there / ".tactus_tries_to_write"), folder,
+                     "choose a writable folder");
+}
+
+CLI::Validator writable_file() { return asks(can_write_file); }
+CLI::Validator writable_folder() { return asks(can_write_into); }
+
+int report(const CommandError& error) {
+  const auto& errors = error.errors;
+  fmt::print(stderr, "{}\n", errors.empty() ? "interrupted" : to_string(errors));
+  if (error.exit != 0) return error.exit;
   const bool in_a_file = std::ranges::count(errors, Error::Place::File, &Error::place) > 0;
   return in_a_file ? kBadFile : kUsage;
 }
 
-int report(const Error& error) { return report(std::vector{error}); }
-
 int exit_of(const Error& error) {
   return error.code == Errc::BadArgument || error.code == Errc::OutOfRange ? kUsage : kDevice;
 }
+
+void install_signal_handlers([[maybe_unused]] bool also_hangup) {
+  std::signal(SIGINT, note_signal);
+  std::signal(SIGTERM, note_signal);
+#if defined(SIGHUP)
+  if (!also_hangup) return;
+  std::signal(SIGHUP, note_signal);
+  std::signal(SIGQUIT, note_signal);
+  std::signal(SIGPIPE, SIG_IGN);
+#endif
+}
+
+bool interrupted() { return signalled != 0; }
 
 Progress::Progress(std::string what) : what_(std::move(what)), terminal_(terminal_columns() > 0) {}
 
@@ -70,50 +143,36 @@ std::filesystem::path root_of(const std::filesystem::path& file) {
   return file.has_parent_path() ? file.parent_path() : std::filesystem::path{"."};
 }
 
-Result<std::map<std::string, ControlValue>> parse_settings(const std::vector<std::string>& texts) {
+std::pair<std::string, std::string> parse_assignment(const std::string& text, const char* option,
+                                                     const std::string& form, const std::string& example) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos || equals == 0)
+    exit_with(
+        {Errc::Syntax, option, "'" + text + "' is not of the form " + form, "write for instance " + example});
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+std::map<std::string, ControlValue> parse_settings(const std::vector<std::string>& texts) {
   std::map<std::string, ControlValue> settings;
-  for (const auto& text : texts) {
-    const auto equals = text.find('=');
-    const auto value = equals == std::string::npos ? std::nullopt : parse_quantity(text.substr(equals + 1));
-    if (!value || equals == 0)
-      return fail(Errc::Syntax, "--set " + text, "is not NAME=VALUE",
-                  "write for instance --set strength=0.5 or --set \"sensitivity=-40 dB\"");
-    settings[text.substr(0, equals)] =
-        value->bare ? ControlValue{value->si} : ControlValue{value->si, value->unit.dimension};
+  for (const auto& assignment : texts) {
+    const auto [name, text] =
+        parse_assignment(assignment, "--set", "NAME=VALUE", "strength=0.5 or \"sensitivity=-40 dB\"");
+    const auto value = read_quantity(Value{text, {}});
+    if (!value) exit_with(value.error().at("--set"));
+    settings[name] = *value;
   }
   return settings;
 }
 
-Result<double> parse_option(const std::string& text, const char* unit, const char* option) {
-  const auto value = read_quantity(Value{text, {}}, *parse_unit(unit), option);
-  if (value) return *value;
-  return tl::unexpected(value.error().at(std::string{"--"} + option));
+double parse_option(const std::string& text, const char* unit, const std::string& option, double least,
+                    double most) {
+  const auto known_unit = *parse_unit(unit);
+  auto value = read_quantity(Value{text, {}}, known_unit, option);
+  if (!value) exit_with(value.error().at("--" + option));
+  if (*value >= least && *value <= most) return *value;
+  const bool sign = least == kAboveZero && *value <= 0;
+  exit_with({Errc::OutOfRange, "--" + option, "'" + text + "' is out of range",
+             sign ? "it must be above 0" : limits_text(least, most, known_unit)});
 }
-
-Result<Hertz> parse_rate(const std::string& text) {
-  const auto rate = parse_option(text, "Hz", "rate");
-  if (!rate) return tl::unexpected(rate.error());
-  if (*rate >= 1e3 && *rate <= 768e3) return Hertz{*rate};
-  return fail(Errc::OutOfRange, "--rate", "must be between 1 kHz and 768 kHz", "");
-}
-
-Result<Seconds> parse_delay(const std::string& text) {
-  const auto delay = parse_option(text, "s", "delay");
-  if (!delay) return tl::unexpected(delay.error());
-  if (*delay >= 0 && *delay <= 10) return Seconds{*delay};
-  return fail(Errc::OutOfRange, "--delay", "must be between 0 s and 10 s", "");
-}
-
-Result<Seconds> parse_duration(const std::string& text, Seconds longest) {
-  const auto duration = parse_option(text, "s", "duration");
-  if (!duration) return tl::unexpected(duration.error());
-  if (*duration > 0 && *duration <= longest.value) return Seconds{*duration};
-  return fail(Errc::OutOfRange, "--duration",
-              "must be above 0 s" +
-                  (std::isfinite(longest.value) ? fmt::format(" and at most {:g} s", longest.value) : ""),
-              "");
-}
-
-const char* version() { return "tactus " TACTUS_VERSION; }
 
 }  // namespace tactus::app

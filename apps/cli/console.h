@@ -14,36 +14,37 @@
 
 namespace tactus::app {
 
-/// Prints errors on stderr and gives the exit code: of a bad file, or of wrong usage if all come from the
-/// command line.
-int report(const std::vector<Error>& errors);
-int report(const Error& error);
+/// Why a command ends early, and its exit code. Thrown, as CLI11's errors are: main reports it.
+struct CommandError {
+  std::vector<Error> errors;  ///< none: the user interrupted it
+  int exit = 0;               ///< 0: of a bad file, or of wrong usage if all come from the command line
+};
+
+/// Prints errors on stderr and gives the exit code.
+int report(const CommandError& error);
 
 /// The exit code of what a device did not do: a request that it cannot grant is wrong usage.
 int exit_of(const Error& error);
 
-/// Why a command ends early, and its exit code. Thrown, as CLI11's errors are: main reports it.
-struct CommandError {
-  std::vector<Error> errors;
-  int exit = 0;  ///< 0: of a bad file, or of wrong usage if all come from the command line
-};
-
 /// Ends the command.
+[[noreturn]] inline void exit_with(std::vector<Error> errors, int exit = 0) {
+  throw CommandError{std::move(errors), exit};
+}
 [[noreturn]] inline void exit_with(Error error, int exit = 0) {
-  throw CommandError{{std::move(error)}, exit};
+  exit_with(std::vector{std::move(error)}, exit);
 }
 
 /// The value of a result; its errors end the command.
-template <class T>
-T or_exit(Result<T> result, int exit = 0) {
+template <class T, class E>
+T or_exit(tl::expected<T, E> result, int exit = 0) {
   if (!result) exit_with(std::move(result.error()), exit);
   if constexpr (!std::is_void_v<T>) return std::move(*result);
 }
-template <class T>
-T or_exit(Checked<T> result, int exit = 0) {
-  if (!result) throw CommandError{std::move(result.error()), exit};
-  if constexpr (!std::is_void_v<T>) return std::move(*result);
-}
+
+/// From now on Ctrl-C and SIGTERM only set `interrupted`. `also_hangup`: a closed terminal too, and a closed
+/// pipe does not end the program: for a program whose outputs must fade before it ends.
+void install_signal_handlers(bool also_hangup = false);
+bool interrupted();
 
 /// A bar on stderr for work that takes longer than a moment; draws nothing when stderr is no terminal.
 class Progress {
@@ -69,16 +70,27 @@ std::filesystem::path resolve_target(const std::string& target, const char* name
 /// The folder that the parts of a file may not leave: the "instruments" above it, or its own.
 std::filesystem::path root_of(const std::filesystem::path& file);
 
+// Options as they are written. Each throws a CommandError.
+
+/// The name and the value of "NAME=VALUE". Errors: Syntax, with `example`.
+std::pair<std::string, std::string> parse_assignment(const std::string& text, const char* option,
+                                                     const std::string& form, const std::string& example);
 /// "strength=0.5", "sensitivity=-40 dB" → SI. Errors: Syntax.
-Result<std::map<std::string, ControlValue>> parse_settings(const std::vector<std::string>& texts);
-/// "20 ms" or a bare number in the unit's SI. Errors: Syntax, UnitMismatch.
-Result<double> parse_option(const std::string& text, const char* unit, const char* option);
-/// --rate. Errors: as parse_option, and OutOfRange below 1 kHz and above 768 kHz.
-Result<Hertz> parse_rate(const std::string& text);
-/// --delay. Errors: as parse_option, and OutOfRange below 0 s and above 10 s.
-Result<Seconds> parse_delay(const std::string& text);
-/// --duration. Errors: as parse_option, and OutOfRange at or below 0 s and above `longest`.
-Result<Seconds> parse_duration(const std::string& text,
-                               Seconds longest = Seconds{std::numeric_limits<double>::infinity()});
+std::map<std::string, ControlValue> parse_settings(const std::vector<std::string>& texts);
+
+inline constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+inline constexpr double kAboveZero = std::numeric_limits<double>::min();
+/// "20 ms" or a bare number in the unit's SI. Errors, at --option: Syntax, UnitMismatch, OutOfRange.
+double parse_option(const std::string& text, const char* unit, const std::string& option,
+                    double least = -kUnbounded, double most = kUnbounded);
+inline Hertz parse_rate(const std::string& text, const char* option = "rate") {
+  return Hertz{parse_option(text, "Hz", option, 1e3, 768e3)};
+}
+inline Seconds parse_delay(const std::string& text) {
+  return Seconds{parse_option(text, "s", "delay", 0, 10)};
+}
+inline Seconds parse_duration(const std::string& text, Seconds longest = Seconds{kUnbounded}) {
+  return Seconds{parse_option(text, "s", "duration", kAboveZero, longest.value)};
+}
 
 }  // namespace tactus::app

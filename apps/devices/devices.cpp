@@ -1,27 +1,21 @@
 #include <fmt/format.h>
 
-#include <memory>
-#include <nlohmann/json.hpp>
-
 #include "apps/cli/backends.h"
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
+#include "apps/cli/json.h"
 #include "latency/measured.h"
 
 namespace tactus::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 Json device_json(const Device& device, const MeasuredDelays& delays) {
-  Json rates = Json::array();
-  for (const auto& rate : device.sample_rates) rates.push_back(rate.value);
   Json json{{"id", device.id},
             {"name", device.name},
             {"inputs", device.in_channels},
             {"outputs", device.out_channels},
             {"default_rate_hz", device.default_rate.value},
-            {"rates_hz", rates},
+            {"rates_hz", list_of(device.sample_rates, [](Hertz rate) { return rate.value; })},
             {"default", device.is_default}};
   if (device.block_frames) json["block_frames"] = *device.block_frames;
   if (device.input_latency_frames) json["driver_input_latency_frames"] = *device.input_latency_frames;
@@ -61,7 +55,13 @@ void print(const Device& device, const MeasuredDelays& delays) {
              latency_text(device), measured_text(device, delays));
 }
 
-int run_devices(const std::string& backend, bool as_json) {
+struct DevicesOptions {
+  std::string backend;
+  bool json = false;
+};
+
+int run_devices(const DevicesOptions& options) {
+  const auto& [backend, as_json] = options;
   const auto backends = or_exit(backends_called(backend), backend.empty() ? kDevice : kUsage);
   const auto delays = MeasuredDelays::load();
   if (delays.load_error()) fmt::print(stderr, "{}\n", to_string(*delays.load_error()));
@@ -81,26 +81,23 @@ int run_devices(const std::string& backend, bool as_json) {
       if (!as_json) print(device, delays);
     }
   }
-  if (as_json) fmt::print("{}\n", json.dump(2));
+  if (as_json) print_json(json);
   return json["devices"].empty() ? kDevice : kDone;
 }
 
 }  // namespace
 
 void add_devices(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("devices", "List the sound devices that instruments can play on");
-  auto backend = std::make_shared<std::string>();
-  auto as_json = std::make_shared<bool>(false);
-  command->add_option("--backend", *backend,
-                      fmt::format("list only the devices of this backend: {}, or loop (simulated cards)",
-                                  fmt::join(card_backends(), ", ")));
-  command->add_flag("--json", *as_json, "print the list as JSON");
-  command->footer(
-      "Examples:\n  tactus devices\n  tactus devices --backend jack --json\n"
-      "Pass an id, or an unambiguous part of a device name, to --device:\n"
-      "  tactus play instruments/haptic_drum --device jack:system\n"
-      "Exit code 4: no device.");
-  command->callback([=, &exit_code] { exit_code = run_devices(*backend, *as_json); });
+  auto [command, options] = add_command(app, "devices", "List the sound devices that instruments can play on",
+                                        exit_code, run_devices);
+  command.add_option("--backend", options.backend,
+                     fmt::format("list only the devices of this backend: {}, or loop (simulated cards)",
+                                 fmt::join(card_backends(), ", ")));
+  command.add_flag("--json", options.json, "print the list as JSON");
+  command.footer(
+      "Examples:\n  tactus devices\n  tactus devices --backend jack --json\nPass an id, or an unambiguous "
+      "part of a device name, to --device:\n  tactus play instruments/haptic_drum --device jack:system\nExit "
+      "code 4: no device.");
 }
 
 }  // namespace tactus::app

@@ -1,18 +1,356 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cstdio>
-#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
 #include <thread>
 
 #include "apps/cli/commands.h"
+#include "apps/cli/json.h"
 #include "apps/doctor/findings.h"
 #include "backends/realtime_thread.h"
 
 namespace tactus::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Text = std::optional<std::string>;
+
+constexpr int kSlowWake_us = 100;  // a tenth of a block of 64 frames at 48 kHz
+constexpr int kLongQuantum = 256;  // frames: 5 ms at 48 kHz
+constexpr int kLowSwappiness = 10;
+
+SystemFinding ok(std::string what) { return {SystemFinding::State::Ok, std::move(what)}; }
+SystemFinding warn(std::string what, std::string command) {
+  return {SystemFinding::State::Warn, std::move(what), std::move(command)};
+}
+SystemFinding unknown(std::string what, std::string command = "") {
+  return {SystemFinding::State::Unknown, std::move(what), std::move(command)};
+}
+SystemFinding named(std::string name, SystemFinding finding) {
+  finding.name = std::move(name);
+  return finding;
+}
+
+bool contains(const Text& text, const std::string& word) {
+  return text && text->find(word) != std::string::npos;
+}
+
+std::optional<int> number_in(const std::string& text) {
+  int number = 0;
+  const auto first = std::min(text.find_first_not_of(" \t"), text.size());
+  const auto parsed = std::from_chars(text.data() + first, text.data() + text.size(), number);
+  return parsed.ec == std::errc{} ? std::optional{number} : std::nullopt;
+}
+
+/// The line that begins with `start`, without it.
+Text line_after(const Text& text, const std::string& start) {
+  std::istringstream lines{text.value_or("")};
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with(start)) return line.substr(start.size());
+  return std::nullopt;
+}
+
+/// "audio:x:29:me,you" in /etc/group: is 29 one of the user's groups?
+bool in_audio_group(const SystemFiles& system) {
+  const auto entry = line_after(system.text("etc/group"), "audio:").value_or("");
+  const auto wanted = number_in(entry.substr(std::min(entry.size(), entry.find(':') + 1)));
+  std::istringstream ids{line_after(system.text("proc/self/status"), "Groups:").value_or("")};
+  for (int id = 0; ids >> id;)
+    if (wanted == id) return true;
+  return false;
+}
+
+/// The value of an option, given short or long: "-p 64", "-p64", "--period=64".
+std::optional<int> option_in(const std::vector<std::string>& arguments, std::size_t from,
+                             const std::array<std::string, 2>& names) {
+  for (std::size_t i = from; i < arguments.size(); ++i)
+    for (const auto& name : names) {
+      if (arguments[i] == name && i + 1 < arguments.size()) return number_in(arguments[i + 1]);
+      if (!arguments[i].starts_with(name)) continue;
+      return number_in(arguments[i].substr(name.size() + (arguments[i][name.size()] == '=' ? 1 : 0)));
+    }
+  return std::nullopt;
+}
+
+/// Warns of a block of a sound server that is long.
+SystemFinding check_block(const std::string& what, int frames, int rate, const char* command) {
+  if (frames <= kLongQuantum) return ok(what);
+  return warn(what + fmt::format(": {:.1f} ms each way", 1e3 * frames / rate), command);
+}
+
+SystemFinding check_jack(const std::vector<std::string>& all) {
+  const auto driver = std::find_if(all.begin(), all.end(), [](const std::string& argument) {
+    return argument.starts_with("-d") || argument.starts_with("--driver");
+  });
+  if (driver == all.end())
+    return unknown("a JACK server is running but does not report its settings",
+                   "jack_bufsize; jack_samplerate");
+  const auto at = static_cast<std::size_t>(driver - all.begin());
+  const int period = option_in(all, at + 1, {"-p", "--period"}).value_or(1024);
+  const int rate = option_in(all, at + 1, {"-r", "--rate"}).value_or(48000);
+  const auto what = fmt::format("jackd runs at {} Hz with {} frames per period", rate, period);
+  if (std::any_of(all.begin(), driver,
+                  [](const auto& text) { return text == "-r" || text == "--no-realtime"; }))
+    return warn(what + ", without real-time priority (-r)",
+                "jackd -R -d alsa -p 64   # restart it with -R added to its options");
+  return check_block(what, period, rate, "jack_bufsize 64");
+}
+
+/// value:'1024' of  key:'clock.quantum'
+std::optional<int> pipewire_setting(const std::string& text, const std::string& key) {
+  const auto value = text.find("value:'", std::min(text.size(), text.find("key:'" + key + "'")));
+  return value == std::string::npos ? std::nullopt : number_in(text.substr(value + 7));
+}
+
+SystemFinding check_pipewire(const std::string& settings) {
+  const auto quantum = pipewire_setting(settings, "clock.quantum");
+  const int rate = pipewire_setting(settings, "clock.rate").value_or(48000);
+  if (!quantum)
+    return unknown("PipeWire is running but does not report its quantum", "pw-metadata -n settings 0");
+  const int forced = pipewire_setting(settings, "clock.force-quantum").value_or(0);
+  const int frames = forced > 0 ? forced : *quantum;
+  return check_block(fmt::format("PipeWire {} {} frames at {} Hz",
+                                 forced > 0 ? "is forced to" : "runs by default at", frames, rate),
+                     frames, rate, "pw-metadata -n settings 0 clock.force-quantum 64   # 0 undoes it");
+}
+
+const std::string kUsb = "sys/bus/usb/devices/";  // "1-2.3": port 3 of the hub at port 2 of bus 1
+
+/// An interface of class 1 is audio, a device of class 9 a hub: USB-IF, "Defined class codes".
+bool is_usb_audio(const SystemFiles& system, const std::string& device) {
+  const auto interfaces = system.names(kUsb + device);
+  return std::any_of(interfaces.begin(), interfaces.end(), [&](const std::string& name) {
+    return system.line(kUsb + device + "/" + name + "/bInterfaceClass") == "01";
+  });
+}
+
+std::string usb_name(const SystemFiles& system, const std::string& device) {
+  const auto product = system.line(kUsb + device + "/product");
+  return "'" + (product.empty() ? device : product) + "'";
+}
+
+/// "1-2" of "1-2.3"; empty for a device at a port of the machine itself.
+std::string usb_parent(const std::string& device) {
+  const auto dot = device.rfind('.');
+  return dot == std::string::npos ? "" : device.substr(0, dot);
+}
+
+bool is_realtime(const SystemFiles& system) {
+  return contains(system.text("sys/kernel/realtime"), "1") ||
+         contains(system.text("proc/version"), "PREEMPT_RT");
+}
+
+/// Of every processor that has such a file.
+template <class Use>
+void for_each_processor(const SystemFiles& system, const std::string& file, Use use) {
+  const std::string all = "sys/devices/system/cpu/";
+  for (const auto& processor : system.names(all)) use(all + processor + "/" + file);
+}
+
+}  // namespace
+
+const char* name_of(SystemFinding::State state) {
+  return state == SystemFinding::State::Ok ? "ok" : state == SystemFinding::State::Warn ? "warn" : "unknown";
+}
+
+std::vector<Process> processes_of(const SystemFiles& system) {
+  std::vector<Process> all;
+  for (const auto& id : system.names("proc")) {
+    if (id.find_first_not_of("0123456789") != std::string::npos) continue;
+    Process process{system.line("proc/" + id + "/comm"), {}};
+    std::istringstream line{system.text("proc/" + id + "/cmdline").value_or("")};
+    for (std::string argument; std::getline(line, argument, '\0');) process.arguments.push_back(argument);
+    all.push_back(std::move(process));
+  }
+  return all;
+}
+
+SystemFinding check_right(const SystemFiles& system, const Status& tried, const char* item) {
+  if (tried)
+    return ok(item == std::string{"rtprio"} ? "this user's threads can use SCHED_FIFO"
+                                            : "the program can lock its memory");
+  const auto& what = tried.error().what;
+  if (!system.exists("proc")) return warn(what, tried.error().remedy);
+  if (!contains(system.text("etc/security/limits.d/audio.conf"), item))
+    return warn(what,
+                "printf '@audio - rtprio 95\\n@audio - memlock unlimited\\n' | sudo tee "
+                "/etc/security/limits.d/audio.conf && sudo usermod -aG audio $USER   # then log in again");
+  if (!in_audio_group(system)) return warn(what, "sudo usermod -aG audio $USER   # then log in again");
+  return warn(what,
+              "exec su - $USER   # or log in again: the limits of this session are older than their file");
+}
+
+SystemFinding check_governor(const SystemFiles& system) {
+  std::set<std::string> governors;
+  for_each_processor(system, "cpufreq/scaling_governor",
+                     [&](const std::string& file) { governors.insert(system.line(file)); });
+  governors.erase("");
+  if (governors.empty()) return unknown("the processor clock cannot be read (a virtual machine?)");
+  governors.erase("performance");
+  if (governors.empty()) return ok("every processor runs at full clock speed");
+  return warn("the governor '" + *governors.begin() + "' lowers the processor clock between blocks",
+              "sudo cpupower frequency-set -g performance");
+}
+
+SystemFinding check_idle(const SystemFiles& system) {
+  int longest = -1;
+  for_each_processor(system, "cpuidle", [&](const std::string& folder) {
+    for (const auto& state : system.names(folder))
+      if (system.line(folder + "/" + state + "/disable") != "1")
+        longest = std::max(longest, number_in(system.line(folder + "/" + state + "/latency")).value_or(-1));
+  });
+  if (longest < 0) return unknown("idle states cannot be read");
+  const auto what = fmt::format("processors wake up within {} us", longest);
+  if (longest <= kSlowWake_us) return ok(what);
+  return warn(what + ", too long for small blocks",
+              fmt::format("sudo cpupower idle-set -D {}", kSlowWake_us + 1));
+}
+
+SystemFinding check_kernel(const SystemFiles& system) {
+  constexpr auto* kFull = "echo full | sudo tee /sys/kernel/debug/sched/preempt";
+  const auto version = system.text("proc/version"), command_line = system.text("proc/cmdline"),
+             preemption = system.text("sys/kernel/debug/sched/preempt");
+  if (!version) return unknown("the kernel version cannot be read");
+  if (is_realtime(system)) return ok("a real-time kernel (PREEMPT_RT)");
+  if (contains(version, "PREEMPT_DYNAMIC")) {
+    if (contains(preemption, "(full)") || contains(command_line, "preempt=full"))
+      return ok("preemptible (PREEMPT_DYNAMIC, full)");
+    if (contains(preemption, "(lazy)") || contains(command_line, "preempt=lazy"))
+      return ok("preemptible by real-time threads (PREEMPT_DYNAMIC, lazy)");
+    if (!preemption && !contains(command_line, "preempt="))
+      return unknown("the preemption model is chosen at boot (PREEMPT_DYNAMIC), and only root can read it",
+                     kFull);
+    return warn("system calls of other programs delay the audio thread (not fully preemptible)", kFull);
+  }
+  if (contains(version, "PREEMPT")) return ok("preemptible (PREEMPT)");
+  return warn("system calls of other programs delay the audio thread (a kernel without preemption)",
+              "sudo apt-get install linux-image-rt-amd64   # then boot it");
+}
+
+SystemFinding check_interrupts(const SystemFiles& system) {
+  const auto command_line = system.text("proc/cmdline");
+  if (!system.text("proc/version") || !command_line) return unknown("the interrupt settings cannot be read");
+  if (!is_realtime(system) && !contains(command_line, "threadirqs"))
+    return warn(
+        "disk and network interrupts have priority over the audio thread",
+        "sudo sed -i 's/^GRUB_CMDLINE_LINUX=\"/&threadirqs /' /etc/default/grub && sudo update-grub   # "
+        "then boot");
+  if (system.exists("usr/sbin/rtirq") || system.exists("etc/init.d/rtirq"))
+    return ok("interrupts run in threads; rtirq gives the sound card's interrupt the highest priority");
+  return warn("interrupts run in threads; the sound card's interrupt has no higher priority than others",
+              "sudo apt-get install rtirq-init");
+}
+
+SystemFinding check_swap(const SystemFiles& system, bool memory_locked) {
+  const auto swaps = system.text("proc/swaps");
+  if (!swaps) return unknown("swap cannot be read");
+  if (std::count(swaps->begin(), swaps->end(), '\n') <= 1) return ok("no swap");
+  if (memory_locked) return ok("swap is in use, but the program's memory is locked");
+  const auto swappiness = number_in(system.line("proc/sys/vm/swappiness"));
+  if (swappiness && *swappiness <= kLowSwappiness)
+    return ok(fmt::format("memory is rarely swapped out (swappiness {})", *swappiness));
+  return warn(
+      "the program's memory may be swapped out during playback",
+      fmt::format("echo vm.swappiness={} | sudo tee /etc/sysctl.d/90-audio.conf && sudo sysctl --system",
+                  kLowSwappiness));
+}
+
+SystemFinding check_machine(const SystemFiles& system) {
+  const auto processors = system.text("proc/cpuinfo");
+  if (!processors) return unknown("the processor cannot be read");
+  if (!contains(processors, " hypervisor")) return ok("no virtual machine");
+  return warn(
+      "a virtual machine may be paused for milliseconds by its host: use blocks of 256 frames or more",
+      "systemd-detect-virt   # shows which one; play on the host instead");
+}
+
+SystemFinding check_cards(const SystemFiles& system) {
+  const auto cards = system.text("proc/asound/cards");
+  if (!cards) return unknown("the kernel does not list sound cards (no ALSA)");
+  std::vector<std::string> names;
+  std::istringstream lines{*cards};
+  for (std::string line; std::getline(lines, line);) {
+    const auto open = line.find('['), dash = line.find(" - ", open);
+    if (open != std::string::npos && dash != std::string::npos) names.push_back(line.substr(dash + 3));
+  }
+  if (!names.empty()) return ok(fmt::format("{}", fmt::join(names, ", ")));
+  return warn("no sound card is connected",
+              "sudo dmesg | tail   # shows what happened when it was connected");
+}
+
+std::vector<SystemFinding> check_usb(const SystemFiles& system) {
+  std::vector<SystemFinding> findings;
+  auto devices = system.names(kUsb);
+  std::erase_if(devices, [](const std::string& name) {
+    return name.find('-') == std::string::npos || name.find(':') != std::string::npos;
+  });
+  for (const auto& device : devices) {
+    if (!is_usb_audio(system, device)) continue;
+    const auto name = usb_name(system, device), parent = usb_parent(device);
+    const auto neighbour = std::find_if(devices.begin(), devices.end(), [&](const std::string& other) {
+      return other != device && !parent.empty() && usb_parent(other) == parent &&
+             system.line(kUsb + other + "/bDeviceClass") != "09";
+    });
+    findings.push_back(
+        system.line(kUsb + device + "/power/control") == "auto"
+            ? warn(name + " may be suspended when idle",
+                   "echo on | sudo tee /sys/bus/usb/devices/" + device + "/power/control")
+        : neighbour != devices.end()
+            ? warn(name + " shares a hub with " + usb_name(system, *neighbour),
+                   "lsusb -t   # shows the ports; connect the card to a port of the computer itself")
+            : ok(name + " is never suspended and does not share a hub"));
+  }
+  if (findings.empty())
+    findings.push_back(devices.empty() ? unknown("USB devices cannot be read")
+                                       : ok("no sound card is connected by USB"));
+  return findings;
+}
+
+std::vector<SystemFinding> check_servers(const std::vector<Process>& processes, const std::string& pipewire) {
+  std::vector<SystemFinding> findings;
+  std::set<std::string> seen;
+  for (const auto& [name, arguments] : processes) {
+    const bool first = seen.insert(name).second;
+    if (name == "jackd") findings.push_back(named("JACK", check_jack(arguments)));
+    if (name == "jackdbus" && first)
+      findings.push_back(
+          named("JACK", unknown("jackdbus is running but does not report its settings", "jack_control dp")));
+    if (name == "pipewire" && first) findings.push_back(named("PipeWire", check_pipewire(pipewire)));
+    if (name == "pulseaudio" && first)
+      findings.push_back(
+          named("PulseAudio", warn("PulseAudio occupies the sound cards", "pasuspender -- tactus play …")));
+  }
+  if (findings.empty())
+    findings.push_back(
+        named("sound server", ok("none is running: Tactus has exclusive access to the cards")));
+  return findings;
+}
+
+std::vector<SystemFinding> check_system(const SystemFiles& system, const Status& priority,
+                                        const Status& memory, const std::string& pipewire) {
+  std::vector<SystemFinding> all{named("real-time priority", check_right(system, priority, "rtprio")),
+                                 named("memory lock", check_right(system, memory, "memlock"))};
+  if (!system.exists("proc")) {
+    all.push_back(
+        named("system", unknown("processors, kernel, sound servers and USB can only be checked on Linux")));
+    return all;
+  }
+  all.push_back(named("CPU governor", check_governor(system)));
+  all.push_back(named("CPU idle states", check_idle(system)));
+  all.push_back(named("kernel", check_kernel(system)));
+  all.push_back(named("interrupts", check_interrupts(system)));
+  all.push_back(named("swap", check_swap(system, memory.has_value())));
+  all.push_back(named("machine", check_machine(system)));
+  for (auto& finding : check_servers(processes_of(system), pipewire)) all.push_back(std::move(finding));
+  all.push_back(named("sound cards", check_cards(system)));
+  for (auto& finding : check_usb(system)) all.push_back(named("USB", std::move(finding)));
+  return all;
+}
+
+namespace {
 
 constexpr int kPriority = 70;  // below that of the threads of interrupts, 50 + 40 with rtirq
 
@@ -44,38 +382,38 @@ void print(const SystemFinding& finding) {
   if (!finding.command.empty()) fmt::print("{:29}{}\n", "", finding.command);
 }
 
-int run_doctor(bool json) {
-  const auto priority = try_priority();
-  const auto memory = lock_memory();
+Json finding_json(const SystemFinding& finding) {
+  return {{"name", finding.name},
+          {"state", name_of(finding.state)},
+          {"what", finding.what},
+          {"command", finding.command}};
+}
+
+struct DoctorOptions {
+  bool json = false;
+};
+
+int run_doctor(const DoctorOptions& options) {
   const SystemFiles system;
-  const auto findings = check_system(system, priority, memory, pipewire_settings(system));
-  const auto warnings = std::count_if(findings.begin(), findings.end(), [](const SystemFinding& finding) {
+  const auto findings = check_system(system, try_priority(), lock_memory(), pipewire_settings(system));
+  const bool warned = std::any_of(findings.begin(), findings.end(), [](const SystemFinding& finding) {
     return finding.state == SystemFinding::State::Warn;
   });
-  if (json) {
-    Json all{{"ok", warnings == 0}, {"findings", Json::array()}};
-    for (const auto& finding : findings)
-      all["findings"].push_back({{"name", finding.name},
-                                 {"state", name_of(finding.state)},
-                                 {"what", finding.what},
-                                 {"command", finding.command}});
-    fmt::print("{}\n", all.dump(2));
-  } else {
-    for (const auto& finding : findings) print(finding);
-  }
-  return warnings == 0 ? kDone : kNo;
+  if (options.json) print_json({{"ok", !warned}, {"findings", list_of(findings, finding_json)}});
+  for (const auto& finding : findings)
+    if (!options.json) print(finding);
+  return warned ? kNo : kDone;
 }
 
 }  // namespace
 
 void add_doctor(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("doctor", "Check whether this system is set up for low-latency audio");
-  auto json = std::make_shared<bool>(false);
-  command->add_flag("--json", *json, "print the findings as JSON");
-  command->footer(
+  auto [command, options] = add_command(
+      app, "doctor", "Check whether this system is set up for low-latency audio", exit_code, run_doctor);
+  command.add_flag("--json", options.json, "print the findings as JSON");
+  command.footer(
       "Example:\n  tactus doctor\nIt only reads settings. Each finding is followed by the command that fixes "
       "it or shows more.\nExit code 1: at least one warning.");
-  command->callback([json, &exit_code] { exit_code = run_doctor(*json); });
 }
 
 }  // namespace tactus::app

@@ -57,11 +57,7 @@ class SystemFiles {
 
 /// One result of `tactus doctor`.
 struct SystemFinding {
-  enum class State {
-    Ok,
-    Warn,
-    Unknown,
-  };
+  enum class State { Ok, Warn, Unknown };
   State state = State::Unknown;
   std::string what;       ///< one sentence
   std::string command{};  ///< that fixes it, or that shows more; empty where there is nothing to do

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <chrono>
-#include <nlohmann/json.hpp>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
+#include "apps/cli/json.h"
 #include "engine/core/channels.h"
 #include "engine/graph/file/load.h"
 #include "engine/graph/plan/compile.h"
@@ -15,8 +15,6 @@
 
 namespace tactus::app {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct ExplainOptions {
   std::string target;
@@ -78,8 +76,10 @@ std::string about_step(const Plan& plan, const Step& step) {
                                                           : plan.nodes[index(step.node)]->about();
 }
 
-void add_left_out(Json& json, const std::vector<LeftOut>& left_out) {
-  for (const auto& left : left_out) json["left_out"].push_back({{"name", left.path}, {"why", left.reason}});
+Json left_out_json(const LeftOut& left) { return {{"name", left.path}, {"why", left.reason}}; }
+
+Json loop_json(const LoopReport& loop) {
+  return {{"through", loop.paths}, {"delay_frames", loop.delay_frames}, {"sub_block_frames", loop.sub_block}};
 }
 
 Json explain_engine(Player& engine, const std::string& title, int block) {
@@ -88,8 +88,10 @@ Json explain_engine(Player& engine, const std::string& title, int block) {
   Json json{{"graph", title},
             {"sample_rate_hz", plan.sample_rate.value},
             {"signal_memory_bytes", memory_of(plan)},
-            {"about", Json::array()}};
-  json["sections"] = Json::array();
+            {"about", Json::array()},
+            {"sections", Json::array()},
+            {"loops", list_of(plan.loops, loop_json)},
+            {"left_out", list_of(plan.left_out, left_out_json)}};
   for (const auto& section : plan.sections) {
     Json part{{"loop", section.loop}, {"sub_block_frames", section.sub_block}, {"steps", Json::array()}};
     for (int s = section.first_step; s < section.end_step; ++s) {
@@ -103,12 +105,6 @@ Json explain_engine(Player& engine, const std::string& title, int block) {
     }
     json["sections"].push_back(part);
   }
-  json["loops"] = Json::array();
-  for (const auto& loop : plan.loops)
-    json["loops"].push_back(
-        {{"through", loop.paths}, {"delay_frames", loop.delay_frames}, {"sub_block_frames", loop.sub_block}});
-  json["left_out"] = Json::array();
-  add_left_out(json, plan.left_out);
   return json;
 }
 
@@ -166,17 +162,14 @@ int finish(const ExplainOptions& options, const std::vector<LeftOut>& around,
            std::vector<std::pair<std::string, Player*>> engines) {
   Json all = Json::array();
   for (const auto& [title, engine] : engines) {
-    if (auto status = engine->prepare(
-            {engine->plan().sample_rate, engine->in_channels(), engine->out_channels(), options.block});
-        !status)
-      return report(status.error());
+    or_exit(engine->prepare(
+        {engine->plan().sample_rate, engine->in_channels(), engine->out_channels(), options.block}));
     all.push_back(explain_engine(*engine, title, options.block));
   }
-  add_left_out(all[0], around);
-  if (options.json)
-    fmt::print("{}\n", all.size() == 1 ? all[0].dump(2) : Json{{"graphs", all}}.dump(2));
-  else
-    for (const auto& json : all) print(json);
+  for (const auto& left : around) all[0]["left_out"].push_back(left_out_json(left));
+  if (options.json) print_json(all.size() == 1 ? all[0] : Json{{"graphs", all}});
+  for (const auto& json : all)
+    if (!options.json) print(json);
   return kDone;
 }
 
@@ -186,47 +179,40 @@ bool is_scene(const std::filesystem::path& file) {
 }
 
 int run_explain(const ExplainOptions& options) {
-  auto file = resolve_target(options.target, "instrument.toml");
+  const auto file = resolve_target(options.target, "instrument.toml");
   const auto rate = parse_rate(options.rate);
-  if (!rate) return report(rate.error()), kUsage;
   if (is_scene(file)) {
     const auto loaded = load_scene_leniently(file, root_of(file));
     SceneOptions with;
-    with.rate = *rate;
-    auto built = build_scene(loaded, standard_nodes(), with);
-    if (!built) return report(built.error());
-    return finish(options, around(*loaded.scene, *built),
-                  {{"instrument of " + loaded.scene->name, built->instrument.get()},
-                   {"simulation of " + loaded.scene->name, built->plant.get()}});
+    with.rate = rate;
+    const auto built = or_exit(build_scene(loaded, standard_nodes(), with));
+    return finish(options, around(*loaded.scene, built),
+                  {{"instrument of " + loaded.scene->name, built.instrument.get()},
+                   {"simulation of " + loaded.scene->name, built.plant.get()}});
   }
   const auto loaded = load_graph_leniently(file, root_of(file));
   CompileOptions compile_options;
-  compile_options.sample_rate = *rate;
-  auto plan = compile(loaded, standard_nodes(), compile_options);
-  if (!plan) return report(plan.error());
-  Player engine{std::move(*plan)};
+  compile_options.sample_rate = rate;
+  Player engine{or_exit(compile(loaded, standard_nodes(), compile_options))};
   return finish(options, around(*loaded.spec), {{loaded.spec->name, &engine}});
 }
 
 }  // namespace
 
 void add_explain(CLI::App& app, int& exit_code) {
-  auto* command =
-      app.add_subcommand("explain", "Print the nodes that a graph runs, their order and their cost");
-  auto options = std::make_shared<ExplainOptions>();
+  auto [command, options] =
+      add_command(app, "explain", "Print the nodes that a graph runs, their order and their cost", exit_code,
+                  run_explain);
   command
-      ->add_option("FILE", options->target,
-                   "instrument, plant or scene file; for a folder, its instrument.toml")
+      .add_option("FILE", options.target,
+                  "instrument, plant or scene file; for a folder, its instrument.toml")
       ->required();
-  command->add_option("--rate", options->rate, "sample rate")->capture_default_str();
-  command->add_option("--block", options->block, "block size in frames for the cost measurement")
-      ->check(CLI::Range(1, 4096))
-      ->capture_default_str();
-  command->add_flag("--json", options->json, "print the report as JSON");
-  command->footer(
+  command.add_option("--rate", options.rate, "sample rate")->capture_default_str();
+  add_number(command, "--block", options.block, "block size in frames for the cost measurement", 1, 4096);
+  command.add_flag("--json", options.json, "print the report as JSON");
+  command.footer(
       "Examples:\n  tactus explain instruments/haptic_drum\n  tactus explain "
       "instruments/haptic_drum/scene.toml --json");
-  command->callback([options, &exit_code] { exit_code = run_explain(*options); });
 }
 
 }  // namespace tactus::app

@@ -1,22 +1,89 @@
 #include <fmt/format.h>
 
-#include <memory>
+#include <algorithm>
+#include <cmath>
 
-#include "apps/cli/commands.h"
-#include "apps/cli/console.h"
-#include "apps/latency/latency_commands.h"
-#include "apps/latency/latency_files.h"
-#include "apps/latency/loop_options.h"
+#include "apps/latency/latency.h"
+#include "apps/render/render.h"
+#include "backends/wav_file.h"
 #include "latency/estimation/analysis.h"
 
 namespace tactus::app {
 namespace {
 
 struct AnalyzeOptions {
-  CaptureFiles files;
-  std::string rate, profile;
+  std::string capture;         ///< a WAV file
+  std::string probe;           ///< what was played; empty: it is the first channel of `capture`
+  std::optional<int> channel;  ///< of `capture`, from 1; left out: the first that was captured
+  std::string rate;            ///< of both, where their headers are wrong
+  std::string profile;
   ReportFiles report;
 };
+
+struct Capture {
+  LoopRecording recording;
+  int channel = 0;  ///< of `recording.captured`, from 0
+};
+
+void check(const Samples& samples, const std::string& path) {
+  if (samples.frames() == 0) exit_with({Errc::BadFile, path, "it contains no samples", "record it again"});
+  if (!(samples.sample_rate >= 1_kHz && samples.sample_rate.value <= 1e6))
+    exit_with({Errc::BadFile, path,
+               fmt::format("its header states a sample rate of {:g} Hz, which no sound card supports",
+                           samples.sample_rate.value),
+               "give the actual rate with --rate"});
+  for (const auto& channel : samples.channels)
+    if (!std::all_of(channel.begin(), channel.end(), [](double sample) { return std::isfinite(sample); }))
+      exit_with({Errc::BadFile, path, "some of its samples are non-finite", "record it again"});
+}
+
+Samples read(const std::string& path, const AnalyzeOptions& options) {
+  auto samples = or_exit(read_wav(path), kBadFile);
+  if (!options.rate.empty()) samples.sample_rate = Hertz{parse_option(options.rate, "Hz", "rate", 1e3, 1e6)};
+  check(samples, path);
+  return samples;
+}
+
+/// Which of the channels that were captured; `first`: the channel of the file that they begin with, from 1.
+int captured_channel(const AnalyzeOptions& options, int first, int channels) {
+  const int asked = options.channel.value_or(first);
+  if (asked >= first && asked < first + channels) return asked - first;
+  exit_with({Errc::BadArgument, "--channel",
+             first == 2 && asked == 1 ? "without --probe, channel 1 must be the played signal"
+                                      : fmt::format("'{}' has no channel {}", options.capture, asked),
+             channels == 1 ? fmt::format("it has only channel {}", first)
+                           : fmt::format("it has channels {} to {}", first, first + channels - 1)});
+}
+
+/// The probe at the rate of what was captured.
+Samples at_rate(Samples probe, Hertz rate) {
+  if (probe.sample_rate == rate) return probe;
+  fmt::print(stderr,
+             "note: the probe file is at {:g} Hz and the recording at {:g} Hz: the probe was resampled; if "
+             "only a header is wrong, give --rate\n",
+             probe.sample_rate.value, rate.value);
+  return resample(probe, rate);
+}
+
+/// Two files as one recording, as if they had begun together.
+Capture joined(const AnalyzeOptions& options, Samples captured) {
+  auto played = at_rate(read(options.probe, options), captured.sample_rate);
+  const int channel = captured_channel(options, 1, static_cast<int>(captured.channels.size()));
+  auto& first = played.channels.front();
+  first.resize(static_cast<std::size_t>(std::max(captured.frames(), played.frames())));
+  return {{captured.sample_rate, std::move(first), std::move(captured.channels)}, channel};
+}
+
+/// A file whose first channel is what was played.
+Capture cut(const AnalyzeOptions& options, Samples both) {
+  if (both.channels.size() < 2)
+    exit_with({Errc::BadFile, options.capture, "it has one channel, and no probe file is given",
+               "give the file that was played as --probe"});
+  const int channel = captured_channel(options, 2, static_cast<int>(both.channels.size()) - 1);
+  auto played = std::move(both.channels.front());
+  both.channels.erase(both.channels.begin());
+  return {{both.sample_rate, std::move(played), std::move(both.channels)}, channel};
+}
 
 LatencyReport report_of(const std::string& source, Capture capture, Analysis analysis) {
   LatencyReport report;
@@ -32,57 +99,45 @@ LatencyReport report_of(const std::string& source, Capture capture, Analysis ana
   return report;
 }
 
-int run_latency_analyze(AnalyzeOptions options) {
-  if (!options.rate.empty()) {
-    const auto rate = parse_rate(options.rate, "rate");
-    if (!rate) return report(rate.error());
-    options.files.rate = *rate;
-  }
-  auto capture = read_capture(options.files);
-  if (!capture) return report(capture.error());
-  if (!capture->note.empty()) fmt::print(stderr, "note: {}\n", capture->note);
+int run_latency_analyze(const AnalyzeOptions& options) {
+  auto samples = read(options.capture, options);
+  auto capture =
+      options.probe.empty() ? cut(options, std::move(samples)) : joined(options, std::move(samples));
+  const auto rate = capture.recording.sample_rate;
   AnalysisSettings settings;
-  settings.channel = capture->channel;
-  if (!options.profile.empty()) {
-    auto profile = read_profile(options.profile, capture->recording.sample_rate);
-    if (!profile) return report(profile.error());
-    settings.profile = std::move(*profile);
-  }
-  auto analysis = analyze(capture->recording, settings);
-  if (!analysis) return report(analysis.error()), kBadFile;
-  if (analysis->detected && analysis->delay_frames < -0.5)
+  settings.channel = capture.channel;
+  if (!options.profile.empty()) settings.profile = read_profile(options.profile, rate);
+  auto analysis = or_exit(analyze(capture.recording, settings), kBadFile);
+  if (analysis.detected && analysis.delay_frames < -0.5)
     fmt::print(stderr, "note: the recording started after the probe, so this is not the delay of a device\n");
-  const auto source =
-      fmt::format("{}, {:g} kHz", options.files.capture, capture->recording.sample_rate.value / 1e3);
-  return publish(report_of(source, std::move(*capture), std::move(*analysis)), options.report);
+  const auto source = fmt::format("{}, {:g} kHz", options.capture, rate.value / 1e3);
+  return publish(report_of(source, std::move(capture), std::move(analysis)), options.report);
 }
 
 }  // namespace
 
 void add_latency_analyze(CLI::App& latency, int& exit_code) {
-  auto* command = latency.add_subcommand("analyze", "Find the delay in a recording");
-  auto options = std::make_shared<AnalyzeOptions>();
-  command->add_option("FILE", options->files.capture, "WAV file of the captured signal")->required();
-  command->add_option("--probe", options->files.probe,
-                      "WAV file that was played; default: the first channel of FILE");
-  command
-      ->add_option("--channel", options->files.channel,
-                   "channel of FILE with the captured signal, counted from 1; default: 1, or 2 if channel 1 "
-                   "is the probe")
-      ->check(CLI::Range(1, 1024));
-  command->add_option("--rate", options->rate, "actual sample rate, if the headers of the files are wrong");
-  command->add_option(
-      "--profile", options->profile,
+  auto [command, options] =
+      add_command(latency, "analyze", "Find the delay in a recording", exit_code, run_latency_analyze);
+  command.add_option("FILE", options.capture, "WAV file of the captured signal")->required();
+  command.add_option("--probe", options.probe,
+                     "WAV file that was played; default: the first channel of FILE");
+  add_number(
+      command, "--channel", options.channel,
+      "channel of FILE with the captured signal, counted from 1; default: 1, or 2 if channel 1 is the probe",
+      1, 1024);
+  command.add_option("--rate", options.rate, "actual sample rate, if the headers of the files are wrong");
+  command.add_option(
+      "--profile", options.profile,
       "profile of the actuator and sensor in the loop, saved by tactus latency calibrate; default: a cable");
-  add_report_options(*command, options->report);
-  command->footer(
-      "Examples:\n  tactus latency analyze capture.wav --probe probe.wav\n"
-      "  tactus latency analyze capture.wav --probe probe.wav --channel 2 --report delay.svg\n"
-      "  tactus latency analyze raw.wav     # saved by tactus latency measure --wav raw.wav\n"
-      "The delay is measured from the start of the probe file to the start of the probe in FILE. It equals "
-      "the delay of\nthe device only if playback and recording started in the same frame.\n"
-      "Exit code 1: no reliable delay in the recording; the report gives the reason.");
-  command->callback([options, &exit_code] { exit_code = run_latency_analyze(*options); });
+  add_report_options(command, options.report);
+  command.footer(
+      "Examples:\n  tactus latency analyze capture.wav --probe probe.wav\n  tactus latency analyze "
+      "capture.wav --probe probe.wav --channel 2 --report delay.svg\n  tactus latency analyze raw.wav     # "
+      "saved by tactus latency measure --wav raw.wav\nThe delay is measured from the start of the probe file "
+      "to the start of the probe in FILE. It equals the delay of\nthe device only if playback and recording "
+      "started in the same frame.\nExit code 1: no reliable delay in the recording; the report gives the "
+      "reason.");
 }
 
 }  // namespace tactus::app

@@ -1,25 +1,18 @@
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <cmath>
-#include <memory>
-#include <nlohmann/json.hpp>
+#include <ctime>
+#include <filesystem>
 
-#include "apps/cli/commands.h"
-#include "apps/cli/console.h"
-#include "apps/cli/interrupts.h"
-#include "apps/cli/writable.h"
-#include "apps/latency/latency_commands.h"
-#include "apps/latency/latency_files.h"
-#include "apps/latency/latency_report.h"
-#include "apps/latency/loop_options.h"
-#include "apps/play/play_report.h"
+#include "apps/latency/latency.h"
+#include "engine/core/files.h"
+#include "engine/scene/file/path_file.h"
 #include "latency/calibration.h"
 #include "latency/measured.h"
 
 namespace tactus::app {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct CalibrateOptions {
   LoopOptions loop;
@@ -28,19 +21,15 @@ struct CalibrateOptions {
 };
 
 /// The card's own delay [frames]: given by the user or the rig, or measured here.
-Result<double> electrical_frames(const CalibrateOptions& options, const Loop& loop,
-                                 const StreamGranted& granted) {
+double electrical_frames(const CalibrateOptions& options, const Loop& loop, const StreamGranted& granted) {
   const auto rate = granted.format.sample_rate;
-  if (!options.electrical.empty()) {
-    const auto seconds = parse_option(options.electrical, "s", "electrical");
-    return seconds ? Result<double>{*seconds * rate.value} : seconds;
-  }
+  if (!options.electrical.empty()) return parse_option(options.electrical, "s", "electrical") * rate.value;
   if (loop.rig && loop.rig->measured_delay) return frames_in(*loop.rig->measured_delay, rate);
   const auto delays = MeasuredDelays::load();
   if (const auto* found = delays.find(key_of(granted))) return frames_in(found->delay, rate);
-  return fail(Errc::Missing, "--electrical",
-              "the delay of the card alone has not been measured with this sample rate and block size",
-              "measure it with a loopback cable (tactus latency measure), or give it");
+  exit_with({Errc::Missing, "--electrical",
+             "the delay of the card alone has not been measured with this sample rate and block size",
+             "measure it with a loopback cable (tactus latency measure), or give it"});
 }
 
 Json json_of(const Calibration& calibration, Hertz rate) {
@@ -48,26 +37,24 @@ Json json_of(const Calibration& calibration, Hertz rate) {
   // The swing begins somewhere within a frame.
   const double error = std::hypot(calibration.analysis.standard_error_frames, 1.0 / std::sqrt(12.0));
   auto json =
-      essentials_json({calibration.finding, rate, calibration.arrival_frames, error}, calibration.analysis);
+      essentials_json(calibration.finding, rate, calibration.arrival_frames, error, calibration.analysis);
   json["delay_is"] =
       "from the drive signal to the first swing of the captured signal, without the delay of the card";
   if (profile.taps.empty()) return json;
-  json["polarity"] = calibration.polarity;
-  json.update({{"low_hz", profile.low.value},
+  const auto octave_json = [&](const BandDelay& octave) -> Json {
+    return {{"centre_hz", octave.centre_hz},
+            {"delay_frames", octave.delay_frames},
+            {"delay_ms", 1e3 * octave.delay_frames / rate.value},
+            {"standard_error_frames", octave.standard_error_frames}};
+  };
+  const auto& resonance = calibration.resonance;
+  json.update({{"polarity", calibration.polarity},
+               {"low_hz", profile.low.value},
                {"high_hz", profile.high.value},
-               {"resonance_hz", nullptr},
-               {"resonance_q", nullptr},
+               {"resonance_hz", known(resonance.has_value(), resonance ? resonance->frequency_hz : 0)},
+               {"resonance_q", known(resonance.has_value(), resonance ? resonance->q : 0)},
                {"unexplained", calibration.unexplained},
-               {"group_delay", Json::array()}});
-  for (const auto& octave : calibration.group_delay)
-    json["group_delay"].push_back({{"centre_hz", octave.centre_hz},
-                                   {"delay_frames", octave.delay_frames},
-                                   {"delay_ms", 1e3 * octave.delay_frames / rate.value},
-                                   {"standard_error_frames", octave.standard_error_frames}});
-  if (calibration.resonance) {
-    json["resonance_hz"] = calibration.resonance->frequency_hz;
-    json["resonance_q"] = calibration.resonance->q;
-  }
+               {"group_delay", list_of(calibration.group_delay, octave_json)}});
   return json;
 }
 
@@ -94,44 +81,52 @@ void print(const Calibration& calibration, Hertz rate) {
   fmt::print("\n");
 }
 
+std::string description_of(const Calibration& calibration, const std::string& device) {
+  const auto& profile = calibration.profile;
+  auto text = fmt::format(
+      "Measured {} on {} at {:g} kHz: valid from {:.0f} Hz to {:.0f} Hz, arrives after {:.3f} ms, {}",
+      fmt::format("{:%Y-%m-%d}", fmt::gmtime(std::time(nullptr))), device, profile.sample_rate.value / 1e3,
+      profile.low.value, profile.high.value, 1e3 * calibration.arrival_frames / profile.sample_rate.value,
+      calibration.polarity > 0 ? "not inverted" : "inverted");
+  if (const auto& resonance = calibration.resonance)
+    text += fmt::format(", resonance {:.1f} Hz, Q {:.2f}", resonance->frequency_hz, resonance->q);
+  return text + ".";
+}
+
+/// The profile as a graph that scenes can use (engine/scene/file/path_file.h), with what was measured, on
+/// which device.
+void write_profile(const std::string& file, const Calibration& calibration, const std::string& device) {
+  const auto& profile = calibration.profile;
+  or_exit(write_file(
+      file, to_text(PathFile{std::filesystem::path{file}.stem().string(), description_of(calibration, device),
+                             "tactus latency calibrate", profile.sample_rate, profile.taps})));
+}
+
 /// The picture and the recording, if requested.
-Status write_evidence(const CalibrateOptions& options, const Calibration& calibration,
-                      const Opening& opening) {
-  if (!options.sound.empty())
-    if (auto status = write_recording(options.sound, opening.recording); !status) return status;
-  if (options.picture.empty() || calibration.spectrum.empty()) return {};
-  return write_svg(options.picture, picture_of(calibration));
+void write_evidence(const CalibrateOptions& options, const Calibration& calibration, const Opening& opening) {
+  if (!options.sound.empty()) or_exit(write_recording(options.sound, opening.recording));
+  if (!options.picture.empty() && !calibration.spectrum.empty())
+    or_exit(write_svg(options.picture, picture_of(calibration)));
 }
 
 int run_latency_calibrate(const CalibrateOptions& options) {
-  auto loop = make_loop(options.loop);
-  if (!loop) return report(loop.error().errors), loop.error().exit;
+  const auto loop = make_loop(options.loop);
   install_signal_handlers();
-  const auto measured = measure_now(*loop->devices.backend, loop->settings);
-  if (!measured) return report(measured.error()), exit_of(measured.error());
-  if (!*measured) return fmt::print(stderr, "interrupted\n"), kInterrupted;
-  const auto& opening = (*measured)->openings.front();
+  const auto measured = measure_now(*loop.devices.backend, loop.settings);
+  if (!measured) exit_with(measured.error(), exit_of(measured.error()));
+  const auto& opening = measured->openings.front();
   const auto rate = opening.granted.format.sample_rate;
   Calibration calibration;
   calibration.finding = opening.finding;
   calibration.analysis = opening.analysis;
-  if (!spoils(opening.finding.verdict)) {
-    const auto electrical = electrical_frames(options, *loop, opening.granted);
-    if (!electrical) return report(electrical.error()), kUsage;
-    auto found = calibrate(opening.recording, {loop->settings.input, *electrical});
-    if (!found) return report(found.error()), kUsage;
-    calibration = std::move(*found);
-  }
-  const bool ok = calibration.finding.verdict == Verdict::Ok;
-  if (options.json)
-    fmt::print("{}\n", json_of(calibration, rate).dump(2));
-  else
-    print(calibration, rate);
-  if (const auto written = write_evidence(options, calibration, opening); !written)
-    return report(written.error());
-  if (!ok) return kNo;
-  if (const auto written = write_profile(options.out, calibration, opening.granted.device); !written)
-    return report(written.error());
+  if (!spoils(opening.finding.verdict))
+    calibration = or_exit(calibrate(opening.recording,
+                                    {loop.settings.input, electrical_frames(options, loop, opening.granted)}),
+                          kUsage);
+  options.json ? print_json(json_of(calibration, rate)) : print(calibration, rate);
+  write_evidence(options, calibration, opening);
+  if (calibration.finding.verdict != Verdict::Ok) return kNo;
+  write_profile(options.out, calibration, opening.granted.device);
   fmt::print(stderr, "{} is written\n", options.out);
   return kDone;
 }
@@ -139,36 +134,33 @@ int run_latency_calibrate(const CalibrateOptions& options) {
 }  // namespace
 
 void add_latency_calibrate(CLI::App& latency, int& exit_code) {
-  auto* command =
-      latency.add_subcommand("calibrate", "Measure the combined response of an actuator and a sensor");
-  auto options = std::make_shared<CalibrateOptions>();
-  auto& loop = options->loop;
+  auto [command, options] =
+      add_command(latency, "calibrate", "Measure the combined response of an actuator and a sensor",
+                  exit_code, run_latency_calibrate);
+  auto& loop = options.loop;
   loop.openings = 1;
-  add_loop_options(*command, loop);
-  add_setting_options(*command, loop);
-  command->add_option("--electrical", options->electrical,
-                      "delay of the card without actuator and sensor, such as \"3.92 ms\"; default: from the "
-                      "rig, or from the last measurement on this computer");
+  add_loop_options(command, loop);
+  add_setting_options(command, loop);
+  command.add_option("--electrical", options.electrical,
+                     "delay of the card without actuator and sensor, such as \"3.92 ms\"; default: from the "
+                     "rig, or from the last measurement on this computer");
   command
-      ->add_option("--save", options->out,
-                   "file for the profile (a graph file that a scene can use as its plant)")
+      .add_option("--save", options.out,
+                  "file for the profile (a graph file that a scene can use as its plant)")
       ->check(writable_file())
       ->required();
-  command->add_option("--report", options->picture, "write a plot of the response to this SVG file")
+  command.add_option("--report", options.picture, "write a plot of the response to this SVG file")
       ->check(writable_file());
   command
-      ->add_option("--wav", options->sound,
-                   "WAV file for the recording (played and captured), for tactus latency analyze")
+      .add_option("--wav", options.sound,
+                  "WAV file for the recording (played and captured), for tactus latency analyze")
       ->check(writable_file());
-  command->add_flag("--json", options->json, "print the report as JSON");
-  command->footer(
+  command.add_flag("--json", options.json, "print the report as JSON");
+  command.footer(
       "Examples:\n  tactus latency measure --rig desk.toml                          # first, with a loopback "
-      "cable\n"
-      "  tactus latency calibrate --rig desk.toml --save woofer.toml     # then through woofer and "
-      "microphone\n"
-      "  tactus latency measure --rig desk.toml --profile woofer.toml    # later, without a cable\n"
-      "The actuator on the rig's first output moves, up to the limits of its guard: keep hands away.");
-  command->callback([options, &exit_code] { exit_code = run_latency_calibrate(*options); });
+      "cable\n  tactus latency calibrate --rig desk.toml --save woofer.toml     # then through woofer and "
+      "microphone\n  tactus latency measure --rig desk.toml --profile woofer.toml    # later, without a "
+      "cable\nThe actuator on the rig's first output moves, up to the limits of its guard: keep hands away.");
 }
 
 }  // namespace tactus::app

@@ -1,43 +1,16 @@
-#include "apps/latency/latency_report.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <filesystem>
 #include <iterator>
 #include <utility>
 
+#include "apps/latency/latency.h"
+#include "apps/play/play_report.h"
+
 namespace tactus::app {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-Json json_of(const std::vector<ProbeDelay>& probes, Hertz rate) {
-  Json all = Json::array();
-  for (const auto& probe : probes)
-    all.push_back({{"played_at_s", static_cast<double>(probe.played_at) / rate.value},
-                   {"delay_frames", probe.delay_frames},
-                   {"gain_db", probe.gain_db},
-                   {"level", probe.level}});
-  return all;
-}
-
-Json json_of(const std::vector<DelayStep>& steps, Hertz rate) {
-  Json all = Json::array();
-  for (const auto& step : steps)
-    all.push_back({{"at_s", static_cast<double>(step.frame) / rate.value}, {"frames", step.frames}});
-  return all;
-}
-
-Json json_of(const std::vector<BandDelay>& bands) {
-  Json all = Json::array();
-  for (const auto& band : bands)
-    all.push_back({{"centre_hz", band.centre_hz},
-                   {"delay_frames", band.delay_frames},
-                   {"standard_error_frames", band.standard_error_frames}});
-  return all;
-}
 
 Json harmonics_json(const Analysis& analysis) {
   Json all = Json::object();
@@ -59,9 +32,21 @@ void add_evidence(const Analysis& analysis, Json& json) {
   json["high_pass_hz"] = known(detected, analysis.high_pass_hz);
   json["misfit"] = known(detected, analysis.misfit);
   json["harmonics_db"] = harmonics_json(analysis);
-  json["group_delay"] = json_of(analysis.group_delay);
-  json["sweeps"] = json_of(analysis.probes, analysis.sample_rate);
-  json["steps"] = json_of(analysis.steps, analysis.sample_rate);
+  const double rate = analysis.sample_rate.value;
+  json["group_delay"] = list_of(analysis.group_delay, [](const BandDelay& band) -> Json {
+    return {{"centre_hz", band.centre_hz},
+            {"delay_frames", band.delay_frames},
+            {"standard_error_frames", band.standard_error_frames}};
+  });
+  json["sweeps"] = list_of(analysis.probes, [rate](const ProbeDelay& probe) -> Json {
+    return {{"played_at_s", static_cast<double>(probe.played_at) / rate},
+            {"delay_frames", probe.delay_frames},
+            {"gain_db", probe.gain_db},
+            {"level", probe.level}};
+  });
+  json["steps"] = list_of(analysis.steps, [rate](const DelayStep& step) -> Json {
+    return {{"at_s", static_cast<double>(step.frame) / rate}, {"frames", step.frames}};
+  });
 }
 
 Json granted_json(const StreamGranted& granted) {
@@ -86,8 +71,8 @@ Json health_json(const Health& health) {
 Json opening_json(const Opening& opening, bool live) {
   const auto& analysis = opening.analysis;
   const auto rate = live ? opening.granted.format.sample_rate : analysis.sample_rate;
-  auto json = essentials_json({opening.finding, rate, analysis.delay_frames, analysis.standard_error_frames},
-                              analysis);
+  auto json =
+      essentials_json(opening.finding, rate, analysis.delay_frames, analysis.standard_error_frames, analysis);
   if (live) {
     json["level_dbfs"] = opening.level_dbfs;
     json["setting"] = granted_json(opening.granted);
@@ -261,6 +246,46 @@ void add_group_delay(const Analysis& analysis, Lines& lines) {
   lines.add("", "{}", errors);
 }
 
+namespace fs = std::filesystem;
+
+/// "raw.wav" for the first, "raw_2.wav" for the second.
+std::string numbered(const fs::path& file, std::size_t index) {
+  if (index == 0) return file.string();
+  auto name = file.stem();
+  name += fmt::format("_{}", index + 1);
+  name += file.extension();
+  return (file.parent_path() / name).string();
+}
+
+void write_sounds(LatencyReport& report, const std::string& file) {
+  const auto& openings = report.measurement.openings;
+  for (std::size_t i = 0; i < openings.size(); ++i) {
+    const auto path = numbered(file, i);
+    or_exit(write_recording(path, openings[i].recording));
+    report.written.push_back(path);
+  }
+}
+
+void write_picture(LatencyReport& report, const std::string& file) {
+  or_exit(write_svg(file, picture_of(report)));
+  report.written.push_back(file);
+}
+
+void write_folder(LatencyReport& report, const fs::path& folder) {
+  std::error_code ignored;
+  fs::create_directories(folder, ignored);
+  write_picture(report, (folder / "latency.svg").string());
+  if (report.live) write_sounds(report, (folder / "latency.wav").string());
+  report.written.push_back((folder / "latency.json").string());
+  or_exit(write_json(report.written.back(), json_of(report)));
+}
+
+void write_files(LatencyReport& report, const ReportFiles& files) {
+  if (!files.sound.empty()) write_sounds(report, files.sound);
+  if (!files.picture.empty()) write_picture(report, files.picture);
+  if (!files.folder.empty()) write_folder(report, files.folder);
+}
+
 }  // namespace
 
 const char* const kDelayIs =
@@ -297,14 +322,15 @@ std::string with_error(double value, double standard_error) {
   return fixed(value, digits) + " ± " + fixed(standard_error, digits);
 }
 
-Json essentials_json(const Essentials& of, const Analysis& analysis) {
-  const bool ok = of.finding.verdict == Verdict::Ok, detected = analysis.detected;
-  return {{"verdict", code(of.finding.verdict)},
-          {"what", of.finding.what},
-          {"remedy", of.finding.remedy},
-          {"delay_frames", known(ok, of.delay_frames)},
-          {"delay_ms", known(ok, 1e3 * of.delay_frames / of.sample_rate.value)},
-          {"standard_error_frames", known(ok, of.standard_error_frames)},
+Json essentials_json(const Finding& finding, Hertz sample_rate, double delay_frames,
+                     double standard_error_frames, const Analysis& analysis) {
+  const bool ok = finding.verdict == Verdict::Ok, detected = analysis.detected;
+  return {{"verdict", code(finding.verdict)},
+          {"what", finding.what},
+          {"remedy", finding.remedy},
+          {"delay_frames", known(ok, delay_frames)},
+          {"delay_ms", known(ok, 1e3 * delay_frames / sample_rate.value)},
+          {"standard_error_frames", known(ok, standard_error_frames)},
           {"polarity", known(detected, analysis.polarity)},
           {"gain_db", known(detected, analysis.gain_db)},
           {"snr_db", known(detected, analysis.snr_db)},
@@ -317,8 +343,8 @@ Json json_of(const LatencyReport& report) {
   const auto* shown = report.shown();
   const auto analysis = shown == nullptr ? Analysis{} : shown->analysis;
   Json json{{"source", report.source}};
-  json.update(essentials_json(
-      {measurement.finding, rate, measurement.delay_frames, measurement.standard_error_frames}, analysis));
+  json.update(essentials_json(measurement.finding, rate, measurement.delay_frames,
+                              measurement.standard_error_frames, analysis));
   json["delay_is"] = kDelayIs;
   json["sample_rate_hz"] = rate.value;
   if (shown != nullptr) add_evidence(analysis, json);
@@ -328,9 +354,8 @@ Json json_of(const LatencyReport& report) {
     json.update(health_json(health_of(measurement)));
     if (shown != nullptr) json["setting"] = granted_json(shown->granted);
   }
-  json["openings"] = Json::array();
-  for (const auto& opening : measurement.openings)
-    json["openings"].push_back(opening_json(opening, report.live));
+  json["openings"] = list_of(measurement.openings,
+                             [&](const Opening& opening) { return opening_json(opening, report.live); });
   json["kept"] = report.saved;
   json["written"] = report.written;
   return json;
@@ -354,6 +379,33 @@ std::string text_of(const LatencyReport& report) {
   heading = "written";
   for (const auto& file : report.written) lines.add(std::exchange(heading, ""), "{}", file);
   return lines.take();
+}
+
+void add_report_options(CLI::App& command, ReportFiles& files) {
+  command.add_option("--folder", files.folder, "folder for the plot, the report as JSON and the recordings")
+      ->check(writable_folder());
+  command.add_option("--report", files.picture, "write the plot to this SVG file")->check(writable_file());
+  command.add_flag("--json", files.json, "print the report as JSON");
+}
+
+Status write_recording(const std::string& path, const LoopRecording& recording) {
+  Samples samples{recording.sample_rate, {recording.played}};
+  samples.channels.insert(samples.channels.end(), recording.captured.begin(), recording.captured.end());
+  return write_wav(path, samples);
+}
+
+int publish(LatencyReport report, const ReportFiles& files) {
+  int failed = kDone;
+  try {
+    write_files(report, files);
+  } catch (const CommandError& error) {
+    failed = app::report(error);
+  }
+  if (files.json)
+    print_json(json_of(report));
+  else
+    fmt::print("{}", text_of(report));
+  return failed != kDone ? failed : report.ok() ? kDone : kNo;
 }
 
 }  // namespace tactus::app

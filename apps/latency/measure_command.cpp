@@ -2,14 +2,8 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <memory>
 
-#include "apps/cli/commands.h"
-#include "apps/cli/console.h"
-#include "apps/cli/interrupts.h"
-#include "apps/cli/writable.h"
-#include "apps/latency/latency_commands.h"
-#include "apps/latency/loop_options.h"
+#include "apps/latency/latency.h"
 #include "apps/play/save_rig.h"
 #include "latency/measured.h"
 
@@ -56,7 +50,7 @@ int save(LatencyReport& report, const Loop& loop, const MeasureOptions& options)
   int exit = kDone;
   const auto note = [&](const Status& status, const std::string& where) {
     if (status) return report.saved.push_back(where);
-    app::report(status.error());
+    app::report({{status.error()}});
     exit = kBadFile;
   };
   note(save_on_machine(report.measurement),
@@ -69,17 +63,15 @@ int save(LatencyReport& report, const Loop& loop, const MeasureOptions& options)
 }
 
 int run_latency_measure(const MeasureOptions& options) {
-  auto loop = make_loop(options.loop);
-  if (!loop) return report(loop.error().errors), loop.error().exit;
+  const auto loop = make_loop(options.loop);
   install_signal_handlers();
-  auto measured = measure_now(*loop->devices.backend, loop->settings);
-  if (!measured) return report(measured.error()), exit_of(measured.error());
-  if (!*measured) return fmt::print(stderr, "interrupted: nothing was saved\n"), kInterrupted;
+  auto measured = measure_now(*loop.devices.backend, loop.settings);
+  if (!measured) exit_with(measured.error(), exit_of(measured.error()));
   LatencyReport found;
   found.live = true;
-  found.measurement = std::move(**measured);
-  if (const auto* shown = found.shown()) found.source = source_text(loop->settings, shown->granted);
-  const int saved = save(found, *loop, options);
+  found.measurement = std::move(*measured);
+  if (const auto* shown = found.shown()) found.source = source_text(loop.settings, shown->granted);
+  const int saved = save(found, loop, options);
   const int published = publish(std::move(found), options.report);
   return published != kDone ? published : saved;
 }
@@ -87,30 +79,28 @@ int run_latency_measure(const MeasureOptions& options) {
 }  // namespace
 
 void add_latency_measure(CLI::App& latency, int& exit_code) {
-  auto* command =
-      latency.add_subcommand("measure", "Measure the round-trip latency of a card with a loopback cable");
-  auto options = std::make_shared<MeasureOptions>();
-  auto& loop = options->loop;
-  add_loop_options(*command, loop);
-  add_setting_options(*command, loop);
-  command->add_option(
+  auto [command, options] =
+      add_command(latency, "measure", "Measure the round-trip latency of a card with a loopback cable",
+                  exit_code, run_latency_measure);
+  auto& loop = options.loop;
+  add_loop_options(command, loop);
+  add_setting_options(command, loop);
+  command.add_option(
       "--profile", loop.profile,
       "profile of the actuator and sensor in the loop, saved by tactus latency calibrate; default: a cable");
-  add_repetition_options(*command, loop);
-  add_report_options(*command, options->report);
+  add_repetition_options(command, loop);
+  add_report_options(command, options.report);
   command
-      ->add_option("--wav", options->report.sound,
-                   "WAV file for the recording (played and captured), for tactus latency analyze")
+      .add_option("--wav", options.report.sound,
+                  "WAV file for the recording (played and captured), for tactus latency analyze")
       ->check(writable_file());
-  command->add_flag("--no-keep", options->no_keep, "do not save the measured delay");
-  command->footer(
-      "Examples:\n  tactus latency measure --device jack:system\n"
-      "  tactus latency measure --device USB --in 2 --out 2 --rate \"96 kHz\" --block 64\n"
-      "  tactus latency measure --rig desk.toml --folder delay\n"
-      "Connect the output to the input with a cable, and disconnect the speakers: the probe starts at a low "
-      "level and is raised only as far as needed.\n"
-      "Exit code 1: no reliable delay; the report gives the reason and the remedy.");
-  command->callback([options, &exit_code] { exit_code = run_latency_measure(*options); });
+  command.add_flag("--no-keep", options.no_keep, "do not save the measured delay");
+  command.footer(
+      "Examples:\n  tactus latency measure --device jack:system\n  tactus latency measure --device USB --in "
+      "2 --out 2 --rate \"96 kHz\" --block 64\n  tactus latency measure --rig desk.toml --folder "
+      "delay\nConnect the output to the input with a cable, and disconnect the speakers: the probe starts at "
+      "a low level and is raised only as far as needed.\nExit code 1: no reliable delay; the report gives "
+      "the reason and the remedy.");
 }
 
 }  // namespace tactus::app

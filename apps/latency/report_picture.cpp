@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/latency/latency_report.h"
+#include "apps/latency/latency.h"
 #include "engine/core/decibels.h"
 #include "engine/core/index.h"
 

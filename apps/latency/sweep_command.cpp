@@ -2,21 +2,249 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
-#include "apps/cli/commands.h"
-#include "apps/cli/console.h"
-#include "apps/cli/interrupts.h"
-#include "apps/cli/writable.h"
-#include "apps/latency/latency_commands.h"
-#include "apps/latency/loop_options.h"
-#include "apps/latency/sweep_report.h"
-#include "apps/play/play_report.h"
+#include "apps/latency/latency.h"
 
 namespace tactus::app {
 namespace {
 
-struct SweepOptions {
+std::string periods_text(int periods) { return periods > 0 ? std::to_string(periods) : "?"; }
+
+bool same(const SettingDelay& a, const SettingDelay& b) {
+  return a.sample_rate == b.sample_rate && a.block_frames == b.block_frames && a.periods == b.periods;
+}
+
+bool same_group(const SettingDelay& a, const SettingDelay& b) {
+  return a.sample_rate == b.sample_rate && a.periods == b.periods;
+}
+
+/// The note behind a row.
+std::string note_of(const SweepRow& row) {
+  if (row.refused) return "refused: " + row.refused->what;
+  std::string note;
+  if (row.setting.finding.verdict != Verdict::Ok) note = row.setting.finding.what;
+  if (row.asked_block != row.setting.block_frames)
+    note = fmt::format("{} requested{}{}", row.asked_block, note.empty() ? "" : "; ", note);
+  return note;
+}
+
+std::string line_of(const SweepRow& row) {
+  const auto& setting = row.setting;
+  if (row.refused)
+    return fmt::format("{:>8g}  {:>6}  {:>7}  {}\n", setting.sample_rate.value / 1e3, row.asked_block,
+                       periods_text(row.asked_periods.value_or(0)), note_of(row));
+  const auto head = fmt::format("{:>8g}  {:>6}  {:>7}", setting.sample_rate.value / 1e3, setting.block_frames,
+                                periods_text(setting.periods));
+  const bool known = setting.finding.verdict == Verdict::Ok;
+  const auto note = note_of(row);
+  return head + fmt::format("  {:>24}  {:>9}  {:>5}  {:>6}  {:>6}{}\n",
+                            known ? with_error(setting.delay_frames, setting.standard_error_frames)
+                                  : std::string{code(setting.finding.verdict)},
+                            known ? fmt::format("{:.3f}", 1e3 * setting.delay().value) : "", row.xruns,
+                            row.lost_frames,
+                            row.reported_frames ? fmt::format("{:.0f}", *row.reported_frames) : "?",
+                            note.empty() ? "" : "  " + note);
+}
+
+/// Settings that the device turned into ones that it has.
+std::string changed_settings_text(const std::vector<SweepRow>& rows) {
+  std::string asked;
+  for (const auto& row : rows)
+    if (row.again)
+      asked += fmt::format("{}{} frames{}", asked.empty() ? "" : "; ", row.asked_block,
+                           row.asked_periods ? fmt::format(", {} periods", *row.asked_periods) : "");
+  if (asked.empty()) return "";
+  return fmt::format(
+      "Also requested, but changed to one of these settings by the device or its server: {}. Change it there "
+      "if needed.\n",
+      asked);
+}
+
+std::string law_text(const LawOfGroup& group) {
+  const auto& law = group.law;
+  const auto number = [](double value, const std::optional<double>& error) {
+    return error ? "(" + with_error(value, *error) + ")" : fmt::format("{:.4g}", value);
+  };
+  auto text =
+      fmt::format("delay = {} frames + {} x block", number(law.fixed_frames, law.fixed_standard_error),
+                  number(law.per_frame, law.per_frame_standard_error));
+  text += fmt::format("   at {:g} kHz", group.sample_rate.value / 1e3);
+  if (group.periods > 0) text += fmt::format(", {} periods", group.periods);
+  return text + (law.settings > 2
+                     ? fmt::format("; {} settings, residual {:.2g} frames", law.settings, law.residual_frames)
+                     : "; from two settings, so the fit is exact");
+}
+
+Json essentials_of(const SweepRow& row) {
+  const auto& setting = row.setting;
+  return essentials_json(setting.finding, setting.sample_rate, setting.delay_frames,
+                         setting.standard_error_frames, row.analysis);
+}
+
+Json json_of(const SweepRow& row) {
+  const auto& setting = row.setting;
+  Json json{{"asked_block_frames", row.asked_block},
+            {"asked_periods", known(row.asked_periods)},
+            {"sample_rate_hz", setting.sample_rate.value}};
+  if (row.refused) {
+    json["refused"] = to_string(*row.refused);
+    return json;
+  }
+  json["block_frames"] = setting.block_frames;
+  json["periods"] = known(setting.periods > 0, setting.periods);
+  json["measured_already"] = row.again;
+  if (row.again) return json;
+  json.update(essentials_of(row));
+  json["xruns"] = row.xruns;
+  json["lost_frames_counted"] = row.lost_frames;
+  json["lost_frames_heard"] = row.detected_lost_frames;
+  json["reported_frames"] = known(row.reported_frames);
+  json["good"] = setting.good();
+  return json;
+}
+
+Json json_of(const LawOfGroup& group) {
+  const auto& law = group.law;
+  return {{"sample_rate_hz", group.sample_rate.value},
+          {"periods", known(group.periods > 0, group.periods)},
+          {"fixed_frames", law.fixed_frames},
+          {"fixed_standard_error_frames", known(law.fixed_standard_error)},
+          {"per_frame", law.per_frame},
+          {"per_frame_standard_error", known(law.per_frame_standard_error)},
+          {"residual_frames", known(law.settings > 2, law.residual_frames)},
+          {"settings", law.settings}};
+}
+
+std::string group_name(const SettingDelay& setting) {
+  return fmt::format("{:g} kHz{}", setting.sample_rate.value / 1e3,
+                     setting.periods > 0 ? fmt::format(", {} periods", setting.periods) : "");
+}
+
+/// Of a group: its points, its line, and what is no good.
+void add_group(const std::vector<SettingDelay>& group, PlotColor color, Subplot& subplot) {
+  PlotSeries good{.label = group_name(group.front()), .mark = PlotMark::Points, .color = color};
+  PlotSeries gaps{.label = "lost frames", .mark = PlotMark::Points, .color = PlotColor::Vermillion};
+  for (const auto& setting : group) {
+    if (setting.finding.verdict != Verdict::Ok) {
+      subplot.events.push_back(
+          {.x = static_cast<double>(setting.block_frames),
+           .label = fmt::format("{}: {}", setting.block_frames, code(setting.finding.verdict)),
+           .color = PlotColor::Vermillion});
+      continue;
+    }
+    auto& series = setting.good() ? good : gaps;
+    series.x.push_back(setting.block_frames);
+    series.y.push_back(setting.delay().value);
+  }
+  if (const auto law = fit_block_law(group)) {
+    PlotSeries line{.label = {}, .color = color, .dashed = true};
+    const double last = *std::max_element(good.x.begin(), good.x.end());
+    for (const double block : {0.0, last}) {
+      line.x.push_back(block);
+      line.y.push_back(law->at(block) / group.front().sample_rate.value);
+    }
+    subplot.series.push_back(line);
+  }
+  if (!good.x.empty()) subplot.series.push_back(good);
+  if (!gaps.x.empty()) subplot.series.push_back(gaps);
+}
+
+std::vector<std::vector<SettingDelay>> groups_of(const std::vector<SettingDelay>& settings) {
+  std::vector<std::vector<SettingDelay>> groups;
+  for (const auto& setting : settings) {
+    const auto group = std::find_if(groups.begin(), groups.end(),
+                                    [&](const auto& other) { return same_group(other.front(), setting); });
+    if (group == groups.end())
+      groups.push_back({setting});
+    else
+      group->push_back(setting);
+  }
+  return groups;
+}
+
+}  // namespace
+
+std::vector<SettingDelay> SweepReport::settings() const {
+  std::vector<SettingDelay> all;
+  for (const auto& row : rows)
+    if (!row.refused && !row.again) all.push_back(row.setting);
+  return all;
+}
+
+const SweepRow* SweepReport::recommended() const {
+  const auto all = settings();
+  const auto* shortest = shortest_good(all);
+  const SweepRow* last = nullptr;
+  for (const auto& row : rows) {
+    if (row.refused || row.again) continue;
+    last = &row;
+    if (shortest != nullptr && same(row.setting, *shortest)) break;
+  }
+  return last;
+}
+
+std::vector<LawOfGroup> SweepReport::laws() const {
+  std::vector<LawOfGroup> laws;
+  for (const auto& group : groups_of(settings()))
+    if (const auto law = fit_block_law(group))
+      laws.push_back({group.front().sample_rate, group.front().periods, *law});
+  return laws;
+}
+
+Json json_of(const SweepReport& report) {
+  const auto settings = report.settings();
+  Json json{{"source", report.source}};
+  if (const auto* row = report.recommended()) json.update(essentials_of(*row));
+  json["settings"] = list_of(report.rows, [](const SweepRow& row) { return json_of(row); });
+  json["laws"] = list_of(report.laws(), [](const LawOfGroup& law) { return json_of(law); });
+  const auto* shortest = shortest_good(settings);
+  json["shortest"] = nullptr;
+  if (shortest != nullptr)
+    json["shortest"] = {{"sample_rate_hz", shortest->sample_rate.value},
+                        {"block_frames", shortest->block_frames},
+                        {"periods", known(shortest->periods > 0, shortest->periods)},
+                        {"delay_frames", shortest->delay_frames},
+                        {"delay_ms", 1e3 * shortest->delay().value}};
+  json["recommendation"] = recommendation(settings);
+  json["delay_is"] = kDelayIs;
+  json["written"] = report.written;
+  return json;
+}
+
+std::string text_of(const SweepReport& report) {
+  auto text =
+      fmt::format("{}\n\n{:>8}  {:>6}  {:>7}  {:>24}  {:>9}  {:>5}  {:>6}  {:>6}\n", report.source,
+                  "rate/kHz", "block", "periods", "delay/frames", "delay/ms", "xruns", "lost", "driver");
+  for (const auto& row : report.rows)
+    if (!row.again) text += line_of(row);
+  text += "\n" + changed_settings_text(report.rows);
+  for (const auto& law : report.laws()) text += law_text(law) + "\n";
+  text += recommendation(report.settings()) + "\n";
+  for (const auto& file : report.written) text += "written: " + file + "\n";
+  return text;
+}
+
+Plot picture_of(const SweepReport& report) {
+  Plot plot;
+  plot.title = "Delay against block";
+  plot.subtitle = report.source + ". " + recommendation(report.settings());
+  plot.x = {.label = "block", .unit = "frames", .low = 0.0};
+  plot.subplot_height = 340;
+  Subplot subplot;
+  subplot.y = {.label = "delay", .unit = "s", .low = 0.0};
+  int color = static_cast<int>(PlotColor::Blue);
+  for (const auto& group : groups_of(report.settings())) {
+    add_group(group, static_cast<PlotColor>(color), subplot);
+    // Vermillion is for what lost frames.
+    color = color == static_cast<int>(PlotColor::Blue) ? static_cast<int>(PlotColor::Green) : color % 6 + 1;
+  }
+  plot.subplots = {subplot};
+  return plot;
+}
+
+namespace {
+
+struct LatencySweepOptions {
   LoopOptions loop;
   std::vector<int> blocks = {16, 32, 64, 128, 256, 512, 1024};
   std::vector<int> periods;
@@ -45,10 +273,6 @@ Result<StreamGranted> ask(Backend& backend, const MeasureSettings& settings) {
   return (*stream)->granted();
 }
 
-bool same(const SettingDelay& a, const SettingDelay& b) {
-  return a.sample_rate == b.sample_rate && a.block_frames == b.block_frames && a.periods == b.periods;
-}
-
 void take(const Measurement& measurement, SweepRow& row) {
   auto& setting = row.setting;
   setting.finding = measurement.finding;
@@ -66,121 +290,89 @@ void take(const Measurement& measurement, SweepRow& row) {
   }
 }
 
-class Sweep {
- public:
-  Sweep(Loop& loop, const SweepOptions& options, const std::vector<Hertz>& rates)
-      : loop_(loop), options_(options), rates_(rates) {
-    report_.source = loop.devices.output.id;
-    if (!loop.settings.request.input_device.empty())
-      report_.source += " and " + loop.settings.request.input_device;
-  }
-
-  /// The exit code, where it is to end at once.
-  std::optional<int> run() {
-    auto periods = std::vector<std::optional<int>>(options_.periods.begin(), options_.periods.end());
-    if (periods.empty()) periods = {std::nullopt};
-    for (const auto& rate : rates_)
-      for (const auto& count : periods)
-        for (const int block : options_.blocks)
-          if (!measure_one(rate, count, block)) return kInterrupted;
-    return std::nullopt;
-  }
-  SweepReport& report() { return report_; }
-
- private:
-  /// False: the user ended it.
-  bool measure_one(Hertz rate, std::optional<int> periods, int block) {
-    auto& request = loop_.settings.request;
-    request.sample_rate = rate;
-    request.periods = periods;
-    request.block_frames = block;
-    auto& row = report_.rows.emplace_back();
-    row.asked_block = block;
-    row.asked_periods = periods;
-    row.setting.sample_rate = rate;
-    const auto granted = ask(*loop_.devices.backend, loop_.settings);
-    if (!granted) return row.refused = granted.error(), true;
-    row.setting.sample_rate = granted->format.sample_rate;
-    row.setting.block_frames = granted->block_frames;
-    row.setting.periods = granted->periods;
-    row.again = std::any_of(report_.rows.begin(), report_.rows.end() - 1,
-                            [&](const SweepRow& other) { return same(other.setting, row.setting); });
-    if (row.again) return true;
-    fmt::print(stderr, "{}\n", setting_text(row.setting));
-    const auto measured = measure_now(*loop_.devices.backend, loop_.settings);
-    if (!measured) return row.refused = measured.error(), true;
-    if (!*measured) return false;
-    take(**measured, row);
-    return true;
-  }
-
-  Loop& loop_;
-  const SweepOptions& options_;
-  const std::vector<Hertz>& rates_;
-  SweepReport report_;
-};
-
-int publish(SweepReport& sweep, const SweepOptions& options) {
-  Status written;
-  if (!options.picture.empty()) {
-    written = write_svg(options.picture, {picture_of(sweep)});
-    if (written) sweep.written.push_back(options.picture);
-  }
-  if (options.json)
-    fmt::print("{}\n", json_of(sweep).dump(2));
-  else
-    fmt::print("{}", text_of(sweep));
-  if (!written) return report(written.error());
-  if (sweep.settings().empty()) return kDevice;
-  return shortest_good(sweep.settings()) == nullptr ? kNo : kDone;
+/// Errors are kept in the row that it adds.
+void measure_setting(Loop& loop, Hertz rate, std::optional<int> periods, int block, SweepReport& report) {
+  auto& request = loop.settings.request;
+  request.sample_rate = rate;
+  request.periods = periods;
+  request.block_frames = block;
+  auto& row = report.rows.emplace_back();
+  row.asked_block = block;
+  row.asked_periods = periods;
+  row.setting.sample_rate = rate;
+  const auto granted = ask(*loop.devices.backend, loop.settings);
+  if (!granted) return void(row.refused = granted.error());
+  row.setting.sample_rate = granted->format.sample_rate;
+  row.setting.block_frames = granted->block_frames;
+  row.setting.periods = granted->periods;
+  row.again = std::any_of(report.rows.begin(), report.rows.end() - 1,
+                          [&](const SweepRow& other) { return same(other.setting, row.setting); });
+  if (row.again) return;
+  fmt::print(stderr, "{}\n", setting_text(row.setting));
+  const auto measured = measure_now(*loop.devices.backend, loop.settings);
+  if (!measured) return void(row.refused = measured.error());
+  take(*measured, row);
 }
 
-int run_latency_sweep(const SweepOptions& options) {
-  auto loop = make_loop(options.loop);
-  if (!loop) return report(loop.error().errors), loop.error().exit;
+SweepReport measure_all(Loop& loop, const LatencySweepOptions& options) {
+  const auto request = loop.settings.request;
+  SweepReport report;
+  report.source = request.device;
+  if (!request.input_device.empty()) report.source += " and " + request.input_device;
   std::vector<Hertz> rates;
-  for (const auto& text : options.rates) {
-    const auto rate = parse_rate(text, "rates");
-    if (!rate) return report(rate.error());
-    rates.push_back(*rate);
-  }
-  if (rates.empty()) rates = {*loop->settings.request.sample_rate};
+  for (const auto& text : options.rates) rates.push_back(parse_rate(text, "rates"));
+  if (rates.empty()) rates = {*request.sample_rate};
+  auto periods = std::vector<std::optional<int>>(options.periods.begin(), options.periods.end());
+  if (periods.empty()) periods = {std::nullopt};
+  for (const auto& rate : rates)
+    for (const auto& count : periods)
+      for (const int block : options.blocks) measure_setting(loop, rate, count, block, report);
+  return report;
+}
+
+int run_latency_sweep(const LatencySweepOptions& options) {
+  auto loop = make_loop(options.loop);
   install_signal_handlers();
-  Sweep sweep{*loop, options, rates};
-  if (const auto ended = sweep.run()) return fmt::print(stderr, "interrupted\n"), *ended;
-  return publish(sweep.report(), options);
+  auto report = measure_all(loop, options);
+  Status written;
+  if (!options.picture.empty()) {
+    written = write_svg(options.picture, {picture_of(report)});
+    if (written) report.written.push_back(options.picture);
+  }
+  if (options.json)
+    print_json(app::json_of(report));
+  else
+    fmt::print("{}", text_of(report));
+  or_exit(written);
+  if (report.settings().empty()) return kDevice;
+  return shortest_good(report.settings()) == nullptr ? kNo : kDone;
 }
 
 }  // namespace
 
 void add_latency_sweep(CLI::App& latency, int& exit_code) {
-  auto* command =
-      latency.add_subcommand("sweep", "Measure the latency at several block sizes, and recommend one");
-  auto options = std::make_shared<SweepOptions>();
-  auto& loop = options->loop;
+  auto [command, options] =
+      add_command(latency, "sweep", "Measure the latency at several block sizes, and recommend one",
+                  exit_code, run_latency_sweep);
+  auto& loop = options.loop;
   loop.openings = 2;
   loop.probes = 4;
-  add_loop_options(*command, loop);
-  command->add_option("--blocks", options->blocks, "block sizes in frames")
-      ->delimiter(',')
-      ->check(CLI::Range(1, 8192))
-      ->capture_default_str();
-  command->add_option("--periods", options->periods, "numbers of blocks in the driver's buffer, such as 2,3")
+  add_loop_options(command, loop);
+  add_number(command, "--blocks", options.blocks, "block sizes in frames", 1, 8192)->delimiter(',');
+  command.add_option("--periods", options.periods, "numbers of blocks in the driver's buffer, such as 2,3")
       ->delimiter(',')
       ->check(CLI::Range(1, 64));
-  command->add_option("--rates", options->rates, "sample rates, such as 48kHz,96kHz; default: the device's")
+  command.add_option("--rates", options.rates, "sample rates, such as 48kHz,96kHz; default: the device's")
       ->delimiter(',');
-  add_repetition_options(*command, loop);
+  add_repetition_options(command, loop);
   command
-      ->add_option("--report", options->picture, "write a plot of delay against block size to this SVG file")
+      .add_option("--report", options.picture, "write a plot of delay against block size to this SVG file")
       ->check(writable_file());
-  command->add_flag("--json", options->json, "print the report as JSON");
-  command->footer(
-      "Examples:\n  tactus latency sweep --device jack:system\n"
-      "  tactus latency sweep --device USB --blocks 32,64,128 --periods 2,3 --report blocks.svg\n"
-      "No delay is saved: run tactus latency measure with the chosen setting.\n"
-      "Exit code 1: no setting gave a reliable result.");
-  command->callback([options, &exit_code] { exit_code = run_latency_sweep(*options); });
+  command.add_flag("--json", options.json, "print the report as JSON");
+  command.footer(
+      "Examples:\n  tactus latency sweep --device jack:system\n  tactus latency sweep --device USB --blocks "
+      "32,64,128 --periods 2,3 --report blocks.svg\nNo delay is saved: run tactus latency measure with the "
+      "chosen setting.\nExit code 1: no setting gave a reliable result.");
 }
 
 }  // namespace tactus::app

@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
+#include "apps/cli/json.h"
 #include "apps/nodes/schema.h"
 #include "engine/graph/file/error_list.h"
 #include "engine/nodes/networks/network_elements.h"
@@ -20,8 +20,6 @@ struct NodesOptions {
   bool markdown = false;
   bool schema = false;
 };
-
-using Json = nlohmann::ordered_json;
 
 /// JSON has no infinity: a bound that is not there is left out.
 void add_range(Json& json, double low, double high) {
@@ -77,9 +75,7 @@ Json entry_json(const ElementType& element);
 
 template <class Items>
 Json json_list(const Items& items) {
-  auto list = Json::array();
-  for (const auto& item : items) list.push_back(entry_json(item));
-  return list;
+  return list_of(items, [](const auto& item) { return entry_json(item); });
 }
 
 Json entry_json(const NodeType& type) {
@@ -142,18 +138,17 @@ int run_nodes(const NodesOptions& options) {
 }  // namespace
 
 void add_nodes(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("nodes", "Print the reference of node types and network elements");
-  auto options = std::make_shared<NodesOptions>();
-  command->add_option("NAME", options->name,
-                      "node type to describe in full, or `network` for the elements of networks");
-  command->add_flag("--json", options->json, "print the reference as JSON");
-  command->add_flag("--markdown", options->markdown,
-                    "print the whole reference as Markdown (the source of docs/nodes.md)");
-  command->add_flag("--schema", options->schema,
-                    "print the JSON Schema of graph files, for editors (docs/tactus.schema.json)");
-  command->footer(
+  auto [command, options] = add_command(
+      app, "nodes", "Print the reference of node types and network elements", exit_code, run_nodes);
+  command.add_option("NAME", options.name,
+                     "node type to describe in full, or `network` for the elements of networks");
+  command.add_flag("--json", options.json, "print the reference as JSON");
+  command.add_flag("--markdown", options.markdown,
+                   "print the whole reference as Markdown (the source of docs/nodes.md)");
+  command.add_flag("--schema", options.schema,
+                   "print the JSON Schema of graph files, for editors (docs/tactus.schema.json)");
+  command.footer(
       "Examples:\n  tactus nodes\n  tactus nodes onset\n  tactus nodes network\n  tactus nodes delay --json");
-  command->callback([options, &exit_code] { exit_code = run_nodes(*options); });
 }
 
 }  // namespace tactus::app

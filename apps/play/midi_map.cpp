@@ -1,6 +1,5 @@
 #include "apps/play/midi_map.h"
 
-#include <algorithm>
 #include <cstdlib>
 
 namespace tactus::app {

@@ -1,11 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
-#include "apps/cli/writable.h"
 #include "apps/play/live/plan.h"
 #include "apps/play/play_report.h"
 #include "engine/scene/measures/measure.h"
@@ -13,11 +11,10 @@
 namespace tactus::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 struct PlayOptions : LiveOptions {
   std::string folder = "out";
   std::vector<std::string> show;
+  const CLI::App* command = nullptr;
 };
 
 /// What is reported of a played scene, for machines and for people.
@@ -35,23 +32,25 @@ struct Report {
   double times_real_time() const { return played.recording.seconds() / played.recording.run_seconds; }
 };
 
+Json outcome_json(const Outcome& outcome) {
+  return {{"name", outcome.name},
+          {"value", outcome.value},
+          {"unit", outcome.unit},
+          {"wanted", outcome.wanted},
+          {"holds", outcome.holds}};
+}
+
 Json report_json(const Report& report) {
   const auto& recording = report.played.recording;
   Json json{{"scene", report.played.scene.name}, {"sample_rate_hz", recording.sample_rate.value},
             {"delay_ms", report.delay_ms()},     {"duration_s", recording.seconds()},
             {"run_s", recording.run_seconds},    {"real_time_factor", report.times_real_time()}};
   for (const auto& section : report.sections) json.update(section.json);
-  json["faults"] = faults_json(recording.faults);
-  json["bad_input_samples"] = recording.bad_inputs;
-  json["guard"] = guard_json(recording.guard, recording.sample_rate);
-  json["ports"] = ports_json(recording.ports);
-  json["expected"] = Json::array();
-  for (const auto& outcome : report.outcomes)
-    json["expected"].push_back({{"name", outcome.name},
-                                {"value", outcome.value},
-                                {"unit", outcome.unit},
-                                {"wanted", outcome.wanted},
-                                {"holds", outcome.holds}});
+  json.update({{"faults", faults_json(recording.faults)},
+               {"bad_input_samples", recording.bad_inputs},
+               {"guard", guard_json(recording.guard, recording.sample_rate)},
+               {"ports", ports_json(recording.ports)},
+               {"expected", list_of(report.outcomes, outcome_json)}});
   return json;
 }
 
@@ -86,13 +85,11 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
   group->add_option("--device", options.device, "id of a device, or part of its name")
       ->check([](const std::string& text) { return text.empty() ? "it is empty" : std::string{}; });
   group->add_option("--input-device", options.input_device, "input device, if different from --device");
-  group->add_option("--inputs", options.in, "channels of the device for the inputs, such as --inputs 2,5")
-      ->delimiter(',')
-      ->check(CLI::Range(1, 1024));
-  group->add_option("--outputs", options.out, "channels of the device for the outputs")
-      ->delimiter(',')
-      ->check(CLI::Range(1, 1024));
-  group->add_option("--periods", options.periods, "blocks in the driver's buffer")->check(CLI::Range(1, 64));
+  for (const auto& [name, channels, help] :
+       {std::tuple{"--inputs", &options.in, "channels of the device for the inputs, such as --inputs 2,5"},
+        {"--outputs", &options.out, "channels of the device for the outputs"}})
+    group->add_option(name, *channels, help)->delimiter(',')->check(CLI::Range(1, 1024));
+  add_number(*group, "--periods", options.periods, "blocks in the driver's buffer", 1, 64);
   group->add_option(
       "--pad-delay", options.pad_delay,
       "add delay until the system delay is this long (the same in every session), such as \"20 ms\"");
@@ -119,6 +116,8 @@ void check_card_options(const CLI::App& command) {
 }
 
 int run_play(const PlayOptions& options) {
+  if (options.live()) return play_live(options);
+  check_card_options(*options.command);
   const auto file = resolve_target(options.target, "scene.toml");
   const auto played = play_file(file, options);
   auto outcomes = or_exit(check_expectations(played.scene, played.recording));
@@ -126,13 +125,13 @@ int run_play(const PlayOptions& options) {
   if (played.scene.compare) compared = play_file(file, options, &played.scene.compare->set);
   const Report report{played, sections_of(played, compared ? &*compared : nullptr), std::move(outcomes)};
   auto json = report_json(report);
-  auto written = or_exit(write_files(options.folder, options.show, played));
+  auto written = write_files(options.folder, options.show, played);
   const auto report_file = base_of(options.folder, played) + ".json";
   or_exit(write_json(report_file, json));
   written.push_back(report_file + "  this report, with the actions of the guard");
   if (options.json) {
     json["written"] = written;
-    fmt::print("{}\n", json.dump(2));
+    print_json(json);
   } else {
     print(report);
     fmt::print("\n  written\n    {}\n", fmt::join(written, "\n    "));
@@ -143,31 +142,27 @@ int run_play(const PlayOptions& options) {
 }  // namespace
 
 void add_play(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("play", "Play an instrument on a sound card, or a scene in simulation");
-  auto options = std::make_shared<PlayOptions>();
+  auto [command, options] = add_command(
+      app, "play", "Play an instrument on a sound card, or a scene in simulation", exit_code, run_play);
+  options.command = &command;
   command
-      ->add_option("FILE", options->target,
-                   "instrument or scene file; for a folder, its instrument.toml on a sound card, or its "
-                   "scene.toml in simulation")
+      .add_option("FILE", options.target,
+                  "instrument or scene file; for a folder, its instrument.toml on a sound card, or its "
+                  "scene.toml in simulation")
       ->required();
-  add_player_options(*command, *options);
-  command->add_option("--out", options->folder, "folder for the WAV files, the plot and the report")
+  add_player_options(command, options);
+  command.add_option("--out", options.folder, "folder for the WAV files, the plot and the report")
       ->check(writable_folder())
       ->capture_default_str();
   command
-      ->add_option("--show", options->show, "FROM TO: time range of the plot, such as --show \"2 s\" \"3 s\"")
+      .add_option("--show", options.show, "FROM TO: time range of the plot, such as --show \"2 s\" \"3 s\"")
       ->expected(2);
-  add_live_options(*command, *options);
-  command->footer(
+  add_live_options(command, options);
+  command.footer(
       "Examples:\n  tactus play instruments/haptic_drum\n  tactus play instruments/haptic_drum --device "
-      "jack:system\n"
-      "  tactus play instruments/haptic_drum --delay \"40 ms\" --set strength=0.5\n"
-      "  tactus play instruments/haptic_drum/galloping.toml --show \"2 s\" \"3 s\"\n"
-      "Exit code 1: an expectation of the scene was not met.");
-  command->callback([command, options, &exit_code] {
-    if (!options->live()) check_card_options(*command);
-    exit_code = options->live() ? play_live(*options) : run_play(*options);
-  });
+      "jack:system\n  tactus play instruments/haptic_drum --delay \"40 ms\" --set strength=0.5\n  tactus "
+      "play instruments/haptic_drum/galloping.toml --show \"2 s\" \"3 s\"\nExit code 1: an expectation of "
+      "the scene was not met.");
 }
 
 }  // namespace tactus::app

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <filesystem>
 #include <utility>
 
+#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "engine/core/decibels.h"
 #include "engine/core/index.h"
@@ -18,8 +18,6 @@
 
 namespace tactus::app {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// Levels count the highest envelope of a hit's first 5 ms.
 constexpr double kLevelAfter_s = 5e-3;
@@ -32,18 +30,13 @@ std::string slug(const std::string& name) {
   return text.empty() ? "scene" : text;
 }
 
-Result<std::pair<double, double>> shown_times(const std::vector<std::string>& show,
-                                              const SceneRecording& recording) {
-  const double shown = melody_of(recording) ? recording.seconds() : std::min(1.0, recording.seconds());
-  if (show.empty()) return std::pair{0.0, shown};
-  const auto from = parse_option(show[0], "s", "show");
-  const auto to = parse_option(show[1], "s", "show");
-  if (!from) return tl::unexpected(from.error());
-  if (!to) return tl::unexpected(to.error());
-  if (*from >= *to || *from >= recording.seconds())
-    return fail(Errc::OutOfRange, "--show", "does not overlap the scene",
-                "give a start time before the end of the scene, and a later end time");
-  return std::pair{*from, *to};
+std::pair<double, double> shown_times(const std::vector<std::string>& show, const SceneRecording& recording) {
+  if (show.empty())
+    return {0.0, melody_of(recording) ? recording.seconds() : std::min(1.0, recording.seconds())};
+  const double from = parse_option(show[0], "s", "show"), to = parse_option(show[1], "s", "show");
+  if (from < to && from < recording.seconds()) return {from, to};
+  exit_with({Errc::OutOfRange, "--show", "does not overlap the scene",
+             "give a start time before the end of the scene, and a later end time"});
 }
 
 Signals of_instrument(const SceneRecording& recording, const std::vector<std::string>& names) {
@@ -67,17 +60,84 @@ std::string named(const Signals& signals) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-Status write_sound(const std::string& path, const Signals& signals, Hertz rate,
-                   std::vector<std::string>& written) {
-  if (signals.empty()) return {};
+void write_sound(const std::string& path, const Signals& signals, Hertz rate,
+                 std::vector<std::string>& written) {
+  if (signals.empty()) return;
   Samples samples;
   samples.sample_rate = rate;
   for (const auto* signal : signals) samples.channels.push_back(signal->samples);
+  or_exit(write_wav(path, samples));
   written.push_back(path + "  " + named(signals));
-  return write_wav(path, samples);
+}
+
+DriveLimits limits_of(const GuardOptions& options, const std::filesystem::path& root) {
+  if (options.profile.empty() || options.volts.empty())
+    exit_with({Errc::BadArgument, options.profile.empty() ? "--volts-per-full-scale" : "--profile",
+               "the profile and the voltage at full scale must be given together",
+               "give both, as in --profile woofer --volts-per-full-scale 8"});
+  const double volts = parse_option(options.volts, "V", "volts-per-full-scale", 1e-3, 1000);
+  const auto limits =
+      limits_for(or_exit(load_profile(or_exit(find_profile(options.profile, root, "--profile")))), volts);
+  if (const auto status = check(limits); !status)
+    exit_with({Errc::BadArgument, "--profile", status.error().what, status.error().remedy});
+  return limits;
+}
+
+void raise(DriveBook& drives, const std::string& text, bool silent) {
+  const auto [name, value] =
+      parse_assignment(text, "--raise-limit", "NAME=VALUE", "--raise-limit ceiling=0.8");
+  for (auto& [drive, limits] : drives.named) or_exit(raise_limit(limits, name, value, "--raise-limit"));
+  // Where every drive has limits of its own, the conservative ones need not have what is raised.
+  const auto others = raise_limit(drives.others, name, value, "--raise-limit");
+  if (drives.named.empty()) or_exit(others);
+  if (!silent)
+    fmt::print(stderr,
+               "warning: the limit '{}' of the drive guard is raised to {}, above the limit of the profile "
+               "or the conservative default; keep hands away until its effect is known\n",
+               name, value);
 }
 
 }  // namespace
+
+DriveBook apply(const GuardOptions& options, DriveBook drives, const std::filesystem::path& root,
+                bool silent) {
+  if (!options.profile.empty() || !options.volts.empty()) drives = DriveBook{{}, limits_of(options, root)};
+  for (const auto& text : options.raise) raise(drives, text, silent);
+  return drives;
+}
+
+Json guard_json(const GuardReport& report, Hertz sample_rate) {
+  const auto output_json = [&](const GuardedOutput& output) {
+    Json stages = Json::object();
+    for (std::size_t s = 0; s < kGuardStages; ++s) {
+      const auto& count = output.counts.stages[s];
+      if (count.frames == 0) continue;
+      stages[name_of(static_cast<GuardStage>(s))] = {
+          {"frames", count.frames},
+          {"seconds", static_cast<double>(count.frames) / sample_rate.value},
+          {"most_full_scale", count.most}};
+    }
+    return Json{{"output", output.name},
+                {"limited", stages},
+                {"coil_heat", output.heat.coil},
+                {"body_heat", output.heat.body},
+                {"coil_rise_kelvin", output.rise_kelvin}};
+  };
+  const auto event_json = [](const GuardEvent& event) {
+    return Json{{"frame", event.frame}, {"kind", name_of(event.kind)}, {"channel", event.channel}};
+  };
+  return {{"idle", report.idle()},
+          {"outputs", list_of(report.outputs, output_json)},
+          {"events", list_of(report.events, event_json)},
+          {"in_words", describe(report, sample_rate)}};
+}
+
+void print_guard(const GuardReport& report, Hertz sample_rate) {
+  auto lines = describe(report, sample_rate);
+  if (lines.empty()) lines.push_back("no intervention");
+  const char* heading = "drive guard";
+  for (const auto& line : lines) fmt::print("  {:<18}  {}\n", std::exchange(heading, ""), line);
+}
 
 void add_player_options(CLI::App& command, PlayerOptions& options) {
   command.add_option("--delay", options.delay, "system delay, such as \"10 ms\"; default: the scene's");
@@ -86,9 +146,17 @@ void add_player_options(CLI::App& command, PlayerOptions& options) {
   command.add_option("--set", options.set,
                      "NAME=VALUE: sets a control, such as strength=0.5 or \"sensitivity=-40 dB\"; in a scene "
                      "also plant.NAME=VALUE");
-  command.add_option("--block", options.block, "block size in frames (the result does not depend on it)")
-      ->check(CLI::Range(1, 8192));
-  add_guard_options(command, options.guard);
+  add_number(command, "--block", options.block, "block size in frames (the result does not depend on it)", 1,
+             8192);
+  command.add_option("--profile", options.guard.profile,
+                     "actuator profile for all drives (outputs to actuators): woofer, bass_shaker, "
+                     "tactor_lra, voice_coil, … or a file");
+  command.add_option("--volts-per-full-scale", options.guard.volts,
+                     "voltage at the actuator for a sample value of 1, such as 8 or \"8 V\"");
+  command.add_option(
+      "--raise-limit", options.guard.raise,
+      "NAME=VALUE: raises a limit of the drive guard above the profile's, such as ceiling=0.8; NAME: "
+      "ceiling, slew, power, travel (excursion), direct_level (DC level) or direct_time (time above it)");
   command.add_flag("--json", options.json, "print the report as JSON");
 }
 
@@ -98,14 +166,14 @@ PlayedScene play_file(const std::filesystem::path& file, const PlayerOptions& op
   auto loaded = load_scene_leniently(file, root_of(file));
   if (!loaded.scene) throw CommandError{std::move(loaded.errors)};
   auto& scene = *loaded.scene;
-  if (!options.duration.empty()) scene.duration = or_exit(parse_duration(options.duration, 3600_s));
+  if (!options.duration.empty()) scene.duration = parse_duration(options.duration, 3600_s);
   SceneOptions changes;
-  changes.set = or_exit(parse_settings(options.set));
+  changes.set = parse_settings(options.set);
   if (!first)
     for (const auto& [name, value] : *compared) changes.set[name] = value;
-  if (!options.delay.empty()) changes.delay = or_exit(parse_delay(options.delay));
-  if (!options.rate.empty()) changes.rate = or_exit(parse_rate(options.rate));
-  scene.drives = or_exit(apply(options.guard, std::move(scene.drives), root_of(file), !first));
+  if (!options.delay.empty()) changes.delay = parse_delay(options.delay);
+  if (!options.rate.empty()) changes.rate = parse_rate(options.rate);
+  scene.drives = apply(options.guard, std::move(scene.drives), root_of(file), !first);
   auto built = or_exit(build_scene(loaded, standard_nodes(), changes));
   const auto* instrument = scene.part("instrument");
   if (first && changes.delay && instrument != nullptr && instrument->graph != nullptr)
@@ -137,42 +205,30 @@ Json events_json(const std::vector<std::string>& names, const std::vector<std::v
   }
   std::stable_sort(events.begin(), events.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
-  Json json{{"events", Json::array()}};
-  for (auto& [time_s, event] : events) json["events"].push_back(std::move(event));
-  return json;
+  return {{"events", list_of(events, [](const auto& event) { return event.second; })}};
 }
 
 Json faults_json(const std::vector<FaultCount>& faults) {
-  auto json = Json::array();
-  for (const auto& fault : faults) json.push_back({{"node", fault.path}, {"count", fault.count}});
-  return json;
+  return list_of(faults, [](const FaultCount& fault) -> Json {
+    return {{"node", fault.path}, {"count", fault.count}};
+  });
 }
 
 Json ports_json(const std::vector<PortEnergy>& ports) {
-  auto json = Json::array();
-  for (const auto& port : ports) {
-    json.push_back({{"port", port.name},
-                    {"allowed_j", port.allowed},
-                    {"given_j", port.given},
-                    {"net_j", port.net},
-                    {"active", port.active_at_s.has_value()}});
-    if (!port.active_at_s) continue;
-    json.back()["active_at_s"] = *port.active_at_s;
-    json.back()["growth_w"] = port.growth_w;
-  }
-  return json;
+  return list_of(ports, [](const PortEnergy& port) {
+    Json json{{"port", port.name},
+              {"allowed_j", port.allowed},
+              {"given_j", port.given},
+              {"net_j", port.net},
+              {"active", port.active_at_s.has_value()}};
+    if (port.active_at_s) json.update({{"active_at_s", *port.active_at_s}, {"growth_w", port.growth_w}});
+    return json;
+  });
 }
 
 void print_ports(const std::vector<PortEnergy>& ports) {
   const char* title = "energy";
-  for (const auto& port : ports) fmt::print("  {:<20}{}\n", std::exchange(title, ""), in_words(port));
-}
-
-Status write_json(const std::string& path, const Json& json) {
-  std::ofstream file{path};
-  file << json.dump(2) << "\n";
-  if (file) return {};
-  return fail(Errc::BadFile, path, "cannot be written", "choose an existing, writable folder");
+  for (const auto& port : ports) fmt::print("  {:<20}{}\n", std::exchange(title, ""), describe(port));
 }
 
 Json events_of(const SceneRecording& recording) {
@@ -192,11 +248,10 @@ std::string base_of(const std::string& folder, const PlayedScene& played) {
   return (std::filesystem::path{folder} / slug(played.scene.name)).string();
 }
 
-Result<std::vector<std::string>> write_files(const std::string& folder, const std::vector<std::string>& show,
-                                             const PlayedScene& played) {
+std::vector<std::string> write_files(const std::string& folder, const std::vector<std::string>& show,
+                                     const PlayedScene& played) {
   const auto& recording = played.recording;
-  const auto times = shown_times(show, recording);
-  if (!times) return tl::unexpected(times.error());
+  const auto [from, to] = shown_times(show, recording);
   std::error_code ignored;
   std::filesystem::create_directories(folder, ignored);
   const auto base = base_of(folder, played);
@@ -207,13 +262,10 @@ Result<std::vector<std::string>> write_files(const std::string& folder, const st
       {"_sensors.wav", of_instrument(recording, recording.inputs)},
       {"_motion.wav", motion_in(recording)}};
   for (const auto& [suffix, signals] : sounds)
-    if (auto status = write_sound(base + suffix, signals, recording.sample_rate, written); !status)
-      return tl::unexpected(status.error());
+    write_sound(base + suffix, signals, recording.sample_rate, written);
   const auto picture = base + ".svg";
-  if (auto status = write_svg(picture, {scene_plot(played.scene, recording, times->first, times->second)});
-      !status)
-    return tl::unexpected(status.error());
-  written.push_back(picture + fmt::format("  the plot, {:g} s to {:g} s", times->first, times->second));
+  or_exit(write_svg(picture, {scene_plot(played.scene, recording, from, to)}));
+  written.push_back(picture + fmt::format("  the plot, {:g} s to {:g} s", from, to));
   return written;
 }
 

@@ -4,17 +4,34 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "apps/cli/guard_options.h"
+#include "apps/cli/json.h"
 #include "backends/wav_file.h"
 #include "engine/core/error.h"
+#include "engine/scene/guard_report.h"
 #include "engine/scene/play_scene.h"
 
 namespace tactus::app {
+
+/// Options of the drive guard.
+struct GuardOptions {
+  std::string profile;             ///< "woofer", or a file; empty: as the scene says, else cautious
+  std::string volts;               ///< volts per full scale
+  std::vector<std::string> raise;  ///< NAME=VALUE
+};
+
+/// Changes `drives` as the command line wants, and warns on stderr of what was raised, unless `silent`.
+/// `root`: the folder with the profiles. Throws a CommandError.
+DriveBook apply(const GuardOptions& options, DriveBook drives, const std::filesystem::path& root,
+                bool silent = false);
+
+/// What the guards did, for machines.
+Json guard_json(const GuardReport& report, Hertz sample_rate);
+/// And for people.
+void print_guard(const GuardReport& report, Hertz sample_rate);
 
 /// Options of every run of an instrument or a scene.
 struct PlayerOptions {
@@ -39,22 +56,19 @@ PlayedScene play_file(const std::filesystem::path& file, const PlayerOptions& op
                       const std::map<std::string, double>* compared = nullptr);
 
 /// {"events": [{"time_s", "node", "level_db"}]} from taps "node.output" and "node.level".
-nlohmann::ordered_json events_json(const std::vector<std::string>& names,
-                                   const std::vector<std::vector<double>>& taps, Hertz sample_rate);
-nlohmann::ordered_json events_of(const SceneRecording& recording);
+Json events_json(const std::vector<std::string>& names, const std::vector<std::vector<double>>& taps,
+                 Hertz sample_rate);
+Json events_of(const SceneRecording& recording);
 
-nlohmann::ordered_json faults_json(const std::vector<FaultCount>& faults);
+Json faults_json(const std::vector<FaultCount>& faults);
 
 /// The energy that passed the ports of a scene, for machines and for people.
-nlohmann::ordered_json ports_json(const std::vector<PortEnergy>& ports);
+Json ports_json(const std::vector<PortEnergy>& ports);
 void print_ports(const std::vector<PortEnergy>& ports);
-
-/// Errors: BadFile.
-Status write_json(const std::string& path, const nlohmann::ordered_json& json);
 
 /// A section of the report of a played scene: what the signal with one role did, for machines and for people.
 struct ReportSection {
-  nlohmann::ordered_json json = nlohmann::ordered_json::object();  ///< part of the report
+  Json json = Json::object();  ///< part of the report
   std::string text{};
 };
 
@@ -68,9 +82,9 @@ std::string base_of(const std::string& folder, const PlayedScene& played);
 
 /// The monitor output, the drives and the sensors as a sound file each, unscaled and unclipped; what moved as
 /// another, in metres and newtons; the plot. `show`: the two times that it shows; empty: a melody as a whole,
-/// otherwise the first second. No empty files. A line each: the path and its contents. Errors: BadFile;
-/// OutOfRange for the times.
-Result<std::vector<std::string>> write_files(const std::string& folder, const std::vector<std::string>& show,
-                                             const PlayedScene& played);
+/// otherwise the first second. No empty files. A line each: the path and its contents. Throws a CommandError:
+/// BadFile; OutOfRange for the times.
+std::vector<std::string> write_files(const std::string& folder, const std::vector<std::string>& show,
+                                     const PlayedScene& played);
 
 }  // namespace tactus::app

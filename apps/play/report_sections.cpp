@@ -15,8 +15,6 @@
 namespace tactus::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 const RecordedSignal* playing(const SceneRecording& recording, const char* role) {
   return recording.find(signal_of(recording.roles, role));
 }
@@ -148,7 +146,7 @@ Json note_json(const DetectedNote& note) {
   const auto& expected = note.expected;
   Json json{{"from_s", expected.from_s},
             {"to_s", expected.to_s},
-            {"name", pitch_in_words(expected.hertz)},
+            {"name", pitch_text(expected.hertz)},
             {"wanted_hz", expected.hertz}};
   if (expected.glides) json["glides"] = {{"from_hz", expected.begins_hz}, {"to_hz", expected.ends_hz}};
   json.update(Json{{"right", note.right()},
@@ -159,7 +157,7 @@ Json note_json(const DetectedNote& note) {
                    {"on_other_partials_s", note.partials_s},
                    {"on_stray_pitches_s", note.strays_s},
                    {"without_pitch_s", note.silent_s},
-                   {"words", in_words(note)}});
+                   {"words", describe(note)}});
   if (note.vibrato_hz) json["vibrato_hz"] = *note.vibrato_hz;
   if (note.speaks_after_s) json["speaks_after_s"] = *note.speaks_after_s;
   return json;
@@ -167,14 +165,10 @@ Json note_json(const DetectedNote& note) {
 
 /// The detected notes of a recording under a title.
 ReportSection notes_of(const std::string& title, const std::vector<DetectedNote>& notes) {
-  ReportSection section;
-  section.json["notes"] = Json::array();
-  section.text = fmt::format("  {:<19} {}\n", title, in_words(notes));
-  for (const auto& note : notes) {
-    section.json["notes"].push_back(note_json(note));
-    section.text += fmt::format("    {:5.2f} s           {}\n", note.expected.from_s, in_words(note));
-  }
-  section.json["notes_in_words"] = in_words(notes);
+  ReportSection section{{{"notes", list_of(notes, note_json)}, {"notes_in_words", describe(notes)}},
+                        fmt::format("  {:<19} {}\n", title, describe(notes))};
+  for (const auto& note : notes)
+    section.text += fmt::format("    {:5.2f} s           {}\n", note.expected.from_s, describe(note));
   return section;
 }
 

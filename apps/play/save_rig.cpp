@@ -3,16 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <functional>
-#include <iostream>
 #include <sstream>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
-#include "engine/graph/file/read_graph.h"
+#include "engine/core/files.h"
+#include "engine/graph/file/error_list.h"
+#include "engine/rig/check_rig.h"
 #include "engine/rig/profile.h"
-#include "engine/rig/rig_text.h"
 
 namespace tactus::app {
 namespace {
@@ -21,14 +20,11 @@ namespace fs = std::filesystem;
 
 const std::string kNone = "none";
 
-std::string trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  if (first == std::string::npos) return "";
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
+/// Of an answer.
+using Take = std::function<void(const std::string&)>;
 
-Status invalid(const std::string& what, const std::string& remedy) {
-  return fail(Errc::BadArgument, "", what, remedy);
+[[noreturn]] void refuse(const std::string& what, const std::string& remedy) {
+  exit_with({Errc::BadArgument, "", what, remedy}, kUsage);
 }
 
 /// "2 5" or "2, 5"
@@ -40,26 +36,24 @@ std::optional<std::vector<int>> numbers_in(std::string text) {
   return in.eof() && !numbers.empty() ? std::optional{numbers} : std::nullopt;
 }
 
-Result<QuantityValue> quantity_in(const std::string& text, const Dimension& wanted,
-                                  const std::string& example) {
+QuantityValue quantity_in(const std::string& text, const Dimension& wanted, const std::string& example) {
   const auto quantity = read_quantity(Value{text, {}});
   const bool fits = quantity && (quantity->bare || quantity->unit.dimension == wanted);
-  if (fits && quantity->si != 0) return QuantityValue{quantity->si, Unit{wanted}, false};
-  return fail(Errc::BadArgument, "", "'" + text + "' is not a valid answer", "write for instance " + example);
+  if (fits && quantity->si != 0) return {quantity->si, Unit{wanted}, false};
+  refuse("'" + text + "' is not a valid answer", "write for instance " + example);
 }
 
 Dimension volt() { return parse_unit("V")->dimension; }
 
 /// "'name' (what `about` says)"
-std::string title_of(const EntrySpec& port) {
+std::string title_of(const PortSpec& port) {
   ErrorList reported_elsewhere;
   const auto about = reported_elsewhere.text(port.fields, "about");
   return "'" + port.name + "'" + (about.empty() ? "" : " (" + about + ")");
 }
 
 /// Asks until `take` accepts the answer. `proposed`: what an empty line stands for; empty: nothing.
-void ask(const Dialog& dialog, const std::string& question, const std::string& proposed,
-         const std::function<Status(const std::string&)>& take) {
+void ask(const Dialog& dialog, const std::string& question, const std::string& proposed, const Take& take) {
   while (true) {
     std::string answer;
     if (!dialog.take_defaults) {
@@ -68,26 +62,25 @@ void ask(const Dialog& dialog, const std::string& question, const std::string& p
         exit_with({Errc::Missing, "--save-rig", "the input ended before all questions were answered",
                    "answer on a terminal, or accept all defaults with --yes"});
     }
-    answer = trimmed(answer);
+    answer = CLI::detail::trim_copy(answer);
     if (answer.empty()) answer = proposed;
-    const auto taken =
-        answer.empty() ? invalid("this question has no default", "give an answer") : take(answer);
-    if (taken) return;
-    if (dialog.take_defaults) exit_with(taken.error(), kUsage);
-    dialog.out << "  " << to_string(taken.error()) << "\n";
+    try {
+      if (answer.empty()) refuse("this question has no default", "give an answer");
+      return take(answer);
+    } catch (const CommandError& error) {
+      if (dialog.take_defaults) throw;
+      dialog.out << "  " << to_string(error.errors) << "\n";
+    }
   }
 }
 
 /// Volts from `least` to 1 kV.
-std::function<Status(const std::string&)> take_volts(double least, const char* least_text,
-                                                     const std::string& example, std::optional<double>& to) {
-  return [=, &to](const std::string& text) -> Status {
-    const auto volts = quantity_in(text, volt(), example);
-    if (!volts) return tl::unexpected(volts.error());
-    if (!(volts->si >= least && volts->si <= 1000))
-      return invalid(fmt::format("must be between {} and 1 kV", least_text), "write for instance " + example);
-    to = volts->si;
-    return {};
+Take take_volts(double least, const char* least_text, const std::string& example, std::optional<double>& to) {
+  return [=, &to](const std::string& text) {
+    const double volts = quantity_in(text, volt(), example).si;
+    if (!(volts >= least && volts <= 1000))
+      refuse(fmt::format("must be between {} and 1 kV", least_text), "write for instance " + example);
+    to = volts;
   };
 }
 
@@ -146,61 +139,50 @@ class Interview {
 
  private:
   void ask_sensitivity(const PortSpec& port, RigInput& input) {
-    const auto& dimension = port.dimension;
-    const auto per_volt = volt() / dimension;
+    const auto &dimension = port.dimension, per_volt = volt() / dimension;
     const auto unit = dimension.plain() ? std::string{"V"} : volts_per(per_volt);
     ask(dialog_,
         "Which voltage at that input is full scale? Such as 1 V; unknown: a sample value of 1 counts as 1" +
             (dimension.plain() ? "" : " " + to_string(dimension)),
-        "unknown", [&](const std::string& text) -> Status {
+        "unknown", [&](const std::string& text) {
           if (text != "unknown") return take_volts(1e-6, "1 uV", "1 V", input.volts)(text);
-          if (dimension.plain()) return {};
+          if (dimension.plain()) return;
           input.volts = 1.0;
           input.sensitivity = QuantityValue{1.0, Unit{per_volt}, false};
-          return {};
         });
     if (!input.volts || input.sensitivity) return;
     ask(dialog_,
         dimension.plain()
             ? "Which sensor voltage counts as full scale? Such as 50 mV (or determine it with --learn)"
             : "How sensitive is the sensor? In " + unit + ", such as 2 " + unit,
-        fmt::format("{} {}", *input.volts, unit), [&](const std::string& text) -> Status {
-          const auto found = quantity_in(text, per_volt, "2 " + unit);
-          if (!found) return tl::unexpected(found.error());
-          input.sensitivity = *found;
-          return {};
-        });
+        fmt::format("{} {}", *input.volts, unit),
+        [&](const std::string& text) { input.sensitivity = quantity_in(text, per_volt, "2 " + unit); });
   }
 
   bool used_by_output(int channel) const {
-    return std::any_of(rig_.outputs.begin(), rig_.outputs.end(), [channel](const RigOutput& output) {
-      return std::find(output.channels.begin(), output.channels.end(), channel) != output.channels.end();
-    });
+    return std::any_of(rig_.outputs.begin(), rig_.outputs.end(),
+                       [channel](const RigOutput& output) { return output.uses(channel); });
   }
 
-  Status take_channels(const std::string& text, RigPort& port, int there, bool shared) {
-    if (text == kNone) return {};
+  void take_channels(const std::string& text, RigPort& port, int there, bool shared) {
+    if (text == kNone) return;
     const auto numbers = numbers_in(text);
     if (!numbers)
-      return invalid("'" + text + "' is not a channel", "write a number, several for several lanes, or none");
+      refuse("'" + text + "' is not a channel", "write a number, several for several lanes, or none");
     for (const int number : *numbers) {
       if (number < 1 || number > there)
-        return invalid(fmt::format("the card has no channel {}", number),
-                       there > 0 ? fmt::format("it has channels 1 to {}", there) : "write none");
+        refuse(fmt::format("the card has no channel {}", number),
+               there > 0 ? fmt::format("it has channels 1 to {}", there) : "write none");
       if (!shared && used_by_output(number))
-        return invalid(fmt::format("channel {} is already used", number), "choose another");
+        refuse(fmt::format("channel {} is already used", number), "choose another");
     }
     port.channels = *numbers;
-    return {};
   }
 
-  Status take_profile(const std::string& text, RigOutput& output) {
-    if (text == "unknown" || text == kNone) return {};
-    const auto file = find_profile(text, root_, "");
-    if (!file) return tl::unexpected(file.error());
-    if (const auto profile = load_profile(*file); !profile) return tl::unexpected(profile.error().front());
+  void take_profile(const std::string& text, RigOutput& output) {
+    if (text == "unknown" || text == kNone) return;
+    or_exit(load_profile(or_exit(find_profile(text, root_, ""))));
     output.drive.profile = text;
-    return {};
   }
 
   Rig& rig_;
@@ -224,25 +206,17 @@ Rig ask_for_rig(const GraphSpec& instrument, Rig::Device device, int device_inpu
 }
 
 Status save_rig(const Rig& rig, const fs::path& file, const Dialog& dialog, bool force) {
-  std::error_code error;
-  if (!force && fs::exists(file, error)) {
+  std::error_code ignored;
+  if (!force && fs::exists(file, ignored)) {
     dialog.out << "'" << file.string() << "' exists. Overwrite it? [no]: " << std::flush;
     std::string answer;
     if (!dialog.take_defaults) std::getline(dialog.in, answer);
-    answer = trimmed(answer);
+    answer = CLI::detail::trim_copy(answer);
     if (answer != "y" && answer != "yes")
       return fail(Errc::BadFile, "--save-rig", "'" + file.string() + "' was not overwritten",
                   "choose another name, answer yes, or give --force");
   }
-  auto temporary = file;
-  temporary += ".new";
-  std::ofstream text{temporary};
-  text << to_text(rig);
-  text.close();
-  if (text) fs::rename(temporary, file, error);
-  if (text && !error) return {};
-  fs::remove(temporary, error);
-  return fail(Errc::BadFile, file.string(), "cannot be written", "choose an existing, writable folder");
+  return replace_file(file, to_text(rig));
 }
 
 Status replace_rig(const Rig& rig, const fs::path& file) {
@@ -250,7 +224,7 @@ Status replace_rig(const Rig& rig, const fs::path& file) {
   auto former = file;
   former += "~";
   fs::copy_file(file, former, fs::copy_options::overwrite_existing, ignored);
-  return save_rig(rig, file, {std::cin, std::cerr, true}, true);
+  return replace_file(file, to_text(rig));
 }
 
 }  // namespace tactus::app

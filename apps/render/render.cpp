@@ -7,8 +7,7 @@
 
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
-#include "apps/cli/writable.h"
-#include "apps/study/reports.h"
+#include "apps/study/study.h"
 #include "backends/offline.h"
 #include "engine/core/index.h"
 #include "engine/dsp/delays/resample.h"
@@ -18,19 +17,17 @@
 namespace tactus::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 /// The input file at the rate asked for, cut off or followed by silence; without one only silence.
 Samples read_input(const RenderOptions& options) {
   const bool file = !options.in.empty();
   auto samples = file ? or_exit(read_wav(options.in)) : Samples{48_kHz, {{}}};
-  if (!options.rate.empty()) samples = resample(samples, or_exit(parse_rate(options.rate)));
+  if (!options.rate.empty()) samples = resample(samples, parse_rate(options.rate));
   if (!(samples.sample_rate.value >= 1e3 && samples.sample_rate.value <= 768e3))
     exit_with({Errc::OutOfRange, options.in, fmt::format("cannot run at {} Hz", samples.sample_rate.value),
                "choose 1 kHz to 768 kHz"});
   if (options.duration.empty() && file) return samples;
   const auto duration =
-      options.duration.empty() ? 10_s : or_exit(parse_duration(options.duration, Seconds{kLongestTime_s}));
+      options.duration.empty() ? 10_s : parse_duration(options.duration, Seconds{kLongestTime_s});
   if (samples.channels.empty()) samples.channels.emplace_back();
   for (auto& channel : samples.channels)
     channel.resize(static_cast<std::size_t>(frames_in(duration, samples.sample_rate)), 0.0);
@@ -121,25 +118,24 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
   const auto input = read_input(options);
   CompileOptions compiling;
   compiling.sample_rate = input.sample_rate;
-  compiling.controls = or_exit(parse_settings(options.set));
-  if (!options.delay.empty()) compiling.system_delay = or_exit(parse_delay(options.delay));
+  compiling.controls = parse_settings(options.set);
+  if (!options.delay.empty()) compiling.system_delay = parse_delay(options.delay);
   compiling.taps = event_taps(*loaded.spec, standard_nodes());
-  const auto drives = or_exit(apply(options.guard, {}, root_of(file)));
+  const auto drives = apply(options.guard, {}, root_of(file));
   Player engine{or_exit(compile(loaded, standard_nodes(), compiling))};
   const auto& name = loaded.spec->name;
   if (!options.delay.empty()) announce_delay(*loaded.spec, compiling.system_delay.value);
   const auto rendered = run(engine, input, compiling.taps, drives, options.block.value_or(256));
   write_files(options, rendered);
   if (!options.json) return print(options, name, input, engine, rendered), kDone;
-  const Json json{{"instrument", name},
-                  {"sample_rate_hz", input.sample_rate.value},
-                  {"frames", input.frames()},
-                  {"outputs", rendered.outputs},
-                  {"events", rendered.event_count()},
-                  {"bad_input_samples", engine.bad_input_samples()},
-                  {"faults", faults_json(engine.faults())},
-                  {"guard", guard_json(rendered.guard, input.sample_rate)}};
-  fmt::print("{}\n", json.dump(2));
+  print_json({{"instrument", name},
+              {"sample_rate_hz", input.sample_rate.value},
+              {"frames", input.frames()},
+              {"outputs", rendered.outputs},
+              {"events", rendered.event_count()},
+              {"bad_input_samples", engine.bad_input_samples()},
+              {"faults", faults_json(engine.faults())},
+              {"guard", guard_json(rendered.guard, input.sample_rate)}});
   return kDone;
 }
 
@@ -151,12 +147,11 @@ int render_scene(const RenderOptions& options, const std::filesystem::path& file
     rendered.output.channels.push_back(recording.find("instrument." + name)->samples);
   write_files(options, rendered);
   if (options.json) {
-    const Json json{{"scene", scene.name},
-                    {"events", rendered.event_count()},
-                    {"run_seconds", recording.run_seconds},
-                    {"guard", guard_json(recording.guard, rate)},
-                    {"ports", ports_json(recording.ports)}};
-    fmt::print("{}\n", json.dump(2));
+    print_json({{"scene", scene.name},
+                {"events", rendered.event_count()},
+                {"run_seconds", recording.run_seconds},
+                {"guard", guard_json(recording.guard, rate)},
+                {"ports", ports_json(recording.ports)}});
     return kDone;
   }
   fmt::print("{}: {:.3f} s, {} events, {:.0f} times real time\n", scene.name, recording.seconds(),
@@ -173,12 +168,11 @@ std::string error_text(const WorkPrecision& result) {
   text += fmt::format("  {:.1f} ns per frame, {:.2g} % of real time at {:g} kHz\n", point.ns_per_frame,
                       100 * point.load(), point.variant.rate.value / 1e3);
   for (std::size_t a = 0; a < point.errors.size(); ++a) {
-    const auto& reference = result.references[a];
-    text += fmt::format("  {:.2e}  relative error of {}: {} of {}, against {}{}\n", point.errors[a],
-                        reference.accuracy, reference.measure, reference.of, reference.what,
-                        reference.own_error > 0
-                            ? fmt::format(", whose own error is at most {:.1e}", reference.own_error)
-                            : "");
+    const auto& used = result.references[a];
+    text += fmt::format(
+        "  {:.2e}  relative error of {}: {} of {}, against {}{}\n", point.errors[a], used.accuracy,
+        used.measure, used.of, used.what,
+        used.own_error > 0 ? fmt::format(", whose own error is at most {:.1e}", used.own_error) : "");
   }
   return text;
 }
@@ -186,14 +180,11 @@ std::string error_text(const WorkPrecision& result) {
 /// Errors of one run and its time a frame.
 int report_accuracy(const RenderOptions& options, const std::filesystem::path& file) {
   auto scene = or_exit(load_scene(file, root_of(file)));
-  if (!options.rate.empty()) scene.rate = or_exit(parse_rate(options.rate));
-  if (!options.delay.empty()) scene.delay = or_exit(parse_delay(options.delay));
-  if (!options.duration.empty()) scene.duration = or_exit(parse_duration(options.duration, 3600_s));
+  if (!options.rate.empty()) scene.rate = parse_rate(options.rate);
+  if (!options.delay.empty()) scene.delay = parse_delay(options.delay);
+  if (!options.duration.empty()) scene.duration = parse_duration(options.duration, 3600_s);
   const auto result = or_exit(judge_as_written(scene, standard_nodes()));
-  if (options.json)
-    fmt::print("{}\n", app::json_of(result).dump(2));
-  else
-    fmt::print("{}", error_text(result));
+  options.json ? print_json(json_of(result)) : fmt::print("{}", error_text(result));
   return result.points.front().known() ? kDone : kNo;
 }
 
@@ -224,45 +215,44 @@ Samples resample(const Samples& samples, Hertz to) {
 }
 
 void add_render(CLI::App& app, int& exit_code) {
-  auto* command =
-      app.add_subcommand("render", "Run an instrument on a WAV file, or run a scene, without hardware");
-  auto options = std::make_shared<RenderOptions>();
-  command->add_option(
-      "FILE", options->target,
+  auto [command, options] =
+      add_command(app, "render", "Run an instrument on a WAV file, or run a scene, without hardware",
+                  exit_code, run_render);
+  command.add_option(
+      "FILE", options.target,
       "instrument or scene file; for a folder, its scene.toml, or its instrument.toml if --in is given");
-  command->add_option("--replay", options->replay,
-                      "take recorded with --record: replay it and check that the drives match bit for bit; "
-                      "with FILE, feed the recorded sensor signals to that instrument");
-  command->add_option("--in", options->in,
-                      "input WAV file: channel k feeds the k-th input; gives the default rate (it is "
-                      "resampled if --rate differs) and duration");
-  command->add_option("--out", options->out, "WAV file for all outputs, in the order of the instrument file")
+  command.add_option("--replay", options.replay,
+                     "take recorded with --record: replay it and check that the drives match bit for bit; "
+                     "with FILE, feed the recorded sensor signals to that instrument");
+  command.add_option("--in", options.in,
+                     "input WAV file: channel k feeds the k-th input; gives the default rate (it is "
+                     "resampled if --rate differs) and duration");
+  command.add_option("--out", options.out, "WAV file for all outputs, in the order of the instrument file")
       ->check(writable_file());
-  command->add_option("--sound", options->sound, "WAV file for the monitor output, without the drives")
+  command.add_option("--sound", options.sound, "WAV file for the monitor output, without the drives")
       ->check(writable_file());
   command
-      ->add_option(
-          "--events", options->events,
+      .add_option(
+          "--events", options.events,
           "JSON file for detected events: {\"events\": [{\"time_s\": …, \"node\": …, \"level_db\": …}]}")
       ->check(writable_file());
-  command->add_option("--format", options->format, "sample format of the WAV files")
+  command.add_option("--format", options.format, "sample format of the WAV files")
       ->check(CLI::IsMember({"float", "24"}))
       ->capture_default_str();
-  add_player_options(*command, *options);
+  add_player_options(command, options);
   command
-      ->add_flag("--error", options->error,
-                 "report the numerical error and the computing time per frame of a scene with [accuracy]")
+      .add_flag("--error", options.error,
+                "report the numerical error and the computing time per frame of a scene with [accuracy]")
       ->excludes("--in", "--out", "--sound", "--events", "--replay", "--set");
   for (const auto* option : {"--in", "--sound", "--events", "--rate", "--duration"})
-    command->get_option("--replay")->excludes(option);
-  command->footer(
+    command.get_option("--replay")->excludes(option);
+  command.footer(
       "Examples:\n  tactus render instruments/haptic_drum --in hits.wav --out drive.wav --events "
       "events.json\n"
       "  tactus render --replay take.wav --out drives.wav\n"
       "  tactus render instruments/cellomobo --sound phrase.wav\n"
       "  tactus render instruments/haptic_drum --delay \"10 ms\" --out drive.wav\n"
       "  tactus render instruments/numerics/woofer --error");
-  command->callback([options, &exit_code] { exit_code = run_render(*options); });
 }
 
 }  // namespace tactus::app

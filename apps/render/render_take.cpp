@@ -4,7 +4,6 @@
 #include <atomic>
 #include <chrono>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "apps/cli/commands.h"
@@ -22,7 +21,6 @@ namespace tactus::app {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 /// A rig that does nothing but leave these ports out.
 Rig leaving_out(const std::vector<std::string>& ports) {
@@ -182,7 +180,7 @@ int render_recorded(const RenderOptions& options, OpenTake& open) {
     json["verdict"] = result;
     if (const auto& first = replayed.first_difference)
       json["first_difference"] = {{"frame", first->frame}, {"output", first->channel}};
-    fmt::print("{}\n", json.dump(2));
+    print_json(json);
   } else {
     fmt::print("{}: {}\n", engine.plan().name, result);
     print_rest(options, open);
@@ -206,11 +204,11 @@ int render_other(const RenderOptions& options, OpenTake& open) {
   if (loaded.spec == nullptr) throw CommandError{loaded.errors};
   CompileOptions compiling;
   compiling.sample_rate = header.sample_rate;
-  compiling.system_delay = options.delay.empty() ? header.system_delay : or_exit(parse_delay(options.delay));
-  compiling.controls = or_exit(parse_settings(options.set));
+  compiling.system_delay = options.delay.empty() ? header.system_delay : parse_delay(options.delay);
+  compiling.controls = parse_settings(options.set);
   Player engine{or_exit(compile(loaded, standard_nodes(), compiling))};
   engine.set_journal(journal_for(open.take, engine));
-  const auto drives = or_exit(apply(options.guard, recorded_drives(header), root_of(file)));
+  const auto drives = apply(options.guard, recorded_drives(header), root_of(file));
   const auto& inputs = engine.plan().input_names;
   const auto sensors = sensors_for(header, inputs);
   RigInputs rig{engine, scales_for(header, sensors), header.padding_frames};
@@ -220,7 +218,7 @@ int render_other(const RenderOptions& options, OpenTake& open) {
   if (options.json) {
     auto json = take_json(open, replayed, name);
     json["outputs"] = output_names(engine.plan());
-    fmt::print("{}\n", json.dump(2));
+    print_json(json);
     return kDone;
   }
   fmt::print("{}: rendered with the sensor signals of the take, {:.3f} s\n", name,

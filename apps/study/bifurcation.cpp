@@ -1,30 +1,24 @@
-
 #include <fmt/format.h>
 
-#include <memory>
-
-#include "apps/cli/commands.h"
-#include "apps/cli/console.h"
-#include "apps/study/reports.h"
-#include "apps/study/sweep_options.h"
+#include "apps/study/study.h"
 #include "engine/nodes/table.h"
 
 namespace tactus::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-Json part_json(const std::vector<BifurcationColumn>& columns) {
-  auto list = Json::array();
-  for (const auto& column : columns)
-    list.push_back({{"value", column.value},
-                    {"period", column.period},
-                    {"landing_speeds_m_per_s", column.speeds},
-                    {"landing_phases", column.phases}});
-  return list;
+Json column_json(const BifurcationColumn& column) {
+  return {{"value", column.value},
+          {"period", column.period},
+          {"landing_speeds_m_per_s", column.speeds},
+          {"landing_phases", column.phases}};
 }
 
-Json number(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+Json doubling_json(const Doubling& doubling) {
+  return {{"from_landings", doubling.bounces},
+          {"exact", doubling.exact},
+          {"simulated", known(doubling.simulated)},
+          {"exact_map_swept", known(doubling.swept)}};
+}
 
 /// Neighbouring columns of one period in one line.
 std::string columns_text(const std::vector<BifurcationColumn>& columns) {
@@ -76,20 +70,14 @@ Subplot subplot(const Bifurcation& study, PlotAxis y, std::vector<double> Bifurc
 }  // namespace
 
 Json json_of(const Bifurcation& study) {
-  Json json{{"scene", study.scene},
-            {"control", study.control},
-            {"frequency_hz", study.frequency_hz},
-            {"restitution", study.restitution},
-            {"measured_restitution", study.measured_restitution},
-            {"doublings", Json::array()}};
-  for (const auto& doubling : study.doublings)
-    json["doublings"].push_back({{"from_landings", doubling.bounces},
-                                 {"exact", doubling.exact},
-                                 {"simulated", number(doubling.simulated)},
-                                 {"exact_map_swept", number(doubling.swept)}});
-  json["simulated"] = part_json(study.simulated);
-  json["exact"] = part_json(study.exact);
-  return json;
+  return {{"scene", study.scene},
+          {"control", study.control},
+          {"frequency_hz", study.frequency_hz},
+          {"restitution", study.restitution},
+          {"measured_restitution", study.measured_restitution},
+          {"doublings", list_of(study.doublings, doubling_json)},
+          {"simulated", list_of(study.simulated, column_json)},
+          {"exact", list_of(study.exact, column_json)}};
 }
 
 std::string text_of(const Bifurcation& study) {
@@ -128,61 +116,46 @@ std::string default_control(const SceneSpec& scene) {
 int run_bifurcation(const BifurcationOptions& options) {
   auto plan = options.plan;
   if (!(plan.from < plan.to))
-    return report(Error{Errc::OutOfRange, "--to", "the end of the sweep must be above its start",
-                        "give --from less than --to"}),
-           kUsage;
+    exit_with({Errc::OutOfRange, "--to", "the end of the sweep must be above its start",
+               "give --from less than --to"});
   if (options.restitution > 0) plan.restitution = options.restitution;
   const auto scene = load_target(options);
-  if (!scene) return report(scene.error());
-  if (plan.control.empty()) plan.control = default_control(*scene);
+  if (plan.control.empty()) plan.control = default_control(scene);
   const auto study = [&] {
-    Progress progress{"sweeping " + scene->name};
-    return study_bifurcation(*scene, standard_nodes(), plan, [&](double share) { progress(share); });
+    Progress progress{"sweeping " + scene.name};
+    return or_exit(study_bifurcation(scene, standard_nodes(), plan, [&](double share) { progress(share); }));
   }();
-  if (!study) return report(study.error());
-  if (const int failed = publish(options, app::text_of(*study), app::json_of(*study), app::plots_of(*study)))
-    return failed;
-  return study->measured_restitution > 0 ? kDone : kNo;
+  publish(options, study);
+  return study.measured_restitution > 0 ? kDone : kNo;
 }
 
 }  // namespace
 
 void add_study_bifurcation(CLI::App& study, int& exit_code) {
-  auto* command = study.add_subcommand(
-      "bifurcation", "Bifurcation diagram of a ball on a driven table, compared with the ideal ball");
-  auto options = std::make_shared<BifurcationOptions>();
-  auto& plan = options->plan;
+  auto [command, options] = add_command(
+      study, "bifurcation", "Bifurcation diagram of a ball on a driven table, compared with the ideal ball",
+      exit_code, run_bifurcation);
+  auto& plan = options.plan;
   plan.from = 0.9;
   plan.to = 1.6;
-  add_study_options(*command, *options,
-                    "scene with the roles 'ball' and 'table'; for a folder, its scene.toml")
+  add_study_options(command, options, "scene with the roles 'ball' and 'table'; for a folder, its scene.toml")
       ->required();
-  command->add_option("--control", plan.control,
-                      "control to sweep: gamma, or plant.gamma for a control of the plant; default: gamma");
-  command->add_option("--from", plan.from, "first value, in SI units")->capture_default_str();
-  command->add_option("--to", plan.to, "last value, in SI units")->capture_default_str();
-  command->add_option("--values", plan.values, "number of values")
-      ->check(CLI::Range(3, 2000))
-      ->capture_default_str();
+  command.add_option("--control", plan.control,
+                     "control to sweep: gamma, or plant.gamma for a control of the plant; default: gamma");
+  command.add_option("--from", plan.from, "first value, in SI units")->capture_default_str();
+  command.add_option("--to", plan.to, "last value, in SI units")->capture_default_str();
+  add_number(command, "--values", plan.values, "number of values", 3, 2000);
+  add_number(command, "--settle", plan.settling_s,
+             "settling time at each value, in seconds, before landings are recorded", 0.0, 1000.0);
+  add_number(command, "--read", plan.reading_s,
+             "time at each value, in seconds, in which landings are recorded", 0.1, 1000.0);
   command
-      ->add_option("--settle", plan.settling_s,
-                   "settling time at each value, in seconds, before landings are recorded")
-      ->check(CLI::Range(0.0, 1000.0))
-      ->capture_default_str();
-  command
-      ->add_option("--read", plan.reading_s, "time at each value, in seconds, in which landings are recorded")
-      ->check(CLI::Range(0.1, 1000.0))
-      ->capture_default_str();
-  command
-      ->add_option("--restitution", options->restitution,
-                   "restitution of the ideal ball; default: as measured")
+      .add_option("--restitution", options.restitution, "restitution of the ideal ball; default: as measured")
       ->check(CLI::Range(0.01, 0.99));
-  command->footer(
-      "Examples:\n  tactus study bifurcation instruments/bouncing_ball --report ball.svg\n"
-      "  tactus study bifurcation instruments/bouncing_ball/table_scene.toml --from 1.3 --to 1.75 --values "
-      "91\n"
-      "Exit code 1: no period-1 orbit was found.");
-  command->callback([options, &exit_code] { exit_code = run_bifurcation(*options); });
+  command.footer(
+      "Examples:\n  tactus study bifurcation instruments/bouncing_ball --report ball.svg\n  tactus study "
+      "bifurcation instruments/bouncing_ball/table_scene.toml --from 1.3 --to 1.75 --values 91\nExit code 1: "
+      "no period-1 orbit was found.");
 }
 
 }  // namespace tactus::app

@@ -1,5 +1,3 @@
-#include "apps/study/sweep_options.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,9 +9,7 @@
 #include <memory>
 #include <sstream>
 
-#include "apps/cli/commands.h"
-#include "apps/cli/interrupts.h"
-#include "apps/cli/writable.h"
+#include "apps/study/study.h"
 #include "engine/core/dimension.h"
 #include "engine/graph/file/quantity.h"
 
@@ -28,52 +24,50 @@ struct Written {
   std::string unit;
 };
 
-tl::unexpected<Error> unreadable(const std::string& text, const std::string& option,
-                                 const std::string& remedy) {
-  return fail(Errc::Syntax, option, "'" + text + "' is not a range", remedy);
+[[noreturn]] void exit_unreadable(const std::string& text, const std::string& option,
+                                  const std::string& remedy) {
+  exit_with({Errc::Syntax, option, "'" + text + "' is not a range", remedy});
 }
 
-Result<Written> read_numbers(const std::string& text, const std::string& option, const std::string& remedy) {
+Written read_numbers(const std::string& text, const std::string& option, const std::string& remedy) {
   Written written;
   std::istringstream parts{text};
   for (std::string part; std::getline(parts, part, ':');) {
     char* end = nullptr;
     written.numbers.push_back(std::strtod(part.c_str(), &end));
-    if (end == part.c_str() || !std::isfinite(written.numbers.back()))
-      return unreadable(text, option, remedy);
+    if (end == part.c_str() || !std::isfinite(written.numbers.back())) exit_unreadable(text, option, remedy);
     while (*end == ' ') ++end;
     const std::string unit{end};
     if (unit.empty()) continue;
     if (!written.unit.empty() && written.unit != unit)
-      return fail(Errc::UnitMismatch, option,
-                  "'" + text + "' mixes the units " + written.unit + " and " + unit,
-                  "use one unit for all values");
+      exit_with({Errc::UnitMismatch, option,
+                 "'" + text + "' mixes the units " + written.unit + " and " + unit,
+                 "use one unit for all values"});
     written.unit = unit;
   }
   return written;
 }
 
 /// `count` numbers, number_of(0) and so on, in the unit that was written.
-Result<std::vector<ControlValue>> spread(const Written& written, double count, const std::string& option,
-                                         const std::function<double(int)>& number_of) {
+std::vector<ControlValue> spread(const Written& written, double count, const std::string& option,
+                                 const std::function<double(int)>& number_of) {
   if (!(count >= 1 && count <= kMostValues))
-    return fail(Errc::OutOfRange, option, fmt::format("a sweep cannot have {:g} values", count),
-                fmt::format("choose 1 to {:g}", kMostValues));
+    exit_with({Errc::OutOfRange, option, fmt::format("a sweep cannot have {:g} values", count),
+               fmt::format("choose 1 to {:g}", kMostValues)});
   std::vector<ControlValue> values;
   for (int i = 0; i < static_cast<int>(count); ++i) {
     // A number as it would be written: 0.3, not 0.1 + 0.2.
     const auto number = fmt::format("{:.12g}", number_of(i));
     const auto value = parse_quantity(number + " " + written.unit);
-    if (!value) return fail(Errc::Syntax, option, "'" + written.unit + "' is not a unit", "");
-    values.push_back(written.unit.empty() ? ControlValue{value->si}
-                                          : ControlValue{value->si, value->unit.dimension});
+    if (!value) exit_with({Errc::Syntax, option, "'" + written.unit + "' is not a unit", ""});
+    values.push_back(QuantityValue{value->si, value->unit, written.unit.empty()});
   }
   return values;
 }
 
 /// From the first number by equal steps.
-Result<std::vector<ControlValue>> evenly(const Written& written, double step, double count,
-                                         const std::string& option) {
+std::vector<ControlValue> evenly(const Written& written, double step, double count,
+                                 const std::string& option) {
   return spread(written, count, option, [&](int i) { return written.numbers[0] + i * step; });
 }
 
@@ -90,100 +84,78 @@ bool take_log(std::string& text) {
 
 }  // namespace
 
-Result<std::vector<ControlValue>> parse_steps(const std::string& text, const std::string& option) {
+std::vector<ControlValue> parse_steps(const std::string& text, const std::string& option) {
   const auto* remedy = "write FROM:TO:STEP, as in \"0:40:1 ms\"";
   const auto written = read_numbers(text, option, remedy);
-  if (!written) return tl::unexpected(written.error());
-  const auto& numbers = written->numbers;
-  if (numbers.size() == 1) return evenly(*written, 0, 1, option);
+  const auto& numbers = written.numbers;
+  if (numbers.size() == 1) return evenly(written, 0, 1, option);
   if (numbers.size() != 3 || !(numbers[2] > 0) || numbers[1] < numbers[0])
-    return unreadable(text, option, remedy);
-  return evenly(*written, numbers[2], std::floor((numbers[1] - numbers[0]) / numbers[2] + 1e-9) + 1, option);
+    exit_unreadable(text, option, remedy);
+  return evenly(written, numbers[2], std::floor((numbers[1] - numbers[0]) / numbers[2] + 1e-9) + 1, option);
 }
 
-Result<std::vector<ControlValue>> parse_spread(const std::string& text, const std::string& option) {
+std::vector<ControlValue> parse_spread(const std::string& text, const std::string& option) {
   const auto* remedy = "write FROM:TO:COUNT, as in \"0.2:1:5\", or FROM:TO:COUNT:log";
   auto range = text;
   const bool by_factors = take_log(range);
   const auto written = read_numbers(range, option, remedy);
-  if (!written) return tl::unexpected(written.error());
-  const auto& numbers = written->numbers;
-  if (numbers.size() == 1 && !by_factors) return evenly(*written, 0, 1, option);
-  if (numbers.size() != 3 || numbers[2] != std::floor(numbers[2])) return unreadable(text, option, remedy);
+  const auto& numbers = written.numbers;
+  if (numbers.size() == 1 && !by_factors) return evenly(written, 0, 1, option);
+  if (numbers.size() != 3 || numbers[2] != std::floor(numbers[2])) exit_unreadable(text, option, remedy);
   const double intervals = std::max(1.0, numbers[2] - 1);
-  if (!by_factors) return evenly(*written, (numbers[1] - numbers[0]) / intervals, numbers[2], option);
+  if (!by_factors) return evenly(written, (numbers[1] - numbers[0]) / intervals, numbers[2], option);
   if (!(numbers[0] * numbers[1] > 0))
-    return fail(Errc::OutOfRange, option, "'" + text + "' cannot be spaced logarithmically",
-                "choose both ends above 0, or omit ':log'");
+    exit_with({Errc::OutOfRange, option, "'" + text + "' cannot be spaced logarithmically",
+               "choose both ends above 0, or omit ':log'"});
   const double ratio = numbers[1] / numbers[0];
-  return spread(*written, numbers[2], option,
+  return spread(written, numbers[2], option,
                 [&](int i) { return numbers[0] * std::pow(ratio, i / intervals); });
 }
 
 namespace {
 
-Result<SweptValue> read_swept(const std::string& text, const SceneSpec& scene) {
-  const auto equals = text.find('=');
-  if (equals == std::string::npos || equals == 0)
-    return fail(Errc::Syntax, "--over", "'" + text + "' is not of the form NAME=FROM:TO:COUNT",
-                "write for instance strength=0.2:1:5");
-  const auto name = text.substr(0, equals), range = text.substr(equals + 1);
-  if (name == "solver") return swept_solvers(CLI::detail::split(range, ','));
-  auto values = parse_spread(range, "--over");
-  if (!values) return tl::unexpected(values.error());
-  return find_swept(scene, name, std::move(*values));
+SweptValue read_swept(const std::string& text, const SceneSpec& scene) {
+  const auto [name, range] = parse_assignment(text, "--over", "NAME=FROM:TO:COUNT", "strength=0.2:1:5");
+  if (name == "solver") return or_exit(swept_solvers(CLI::detail::split(range, ',')), kUsage);
+  return or_exit(find_swept(scene, name, parse_spread(range, "--over")), kUsage);
 }
 
 /// "2/4": the second of four shares.
-Status read_part(const std::string& text, RunPlan& plan) {
-  if (text.empty()) return {};
+void read_part(const std::string& text, RunPlan& plan) {
+  if (text.empty()) return;
   int part = 0, parts = 0, read = 0;
   const bool whole = std::sscanf(text.c_str(), "%d/%d%n", &part, &parts, &read) == 2 &&
                      read == static_cast<int>(text.size());
   if (!whole || part < 1 || part > parts || parts > 10000)
-    return fail(Errc::Syntax, "--part", "'" + text + "' is not of the form I/N, part I of N",
-                "write for instance 2/4");
+    exit_with({Errc::Syntax, "--part", "'" + text + "' is not of the form I/N, part I of N",
+               "write for instance 2/4"});
   if (plan.cache.empty())
-    return fail(Errc::Missing, "--part", "--part needs a folder for the results", "add --keep FOLDER");
+    exit_with({Errc::Missing, "--part", "--part needs a folder for the results", "add --keep FOLDER"});
   plan.part = part - 1;
   plan.parts = parts;
-  return {};
 }
 
 /// "6 dB": both ways. A bare number might be meant as decibels or as a factor.
-Status read_gain(const std::string& text, SweepPlan& plan) {
-  if (text.empty()) return {};
-  const auto gain = parse_option(text, "", "gain");
-  if (!gain) return tl::unexpected(gain.error());
+void read_gain(const std::string& text, SweepPlan& plan) {
+  if (text.empty()) return;
+  const double gain = parse_option(text, "", "gain", kAboveZero, 100);
   if (read_quantity(Value{text, {}})->bare)
-    return fail(Errc::UnitMismatch, "--gain", "'" + text + "' must be in decibels or a factor",
-                fmt::format("write \"{0} dB\", or \"{1:g} %\" for a gain factor of {0}", text, 100 * *gain));
-  if (!(*gain > 0 && *gain <= 100))
-    return fail(Errc::OutOfRange, "--gain", "must be above 0 and at most 40 dB", "");
-  plan.gains = {1 / *gain, *gain};
-  return {};
+    exit_with({Errc::UnitMismatch, "--gain", "'" + text + "' must be in decibels or a factor",
+               fmt::format("write \"{0} dB\", or \"{1:g} %\" for a gain factor of {0}", text, 100 * gain)});
+  plan.gains = {1 / gain, gain};
 }
 
 /// A swept quantity has no other value.
-Status check_swept_once(const SweepPlan& plan) {
+void check_swept_once(const SweepPlan& plan) {
   for (auto swept = plan.over.begin(); swept != plan.over.end(); ++swept) {
     const auto same = [&](const SweptValue& other) { return other.name == swept->name; };
     if (std::any_of(plan.over.begin(), swept, same))
-      return fail(Errc::BadArgument, "--over", "'" + swept->name + "' is swept twice", "sweep it once");
+      exit_with({Errc::BadArgument, "--over", "'" + swept->name + "' is swept twice", "sweep it once"});
     if (plan.set.contains(swept->name))
-      return fail(Errc::BadArgument, "--set",
-                  "'" + swept->name + "' is swept by --over and cannot be set by --set, too",
-                  "omit one of them");
+      exit_with({Errc::BadArgument, "--set",
+                 "'" + swept->name + "' is swept by --over and cannot be set by --set, too",
+                 "omit one of them"});
   }
-  return {};
-}
-
-Status read_variants(const SweepOptions& options, SweepPlan& plan) {
-  plan.draws = options.draws;
-  plan.seed = options.seed;
-  if (auto status = read_option(options.within, "", "within", 1e-6, 0.999999, plan.within); !status)
-    return status;
-  return read_gain(options.gain, plan);
 }
 
 std::string remaining_text(double seconds) {
@@ -194,16 +166,29 @@ std::string remaining_text(double seconds) {
 
 }  // namespace
 
-Status read_option(const std::string& text, const char* unit, const char* name, double least, double most,
-                   double& value) {
-  if (text.empty()) return {};
-  const auto given = parse_option(text, unit, name);
-  if (!given) return tl::unexpected(given.error());
-  if (!(*given >= least && *given <= most))
-    return fail(Errc::OutOfRange, std::string{"--"} + name, "'" + text + "' is out of range",
-                fmt::format("choose {:g} to {:g} {}", least, most, unit));
-  value = *given;
-  return {};
+std::string Table::text() const {
+  std::vector<std::size_t> widths;
+  for (const auto& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()), 0);
+    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], row[c].size());
+  }
+  std::string text;
+  for (const auto& row : rows) {
+    for (std::size_t c = 0; c < row.size(); ++c) text += fmt::format("  {:>{}}", row[c], widths[c]);
+    text += "\n";
+  }
+  return text;
+}
+
+std::string Table::markdown() const {
+  std::string text;
+  for (const auto& row : rows) {
+    text += fmt::format("| {} |\n", fmt::join(row, " | "));
+    if (&row != &rows.front()) continue;
+    for (std::size_t c = 0; c < row.size(); ++c) text += "|---";
+    text += "|\n";
+  }
+  return text;
 }
 
 CLI::Option* add_study_options(CLI::App& command, StudyOptions& options, const std::string& scene) {
@@ -213,19 +198,17 @@ CLI::Option* add_study_options(CLI::App& command, StudyOptions& options, const s
   return command.add_option("SCENE", options.target, scene);
 }
 
-Checked<SceneSpec> load_target(const StudyOptions& options) {
+SceneSpec load_target(const StudyOptions& options) {
   const auto file = resolve_target(options.target, "scene.toml");
-  return load_scene(file, root_of(file));
+  return or_exit(load_scene(file, root_of(file)));
 }
 
-int publish(const StudyOptions& options, const std::string& text, const nlohmann::ordered_json& json,
-            const std::vector<Plot>& page, int columns) {
+void publish(const StudyOptions& options, const std::string& text, const Json& json,
+             const std::vector<Plot>& page, int columns) {
   fmt::print("{}", options.json ? json.dump(2) + "\n" : text);
-  if (options.picture.empty()) return kDone;
-  if (const auto written = write_svg(options.picture, page, columns); !written)
-    return report(written.error());
+  if (options.picture.empty()) return;
+  or_exit(write_svg(options.picture, page, columns));
   if (!options.json) fmt::print("plot: {}\n", options.picture);
-  return kDone;
 }
 
 void add_run_options(CLI::App& command, RunOptions& options) {
@@ -239,10 +222,10 @@ void add_run_options(CLI::App& command, RunOptions& options) {
       ->check(CLI::Range(1, 1024));
 }
 
-Status read_run_plan(const RunOptions& options, RunPlan& plan) {
+void read_run_plan(const RunOptions& options, RunPlan& plan) {
   plan.workers = options.workers;
   plan.cache = options.cache;
-  return read_part(options.part, plan);
+  read_part(options.part, plan);
 }
 
 void add_sweep_options(CLI::App& command, SweepOptions& options) {
@@ -258,10 +241,8 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
   command.add_option("--duration", options.duration, "duration of each run; default: the scene's");
   command.add_option("--gain", options.gain,
                      "also run with the actuator weaker and stronger by this gain, such as \"6 dB\"");
-  command
-      .add_option("--draws", options.draws, "number of additional runs with random variations of the plant")
-      ->check(CLI::Range(0, 100000))
-      ->capture_default_str();
+  add_number(command, "--draws", options.draws,
+             "number of additional runs with random variations of the plant", 0, 100000);
   command
       .add_option("--within", options.within,
                   "largest deviation of the plant's parameters in the random variations")
@@ -270,21 +251,17 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
   add_run_options(command, options);
 }
 
-Result<SweepPlan> read_plan(const SweepOptions& options, SceneSpec& scene) {
+SweepPlan read_plan(const SweepOptions& options, SceneSpec& scene) {
   SweepPlan plan;
-  for (const auto& text : options.over) {
-    auto swept = read_swept(text, scene);
-    if (!swept) return tl::unexpected(swept.error());
-    plan.over.push_back(std::move(*swept));
-  }
-  auto set = parse_settings(options.set);
-  if (!set) return tl::unexpected(set.error());
-  plan.set = std::move(*set);
-  auto status = check_swept_once(plan);
-  if (status) status = read_option(options.duration, "s", "duration", 1e-3, 3600, scene.duration.value);
-  if (status) status = read_run_plan(options, plan);
-  if (status) status = read_variants(options, plan);
-  if (!status) return tl::unexpected(status.error());
+  for (const auto& text : options.over) plan.over.push_back(read_swept(text, scene));
+  plan.set = parse_settings(options.set);
+  check_swept_once(plan);
+  read_option(options.duration, "s", "duration", 1e-3, 3600, scene.duration.value);
+  read_run_plan(options, plan);
+  plan.draws = options.draws;
+  plan.seed = options.seed;
+  read_option(options.within, "", "within", 1e-6, 0.999999, plan.within);
+  read_gain(options.gain, plan);
   return plan;
 }
 

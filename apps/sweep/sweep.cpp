@@ -1,21 +1,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <memory>
-#include <nlohmann/json.hpp>
 
-#include "apps/cli/commands.h"
-#include "apps/study/reports.h"
-#include "apps/study/sweep_options.h"
+#include "apps/study/study.h"
 #include "engine/nodes/table.h"
 #include "engine/scene/measures/measure.h"
 
 namespace tactus::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-struct Options : SweepOptions {
+struct MeasureSweepOptions : SweepOptions {
   std::vector<std::string> measures;
   std::string from, to;
 };
@@ -51,11 +45,13 @@ std::string text_of(const SweepTable& table) {
 }
 
 Json json_of(const SweepTable& table) {
-  Json json{
-      {"scene", table.scene}, {"over", Json::array()}, {"measures", Json::array()}, {"runs", Json::array()}};
-  for (const auto& swept : table.over) json["over"].push_back(swept.name);
-  for (const auto& measure : table.measures)
-    json["measures"].push_back({{"name", measure.name}, {"measure", measure.measure}, {"of", measure.of}});
+  const auto measure_json = [](const Expectation& measure) -> Json {
+    return {{"name", measure.name}, {"measure", measure.measure}, {"of", measure.of}};
+  };
+  Json json{{"scene", table.scene},
+            {"over", list_of(table.over, [](const SweptValue& swept) { return swept.name; })},
+            {"measures", list_of(table.measures, measure_json)},
+            {"runs", Json::array()}};
   for (const auto& point : table.points) {
     Json run{{"at", Json::object()}, {"variant", point.variant}, {"measures", Json::object()}};
     for (std::size_t a = 0; a < table.over.size(); ++a) {
@@ -71,67 +67,49 @@ Json json_of(const SweepTable& table) {
 
 namespace {
 
-Result<std::vector<Expectation>> read_measures(const Options& options, const SceneSpec& scene) {
+std::vector<Expectation> read_measures(const MeasureSweepOptions& options, const SceneSpec& scene) {
   std::vector<Expectation> measures;
   for (const auto& text : options.measures) {
-    auto measure = find_swept_measure(scene, text);
-    if (!measure) return tl::unexpected(measure.error());
-    for (const auto& [time, limit, name] : {std::tuple{&options.from, &measure->from_s, "from"},
-                                            std::tuple{&options.to, &measure->to_s, "to"}}) {
-      if (time->empty()) continue;
-      const auto seconds = parse_option(*time, "s", name);
-      if (!seconds) return tl::unexpected(seconds.error());
-      *limit = *seconds;
-    }
-    measures.push_back(std::move(*measure));
+    auto& measure = measures.emplace_back(or_exit(find_swept_measure(scene, text), kUsage));
+    if (!options.from.empty()) measure.from_s = parse_option(options.from, "s", "from");
+    if (!options.to.empty()) measure.to_s = parse_option(options.to, "s", "to");
   }
   return measures;
 }
 
-int run(const Options& options) {
+int run_sweep(const MeasureSweepOptions& options) {
   auto scene = load_target(options);
-  if (!scene) return report(scene.error());
-  auto plan = read_plan(options, *scene);
-  if (!plan) return report(plan.error()), kUsage;
-  const auto measures = read_measures(options, *scene);
-  if (!measures) return report(measures.error()), kUsage;
-  SweepMonitor monitor{scene->name, *plan};
-  const auto table = sweep_measures(*scene, standard_nodes(), *plan, *measures);
-  if (!table) return report(table.error());
-  if (const auto exit = monitor.end(finished(table->points), std::ssize(table->points))) return *exit;
-  return publish(options, app::text_of(*table), app::json_of(*table), plots_of(*table),
-                 table->over.size() > 2 ? 2 : 1);
+  auto plan = read_plan(options, scene);
+  const auto measures = read_measures(options, scene);
+  SweepMonitor monitor{scene.name, plan};
+  const auto table = or_exit(sweep_measures(scene, standard_nodes(), plan, measures));
+  if (const auto exit = monitor.end(finished(table.points), std::ssize(table.points))) return *exit;
+  publish(options, table, table.over.size() > 2 ? 2 : 1);
+  return kDone;
 }
 
 }  // namespace
 
 void add_sweep(CLI::App& app, int& exit_code) {
-  auto* command =
-      app.add_subcommand("sweep", "Run a scene over ranges of its parameters and measure each run");
-  auto options = std::make_shared<Options>();
-  add_study_options(*command, *options, "scene file; for a folder, its scene.toml")->required();
-  add_sweep_options(*command, *options);
+  auto [command, options] = add_command(
+      app, "sweep", "Run a scene over ranges of its parameters and measure each run", exit_code, run_sweep);
+  add_study_options(command, options, "scene file; for a folder, its scene.toml")->required();
+  add_sweep_options(command, options);
   command
-      ->add_option("--measure", options->measures,
-                   "name of an entry in the scene's [expect], or MEASURE:SIGNAL such as rms:instrument.sound")
+      .add_option("--measure", options.measures,
+                  "name of an entry in the scene's [expect], or MEASURE:SIGNAL such as rms:instrument.sound")
       ->required()
       ->take_all();
-  command->add_option("--from", options->from, "start of the evaluated time, such as \"1 s\"");
-  command->add_option("--to", options->to, "end of the evaluated time, such as \"4 s\"");
-  command->footer(
-      "Examples:\n"
-      "  tactus sweep instruments/haptic_drum --over \"delay=0:40:9 ms\" --measure rate:instrument.hit --svg "
-      "rate.svg\n"
-      "  tactus sweep instruments/haptic_drum --over strength=0.2:1:5 --over "
-      "\"plant.drum.coil.force_factor=4:8:5 T m\" "
-      "--measure rate:instrument.hit --svg map.svg\n"
-      "  tactus sweep instruments/haptic_drum --draws 200 --within \"10 %\" --measure rate:instrument.hit\n"
-      "  parallel tactus sweep SCENE --over strength=0:1:100 --measure peak:plant.cone --keep runs --part "
-      "{}/8 "
-      "::: 1 2 3 4 5 6 7 8\n"
-      "One swept parameter is plotted as a line, two as a map, random variations as points.\n"
-      "Exit code 5: interrupted; with --keep the same command resumes the sweep.");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  command.add_option("--from", options.from, "start of the evaluated time, such as \"1 s\"");
+  command.add_option("--to", options.to, "end of the evaluated time, such as \"4 s\"");
+  command.footer(
+      "Examples:\n  tactus sweep instruments/haptic_drum --over \"delay=0:40:9 ms\" --measure "
+      "rate:instrument.hit --svg rate.svg\n  tactus sweep instruments/haptic_drum --over strength=0.2:1:5 "
+      "--over \"plant.drum.coil.force_factor=4:8:5 T m\" --measure rate:instrument.hit --svg map.svg\n  "
+      "tactus sweep instruments/haptic_drum --draws 200 --within \"10 %\" --measure rate:instrument.hit\n  "
+      "parallel tactus sweep SCENE --over strength=0:1:100 --measure peak:plant.cone --keep runs --part {}/8 "
+      "::: 1 2 3 4 5 6 7 8\nOne swept parameter is plotted as a line, two as a map, random variations as "
+      "points.\nExit code 5: interrupted; with --keep the same command resumes the sweep.");
 }
 
 }  // namespace tactus::app

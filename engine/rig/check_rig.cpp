@@ -4,22 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "engine/core/index.h"
 #include "engine/core/named.h"
 #include "engine/graph/file/read_graph.h"
-#include "engine/rig/rig_text.h"
 
 namespace tactus {
 namespace {
-
-/// Volts for one unit of the port.
-Unit sensitivity_unit(const PortSpec& input) {
-  auto unit = *parse_unit("V");
-  unit.dimension = unit.dimension / input.dimension;
-  return unit;
-}
 
 void report_lanes(const RigPort& port, int lanes, ErrorList& errors) {
   std::string example;
@@ -81,18 +72,17 @@ class RigCheck {
     const auto* input = find_named(rig_.inputs, port.name);
     if (input == nullptr || input->channels.empty()) return;
     if (index(port.lanes) != input->channels.size()) report_lanes(*input, port.lanes, errors_);
-    const auto wanted = sensitivity_unit(port);
-    const auto volt = parse_unit("V")->dimension;
-    const auto per = to_string(volt / wanted.dimension);
-    const auto unit = per.empty() ? "V" : volts_per(wanted.dimension);
+    const auto volt = parse_unit("V")->dimension, wanted = volt / port.dimension;
+    const auto per = to_string(volt / wanted);
+    const auto unit = per.empty() ? "V" : volts_per(wanted);
     const auto example =
         per.empty() ? "\"50 mV\"" : "the voltage for 1 " + per + ", such as \"2 " + unit + "\"";
-    if (!input->sensitivity && !(wanted.dimension == volt))
+    if (!input->sensitivity && !(wanted == volt))
       errors_.add(Errc::Missing, input->at,
                   "'" + port.name + "' is in " + per + ", but its voltage is not given",
                   "give volts_per_full_scale, and as sensitivity " + example);
     if (!input->sensitivity || input->sensitivity->bare) return;
-    if (!(input->sensitivity->unit.dimension == wanted.dimension))
+    if (!(input->sensitivity->unit.dimension == wanted))
       errors_.add(Errc::UnitMismatch, input->sensitivity_at,
                   "the sensitivity of '" + port.name + "' must be in " + unit, "give " + example);
   }
@@ -160,24 +150,6 @@ NodeSpec resting(const PortSpec& input) {
 /// "strings[2]" is lane 2 of "strings".
 std::string port_of(const std::string& channel) { return channel.substr(0, channel.find('[')); }
 
-/// The channel of the card, from 0 on, of the next lane of each port.
-class LaneCounter {
- public:
-  /// 0 if the port has no more channels.
-  int next(const RigPort& port) {
-    const auto lane = index(used_[port.name]++);
-    return lane < port.channels.size() ? port.channels[lane] - 1 : 0;
-  }
-  void check(const RigPort& port, ErrorList& errors) const {
-    const auto used = used_.find(port.name);
-    if (used != used_.end() && index(used->second) != port.channels.size())
-      report_lanes(port, used->second, errors);
-  }
-
- private:
-  std::map<std::string, int> used_;
-};
-
 }  // namespace
 
 std::vector<Error> check_rig(const Rig& rig, const GraphSpec& instrument) {
@@ -206,22 +178,31 @@ std::shared_ptr<const GraphSpec> without_left_out(const Rig& rig,
 Checked<RigWiring> wire_rig(const Rig& rig, const Plan& schedule) {
   RigWiring wiring;
   ErrorList errors{rig.file};
-  LaneCounter lanes;
+  std::map<std::string, int> lanes;  // of each port
+  /// The channel of the card, from 0 on, of the next lane; 0 if the port has no more channels.
+  const auto next = [&](const RigPort& port) {
+    const auto lane = index(lanes[port.name]++);
+    return lane < port.channels.size() ? port.channels[lane] - 1 : 0;
+  };
+  const auto check = [&](const RigPort& port) {
+    if (lanes.contains(port.name) && index(lanes[port.name]) != port.channels.size())
+      report_lanes(port, lanes[port.name], errors);
+  };
   for (const auto& name : schedule.input_names) {
     const auto* input = find_named(rig.inputs, port_of(name));
     if (input == nullptr) continue;
-    wiring.in_map.push_back(lanes.next(*input));
+    wiring.in_map.push_back(next(*input));
     wiring.input_scales.push_back(input->scale());
   }
   for (const auto& channel : schedule.channels) {
     const auto* output = find_named(rig.outputs, port_of(channel.name));
     if (channel.use == OutputUse::Tap || output == nullptr) continue;
-    wiring.out_map.push_back(lanes.next(*output));
+    wiring.out_map.push_back(next(*output));
     const auto* actuator = rig.actuator_on(wiring.out_map.back() + 1);
     wiring.drives.named[channel.name] = (actuator != nullptr ? actuator : output)->drive.limits;
   }
-  for (const auto& input : rig.inputs) lanes.check(input, errors);
-  for (const auto& output : rig.outputs) lanes.check(output, errors);
+  for (const auto& input : rig.inputs) check(input);
+  for (const auto& output : rig.outputs) check(output);
   if (errors.any()) return tl::unexpected(errors.take());
   return wiring;
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/core/decibels.h"
+#include "engine/core/median.h"
 #include "engine/core/named.h"
 
 namespace tactus {
@@ -23,14 +24,6 @@ constexpr std::size_t kGroupsPerLook = 10;
 constexpr std::size_t kMaxGroups = 6000;  // a minute
 constexpr double kQuietest = 1e-5;        // below is only the noise of converters
 constexpr double kNoDetection = 1e9;
-
-/// The value below which `share` of them lie.
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 }  // namespace
 
@@ -101,7 +94,7 @@ Result<LearntSensor> SensorLearner::result() const {
     return fail(Errc::OutOfRange, "",
                 fmt::format("the hits differ by {:.0f} dB, more than {:.0f} dB", unequal, kMostUnequal_db),
                 "hit five times with equal force");
-  const double soft = quantile(peaks_, 0.5);
+  const double soft = median(peaks_);
   return LearntSensor{soft, noise_, soft * amplitude_from_db(-kSoft_db)};
 }
 

@@ -46,11 +46,7 @@ struct RigOutput : RigPort {
 
 /// What moves a control.
 struct RigMidi {
-  enum class Kind {
-    Controller,
-    Note,
-    PitchBend,
-  };
+  enum class Kind { Controller, Note, PitchBend };
   std::string control;  ///< of the instrument
   Source at;
   std::string device;  ///< a part of the port's name; empty: any
@@ -59,8 +55,6 @@ struct RigMidi {
   int number = 0;     ///< of the controller or note
   bool fine = false;  ///< controllers `number` (0 to 31) and `number` + 32 together have 14 bits
   bool gate = false;  ///< a note moves it to its highest value and back to its lowest when it ends
-
-  bool same_source(const RigMidi& other) const;
 };
 
 /// A rig file: the hardware that an instrument plays on. docs/rigs.md explains it.
@@ -103,5 +97,14 @@ Checked<Rig> parse_rig(std::string_view text, const std::string& file_name,
 
 /// [any] The text of a rig file, which reads back the same. Comments of a former one are not in it.
 std::string to_text(const Rig& rig);
+
+/// [any] A string as TOML writes it, in quotes.
+std::string in_quotes(std::string_view text);
+/// [any] "V/N": the unit of a sensitivity that is no plain voltage.
+std::string volts_per(const Dimension& sensitivity);
+/// [any] "\"12.4 ms\"" or 0.6: as people write it where that reads back to the last bit, else all digits in
+/// SI.
+std::string exact_quantity(double si, const Dimension& dimension);
+std::string exact_quantity(const QuantityValue& value);
 
 }  // namespace tactus

@@ -53,7 +53,7 @@ std::vector<PortEnergy> PortWatches::energies(Hertz sample_rate) const {
   return energies;
 }
 
-std::string in_words(const PortEnergy& energy) {
+std::string describe(const PortEnergy& energy) {
   const auto gave = fmt::format("{:.3g} J ({:.3g} J allowed)", energy.given, energy.allowed);
   if (!energy.active_at_s) return fmt::format("{}: delivered at most {}", energy.name, gave);
   return fmt::format(

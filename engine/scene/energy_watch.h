@@ -61,6 +61,6 @@ class PortWatches {
 
 /// "arm: the loop turned active at 0.31 s: it gave 2.4 J where 0.05 J are allowed, 1.1 W on average from then
 /// on"
-std::string in_words(const PortEnergy& energy);
+std::string describe(const PortEnergy& energy);
 
 }  // namespace tactus

@@ -101,7 +101,7 @@ GuardReport report_of(Guarded& guarded, const Plan& schedule, const DriveBook& d
   return report_of(guarded, guarded_channels(schedule, drives), schedule.input_names, output_names(schedule));
 }
 
-std::vector<std::string> in_words(const GuardReport& report, Hertz sample_rate) {
+std::vector<std::string> describe(const GuardReport& report, Hertz sample_rate) {
   std::vector<std::string> lines;
   for (const auto& event : report.events) lines.push_back(describe(report, event, sample_rate));
   for (const auto& output : report.outputs)

@@ -49,6 +49,6 @@ GuardReport report_of(Guarded& guarded, const std::vector<GuardedChannel>& chann
 GuardReport report_of(Guarded& guarded, const Plan& schedule, const DriveBook& drives);
 
 /// As text, a line each: "woofer: the excursion limit attenuated it for 0.42 s, by up to 0.3 full scale".
-std::vector<std::string> in_words(const GuardReport& report, Hertz sample_rate);
+std::vector<std::string> describe(const GuardReport& report, Hertz sample_rate);
 
 }  // namespace tactus

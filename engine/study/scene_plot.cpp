@@ -63,7 +63,7 @@ class ScenePlotter {
     }
     subplot.series.push_back(std::move(detected));
     plot.subplots.push_back(std::move(subplot));
-    plot.subtitle += " Detected: " + in_words(melody->notes) + ".";
+    plot.subtitle += " Detected: " + describe(melody->notes) + ".";
   }
 
   /// The plant's outputs, those of one unit together.

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/cli/guard_options.h"
+#include "apps/play/play_report.h"
 #include "backends/take/take.h"
 #include "engine/graph/plan/compile.h"
 #include "engine/guard/guarded.h"
@@ -37,9 +37,9 @@ class Performer {
   /// Channels of the card, from 0 on; empty: the first ones.
   virtual std::vector<int> in_map() const { return {}; }
   virtual std::vector<int> out_map() const { return {}; }
-  /// [control, while it plays] Reads its files again and replaces what plays. Errors: of the files; the
-  /// previous version keeps playing.
-  virtual Checked<void> edit() = 0;
+  /// [control, while it plays] Reads its files again and replaces what plays. Throws a CommandError with the
+  /// errors of the files; the previous version keeps playing.
+  virtual void edit() = 0;
   /// Puts its files and what the rig does to its inputs into the header of a take.
   virtual void describe(TakeHeader&) const {}
   /// [control & stopped] The energy that passed the ports of a scene.
@@ -64,14 +64,11 @@ struct PerformerSetup {
 };
 
 /// An instrument on a sound card. Without a rig it is unknown what is connected: all outputs, sound too, are
-/// then guarded as drives.
-Checked<std::unique_ptr<Performer>> make_instrument(PerformerSetup setup);
+/// then guarded as drives. Throws a CommandError.
+std::unique_ptr<Performer> make_instrument(PerformerSetup setup);
 
 /// A scene, its simulated world run in real time: the monitor output goes to the speakers, the sensors where
-/// there is none. Edits of its instrument and of its plant take effect while it plays.
-Checked<std::unique_ptr<Performer>> make_world(PerformerSetup setup);
-
-/// Appends the files of a graph and its parts.
-void add_files(const GraphSpec& graph, std::vector<std::filesystem::path>& files);
+/// there is none. Edits of its instrument and of its plant take effect while it plays. Throws a CommandError.
+std::unique_ptr<Performer> make_world(PerformerSetup setup);
 
 }  // namespace tactus::app

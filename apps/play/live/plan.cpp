@@ -3,12 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <iostream>
+#include <thread>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/play/save_rig.h"
+#include "engine/core/decibels.h"
+#include "engine/core/named.h"
+#include "engine/core/spsc_queue.h"
 #include "engine/rig/check_rig.h"
+#include "engine/rig/learn_sensor.h"
 #include "latency/measured.h"
 
 namespace tactus::app {
@@ -20,18 +26,84 @@ std::vector<int> channels_or(std::vector<int> given, const std::vector<int>& of_
   return given.empty() ? of_rig : given;
 }
 
+/// Hands the first input to the control thread; it has no outputs, so nothing moves.
+class InputReader final : public BlockProcessor {
+ public:
+  Status prepare(const StreamFormat&) override { return {}; }
+  void process(const BlockIo& io) noexcept override {
+    for (int n = 0; n < io.frames; ++n) (void)samples_.push(io.in[0][n]);
+  }
+  std::vector<double> take() {
+    std::vector<double> taken;
+    for (double sample = 0; samples_.pop(sample);) taken.push_back(sample);
+    return taken;
+  }
+
+ private:
+  SpscQueue<double> samples_{1 << 17};
+};
+
+/// "*": the first one with a channel.
+const RigInput& find_input(const Rig& rig, const std::string& name) {
+  std::vector<std::string> names;
+  for (const auto& input : rig.inputs) {
+    if (input.channels.empty()) continue;
+    if (name == "*" || name == input.name) return input;
+    names.push_back(input.name);
+  }
+  exit_with({Errc::UnknownName, "--learn",
+             fmt::format("no input {}of the rig has a channel", name == "*" ? "" : "'" + name + "' "),
+             names.empty() ? "" : fmt::format("there is {}", fmt::join(names, ", "))},
+            kNo);
+}
+
+/// Asks the user to hit softly five times, reads the sensor at `name` ("*": the first one that the rig joins
+/// to a channel) with nothing driven, and puts its sensitivity into the rig.
+void learn_sensitivity(Rig& rig, const GraphSpec& instrument, const std::string& name, Backend& backend,
+                       StreamRequest request) {
+  using namespace std::chrono_literals;
+  const auto& input = find_input(rig, name);
+  request.in_channels = 1;
+  request.in_map = {input.channels.front() - 1};
+  request.out_channels = 0;
+  request.out_map.clear();
+  InputReader reader;
+  Guarded guarded{reader, {}};
+  guarded.disable_sensor_watch();
+  const auto stream = or_exit(backend.open(request, guarded), kNo);
+  or_exit(stream->start(), kNo);
+  fmt::print(stderr, "hit softly five times: {}\n", input.name);
+  SensorLearner learner{stream->granted().format.sample_rate};
+  const auto deadline = std::chrono::steady_clock::now() + 60s;
+  for (int reported = 0; !learner.done() && std::chrono::steady_clock::now() < deadline;) {
+    std::this_thread::sleep_for(20ms);
+    learner.process(reader.take());
+    if (stream->state() == StreamState::Lost)
+      exit_with({Errc::Device, "", "the device was disconnected", "try again"}, kNo);
+    for (; reported < learner.hits(); ++reported) fmt::print(stderr, "{} ", reported + 1);
+    std::fflush(stderr);
+  }
+  fmt::print(stderr, "\n");
+  (void)stream->stop();
+  const auto learnt = or_exit(learner.result(), kNo);
+  fmt::print(stderr,
+             "a soft hit peaks at {:.1f} dBFS, {:.0f} dB above the noise; it now corresponds to -20 dB\n",
+             amplitude_to_db(learnt.soft), amplitude_to_db(learnt.soft / std::max(learnt.noise, 1e-9)));
+  const auto* port = find_named(instrument.inputs, input.name);
+  or_exit(use_learnt(rig, input.name, learnt, port != nullptr ? port->dimension : Dimension{}), kNo);
+}
+
 /// Makes a plan, step by step; each step leaves what it found in `plan_`.
 class Planner {
  public:
-  explicit Planner(const LiveOptions& options)
-      : options_(options),
-        file_(resolve_target(options.target, options.listen ? "scene.toml" : "instrument.toml")),
-        root_(root_of(file_)) {}
+  explicit Planner(const LiveOptions& options) : options_(options) {
+    plan_.file = resolve_target(options.target, options.listen ? "scene.toml" : "instrument.toml");
+    plan_.root = root_of(plan_.file);
+  }
 
   LivePlan run() {
     read_rig();
     choose_devices();
-    make_request();
     if (!options_.save_rig.empty()) make_rig();
     if (!options_.learn.empty()) learn();
     find_delay();
@@ -53,7 +125,7 @@ class Planner {
     error_if(!options_.rig.empty() && !options_.save_rig.empty(), "--save-rig", "a rig file is already given",
              "omit --rig, or change the rig file");
     if (options_.rig.empty()) return;
-    plan_.rig = or_exit(load_rig(options_.rig, root_), kBadFile);
+    plan_.rig = or_exit(load_rig(options_.rig, plan_.root), kBadFile);
     device_ = plan_.rig->device;
     // The rig says which actuator is on which channel of which card: no option may override it.
     for (const auto& [given, option] :
@@ -71,31 +143,20 @@ class Planner {
         app::choose_devices(options_.backend, options_.device.empty() ? device_.output : options_.device,
                             options_.input_device.empty() ? device_.input : options_.input_device),
         kDevice);
-  }
-
-  void make_request() {
-    auto& request = plan_.request;
-    const auto& device = plan_.devices.output;
-    request.device = device.id;
-    if (plan_.devices.input.id != device.id) request.input_device = plan_.devices.input.id;
-    request.sample_rate = options_.rate.empty() ? device_.rate.value_or(device.default_rate)
-                                                : or_exit(parse_rate(options_.rate), kUsage);
-    request.block_frames = options_.block ? options_.block : device_.block;
-    request.periods = options_.periods ? options_.periods : device_.periods;
+    plan_.request = request_for(plan_.devices, device_, options_.rate, options_.block, options_.periods);
   }
 
   void make_rig() {
-    const auto graph = or_exit(load_graph(file_, root_), kBadFile);
-    const auto& request = plan_.request;
-    plan_.rig =
-        ask_for_rig(*graph,
-                    {{},
-                     request.device,
-                     request.input_device,
-                     request.sample_rate,
-                     request.block_frames,
-                     request.periods},
-                    plan_.devices.input.in_channels, plan_.devices.output.out_channels, root_, dialog_);
+    const auto graph = or_exit(load_graph(plan_.file, plan_.root), kBadFile);
+    const auto& [request, devices] = std::tie(plan_.request, plan_.devices);
+    plan_.rig = ask_for_rig(*graph,
+                            {{},
+                             request.device,
+                             request.input_device,
+                             request.sample_rate,
+                             request.block_frames,
+                             request.periods},
+                            devices.input.in_channels, devices.output.out_channels, plan_.root, dialog_);
     save(options_.force);
   }
 
@@ -108,16 +169,15 @@ class Planner {
     if (!plan_.rig)
       exit_with({Errc::Missing, "--learn", "there is no rig file to store the sensitivity in",
                  "give --rig, or --save-rig to create one"});
-    const auto graph = or_exit(load_graph(file_, root_), kBadFile);
-    or_exit(learn_sensitivity(*plan_.rig, *graph, options_.learn, *plan_.devices.backend, plan_.request),
-            kNo);
+    const auto graph = or_exit(load_graph(plan_.file, plan_.root), kBadFile);
+    learn_sensitivity(*plan_.rig, *graph, options_.learn, *plan_.devices.backend, plan_.request);
     save(true);
   }
 
   void find_delay() {
     const auto of_rig = plan_.rig ? plan_.rig->measured_delay : std::nullopt;
     if (!options_.delay.empty()) {
-      plan_.delay = or_exit(parse_delay(options_.delay), kUsage);
+      plan_.delay = parse_delay(options_.delay);
     } else if (of_rig) {
       plan_.delay = of_rig;
       plan_.delay_block = plan_.rig->device.block;
@@ -126,8 +186,7 @@ class Planner {
       take_stored_delay();
     }
     auto pad = plan_.rig ? plan_.rig->pad_delay : std::nullopt;
-    if (!options_.pad_delay.empty())
-      pad = Seconds{or_exit(parse_option(options_.pad_delay, "s", "pad-delay"), kUsage)};
+    if (!options_.pad_delay.empty()) pad = Seconds{parse_option(options_.pad_delay, "s", "pad-delay")};
     if (pad)
       plan_.padding_frames =
           or_exit(padding_frames(plan_.delay, *pad, *plan_.request.sample_rate,
@@ -156,29 +215,15 @@ class Planner {
     if (newest->key.periods > 0) plan_.delay_periods = newest->key.periods;
   }
 
-  /// The control values of the command line, and of the rig for the others.
-  std::map<std::string, ControlValue> settings() const {
-    auto settings = or_exit(parse_settings(options_.set), kUsage);
-    if (plan_.rig)
-      for (const auto& [name, at, value] : plan_.rig->controls)
-        settings.try_emplace(
-            name, value.bare ? ControlValue{value.si} : ControlValue{value.si, value.unit.dimension});
-    return settings;
-  }
-
   void make_performer() {
     auto& request = plan_.request;
-    PerformerSetup setup{.file = file_,
-                         .root = root_,
-                         .rate = *request.sample_rate,
-                         .delay = plan_.delay,
-                         .controls = settings(),
-                         .guard = options_.guard,
-                         .rig = plan_.rig,
-                         .padding_frames = plan_.padding_frames,
-                         .speakers = std::min(2, plan_.devices.output.out_channels)};
-    plan_.performer =
-        or_exit(options_.listen ? make_world(std::move(setup)) : make_instrument(std::move(setup)), kBadFile);
+    plan_.rate = *request.sample_rate;
+    plan_.guard = options_.guard;
+    plan_.speakers = std::min(2, plan_.devices.output.out_channels);
+    plan_.controls = parse_settings(options_.set);
+    if (plan_.rig)  // its values for the others
+      for (const auto& [name, at, value] : plan_.rig->controls) plan_.controls.try_emplace(name, value);
+    plan_.performer = options_.listen ? make_world(plan_) : make_instrument(plan_);
     const auto& performer = *plan_.performer;
     request.in_channels = static_cast<int>(performer.inputs().size());
     request.out_channels = static_cast<int>(performer.outputs().size());
@@ -187,7 +232,6 @@ class Planner {
   }
 
   const LiveOptions& options_;
-  std::filesystem::path file_, root_;
   Dialog dialog_{std::cin, std::cerr, options_.yes};
   Rig::Device device_;  ///< of the rig
   LivePlan plan_;

@@ -32,15 +32,12 @@ struct LiveOptions : PlayerOptions {
 int play_live(const LiveOptions& options);
 
 /// What a session is made from.
-struct LivePlan {
+struct LivePlan : PerformerSetup {
   ChosenDevices devices;
   StreamRequest request;
   std::unique_ptr<Performer> performer;
-  std::optional<Rig> rig;
   std::string rig_file;                           ///< or empty
-  std::optional<Seconds> delay;                   ///< of the card, measured
-  std::optional<int> delay_block, delay_periods;  ///< that it was measured with, where that is known
-  int padding_frames = 0;
+  std::optional<int> delay_block, delay_periods;  ///< that the delay was measured with, where that is known
 };
 
 /// The plan by the command line and the rig, the former first. Asks for a rig and learns a sensitivity where
@@ -54,11 +51,5 @@ std::string granted_text(const LivePlan& plan, const StreamGranted& granted);
 void check_delay(LivePlan& plan, const StreamGranted& granted);
 /// The system delay that the instrument uses, and its source.
 std::string delay_text(const LivePlan& plan);
-
-/// Asks the user to hit softly five times, reads the sensor at `input` ("*": the first one that the rig joins
-/// to a channel) with nothing driven, and puts its sensitivity into the rig. Errors: of the device;
-/// UnknownName for the input; of SensorLearner::result, for instance after a minute without five hits.
-Status learn_sensitivity(Rig& rig, const GraphSpec& instrument, const std::string& input, Backend& backend,
-                         StreamRequest request);
 
 }  // namespace tactus::app

@@ -4,7 +4,6 @@
 
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
-#include "apps/cli/interrupts.h"
 #include "apps/play/live/controls/keyboard.h"
 #include "apps/play/live/controls/status_line.h"
 #include "apps/play/live/plan.h"
@@ -168,7 +167,7 @@ void announce(const Session& session, const LivePlan& plan, const LiveOptions& o
 }  // namespace
 
 int play_live(const LiveOptions& options) {
-  const auto duration = options.duration.empty() ? 0_s : or_exit(parse_duration(options.duration));
+  const auto duration = options.duration.empty() ? 0_s : parse_duration(options.duration);
   auto plan = make_plan(options);
   if (const auto locked = lock_memory(); !locked) fmt::print(stderr, "note: {}\n", to_string(locked.error()));
   Session session{*plan.performer, *plan.devices.backend, plan.request, options.arm};

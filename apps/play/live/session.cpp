@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "apps/cli/commands.h"
+#include "apps/cli/console.h"
 #include "apps/cli/take_files.h"
 #include "apps/play/live/controls/status_line.h"
 #include "apps/play/play_report.h"
@@ -34,8 +34,6 @@ void raise(std::vector<double>& highest, const std::vector<double>& peaks) {
   highest.resize(peaks.size(), 0.0);
   for (std::size_t c = 0; c < peaks.size(); ++c) highest[c] = std::max(highest[c], peaks[c]);
 }
-
-using Json = nlohmann::ordered_json;
 
 Json session_health(const Health& health) {
   Json gaps = Json::object();
@@ -68,9 +66,8 @@ Json report_json(Session& session, const SessionView& view, const Performer& per
             {"highest_input", levels_json(view.highest_inputs)},
             {"highest_output", levels_json(view.highest_outputs)},
             {"health", session_health(view.health)},
-            {"takes", Json::array()},
+            {"takes", list_of(session.takes(), [](const auto& take) { return take.string(); })},
             {"guard", guard_json(session.guard_report(), granted.format.sample_rate)}};
-  for (const auto& take : session.takes()) json["takes"].push_back(take.string());
   if (const auto ports = performer.ports(); !ports.empty()) json["ports"] = ports_json(ports);
   return json;
 }
@@ -173,12 +170,13 @@ void Session::follow_edits() {
   edit_pending_ = files_.changed() || edit_pending_;
   if (!edit_pending_ || performer_.instrument().replacing()) return;
   edit_pending_ = false;
-  if (const auto edited = performer_.edit(); !edited) {
-    messages_.push_back(to_string(edited.error()) + "\nthe previous version keeps playing");
-  } else {
+  try {
+    performer_.edit();
     controls_.renew();
     note_edit();
     messages_.push_back(performer_.name() + ": edit applied");
+  } catch (const CommandError& error) {
+    messages_.push_back(to_string(error.errors) + "\nthe previous version keeps playing");
   }
   files_.watch(performer_.files());
 }
@@ -192,7 +190,7 @@ void Session::report_guard_events() {
     arm(false);  // one of several drives may still be armed: what is shown is true for all
     events_.push_back(event);
     names.events = {event};
-    for (auto& line : in_words(names, granted().format.sample_rate)) messages_.push_back(std::move(line));
+    for (auto& line : describe(names, granted().format.sample_rate)) messages_.push_back(std::move(line));
   }
 }
 
@@ -286,7 +284,7 @@ GuardReport Session::guard_report() {
 }
 
 void print_report(Session& session, const SessionView& view, const Performer& performer, bool as_json) {
-  if (as_json) return fmt::print("{}\n", report_json(session, view, performer).dump(2));
+  if (as_json) return print_json(report_json(session, view, performer));
   for (const auto* levels : {&view.highest_inputs, &view.highest_outputs})
     for (const auto& level : *levels)
       fmt::print("  {:<18}  at most {}\n", level.name, level_text(level.peak));

@@ -11,6 +11,7 @@
 
 #include "engine/core/error.h"
 #include "engine/graph/file/load.h"
+#include "engine/graph/file/quantity.h"
 #include "engine/graph/file/spec.h"
 #include "engine/graph/node_type.h"
 #include "engine/graph/plan/plan.h"
@@ -25,6 +26,9 @@ struct ControlValue {
   ControlValue() = default;
   ControlValue(double value) : si(value) {}
   ControlValue(double value, Dimension of) : si(value), dimension(of) {}
+  ControlValue(const QuantityValue& value) : si(value.si) {
+    if (!value.bare) dimension = value.unit.dimension;
+  }
 };
 
 struct CompileOptions {

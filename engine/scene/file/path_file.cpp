@@ -5,7 +5,7 @@
 #include "engine/graph/plan/compile.h"
 #include "engine/graph/semantics/scope.h"
 #include "engine/nodes/table.h"
-#include "engine/rig/rig_text.h"
+#include "engine/rig/rig.h"
 
 namespace tactus {
 namespace {

@@ -1,9 +1,8 @@
-#include "apps/cli/writable.h"
-
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <iterator>
 
+#include "apps/cli/commands.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace tactus;

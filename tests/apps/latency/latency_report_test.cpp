@@ -1,10 +1,8 @@
-#include "apps/latency/latency_report.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
 
-#include "apps/latency/sweep_report.h"
+#include "apps/latency/latency.h"
 #include "tests/support/well_formed.h"
 
 using namespace tactus;

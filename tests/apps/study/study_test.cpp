@@ -1,7 +1,7 @@
+#include "apps/study/study.h"
+
 #include <algorithm>
 #include <catch2/catch.hpp>
-
-#include "apps/study/reports.h"
 
 using namespace tactus;
 using namespace tactus::app;

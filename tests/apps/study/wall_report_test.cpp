@@ -63,7 +63,7 @@ TEST_CASE("play report: a port that turned active says when, how much and how fa
   CHECK(json[1]["active"] == true);
   CHECK(json[1]["active_at_s"] == 0.25);
   CHECK(json[1]["growth_w"] == 1.5);
-  CHECK(in_words(active) ==
+  CHECK(describe(active) ==
         "arm: the loop became active at 0.25 s: it delivered 2 J (0.01 J allowed), 1.5 W on average from "
         "then on");
 }

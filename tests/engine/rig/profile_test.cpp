@@ -174,7 +174,7 @@ TEST_CASE("profile: no shipped scene needs its guard but the one that explodes, 
     REQUIRE(built);
     const auto played = play_scene(*scene, *built, 64);
     REQUIRE(played);
-    INFO((played->guard.idle() ? "" : in_words(played->guard, played->sample_rate).front()));
+    INFO((played->guard.idle() ? "" : describe(played->guard, played->sample_rate).front()));
     const bool explodes = file.path().parent_path().filename() == "exploding";
     CHECK(played->guard.idle() == !explodes);
   }

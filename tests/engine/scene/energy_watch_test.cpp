@@ -107,7 +107,7 @@ TEST_CASE("energy_watch: growth is the mean power from the moment it turned acti
   const auto energy = watch(force, position, 10.5e-3);
   CHECK(*energy.active_at_s == Approx(11e-3));
   CHECK(energy.growth_w == Approx(1.0));
-  CHECK(in_words(energy).find("became active at 0.011 s") != std::string::npos);
+  CHECK(describe(energy).find("became active at 0.011 s") != std::string::npos);
 }
 
 TEST_CASE("energy_watch: pieces of any length add up to the same, and nothing allocates", "[scene]") {

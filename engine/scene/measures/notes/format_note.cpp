@@ -14,10 +14,10 @@ constexpr double kFormatNoteTold_s = kSteady_s;
 
 std::string head_of(const ExpectedNote& expected) {
   if (expected.glides)
-    return fmt::format("from {} to {} in {:.2f} s, {:.1f} to {:.1f} Hz: ", pitch_in_words(expected.begins_hz),
-                       pitch_in_words(expected.ends_hz), expected.seconds(), expected.begins_hz,
+    return fmt::format("from {} to {} in {:.2f} s, {:.1f} to {:.1f} Hz: ", pitch_text(expected.begins_hz),
+                       pitch_text(expected.ends_hz), expected.seconds(), expected.begins_hz,
                        expected.ends_hz);
-  return fmt::format("{}, {:.1f} Hz: ", pitch_in_words(expected.hertz), expected.hertz);
+  return fmt::format("{}, {:.1f} Hz: ", pitch_text(expected.hertz), expected.hertz);
 }
 
 /// What sounds, where that is not the note.
@@ -26,7 +26,7 @@ std::string other_pitch_of(const DetectedNote& note) {
   auto text = fmt::format("{:.1f} Hz sounds, ", note.detected_hz);
   if (note.partial > 1 && std::abs(note.cents) <= kNearPartial_cents)
     return text + fmt::format("partial {}, ", note.partial);
-  return text + pitch_in_words(note.detected_hz) + ", ";
+  return text + pitch_text(note.detected_hz) + ", ";
 }
 
 std::string describe_swing(const DetectedNote& note) {
@@ -51,12 +51,12 @@ std::string elsewhere_of(const DetectedNote& note) {
 
 }  // namespace
 
-std::string pitch_in_words(double hertz) {
+std::string pitch_text(double hertz) {
   const double over = cents(hertz, pitch_of_note(nearest_note(hertz)));
   return note_name(hertz) + (std::abs(over) < kAudible_cents ? "" : fmt::format(" {:+.0f} cents", over));
 }
 
-std::string in_words(const DetectedNote& note) {
+std::string describe(const DetectedNote& note) {
   auto text = head_of(note.expected);
   if (note.detected_hz <= 0) return text + "no pitched sound";
   if (!note.right()) text += "not right: ";
@@ -66,7 +66,7 @@ std::string in_words(const DetectedNote& note) {
   return text + elsewhere_of(note);
 }
 
-std::string in_words(const std::vector<DetectedNote>& notes) {
+std::string describe(const std::vector<DetectedNote>& notes) {
   int right[2] = {0, 0}, all[2] = {0, 0};  // notes, glides
   double off = 0, slowest = 0;
   for (const auto& note : notes) {

@@ -108,12 +108,12 @@ std::optional<Melody> melody_of(const SceneRecording& recording);
 // ---- in words
 
 /// [any] The nearest note, with what is over from 5 cents on: "A3", "A3 +50 cents".
-std::string pitch_in_words(double hertz);
+std::string pitch_text(double hertz);
 
 /// [any] "A2, 110.0 Hz: +0.3 cents, speaks after 0.12 s",
 /// "from A2 to E3 in 0.80 s, 110.0 to 164.8 Hz: -4.0 cents".
-std::string in_words(const DetectedNote& note);
+std::string describe(const DetectedNote& note);
 /// [any] "9 of 10 notes right and 1 of 1 glides, at most 0.4 cents off, each speaks within 0.21 s"
-std::string in_words(const std::vector<DetectedNote>& notes);
+std::string describe(const std::vector<DetectedNote>& notes);
 
 }  // namespace tactus

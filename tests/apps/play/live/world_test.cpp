@@ -12,9 +12,7 @@ namespace {
 
 std::unique_ptr<Performer> single_strike() {
   const std::filesystem::path root = std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments";
-  auto world = make_world({root / "haptic_drum/single_strike.toml", root});
-  REQUIRE(world);
-  return std::move(*world);
+  return make_world({root / "haptic_drum/single_strike.toml", root});
 }
 
 /// The highest sample that the speakers get in so many seconds.
@@ -64,9 +62,8 @@ TEST_CASE("live world: a rise of the strike is heard however long blocks are", "
 TEST_CASE("live world: the watch at a port finds the same energy as when the scene is rendered", "[live]") {
   const std::filesystem::path root = std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments";
   const auto file = root / "exploding/scene.toml";
-  auto world = make_world({file, root});
-  REQUIRE(world);
-  Guarded guarded{(*world)->processor(), (*world)->guards(), false};
+  const auto world = make_world({file, root});
+  Guarded guarded{world->processor(), world->guards(), false};
   REQUIRE(guarded.prepare({48_kHz, 0, 2, 256}));
   loudest(guarded, 0.64);  // 120 blocks
 
@@ -76,7 +73,7 @@ TEST_CASE("live world: the watch at a port finds the same energy as when the sce
   scene.scene->duration = Seconds{0.64};
   const auto rendered = play_scene(*scene.scene, *built, 256);
   REQUIRE(rendered);
-  const auto live = (*world)->ports();
+  const auto live = world->ports();
   REQUIRE(live.size() == 1);
   REQUIRE(rendered->ports.size() == 1);
   CHECK(live[0].active_at_s.has_value());

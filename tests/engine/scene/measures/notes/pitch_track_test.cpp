@@ -69,11 +69,11 @@ TEST_CASE("notes_heard: each wanted note with its cents and partial", "[analysis
   CHECK(notes[1].cents == Approx(7).epsilon(0).margin(0.1));
   CHECK(notes[2].partial == 3);
   CHECK(notes[2].cents == Approx(0).margin(0.1));
-  CHECK(in_words(notes[2]).starts_with("E3, 165.0 Hz: not right: 495.0 Hz sounds, partial 3, "));
+  CHECK(describe(notes[2]).starts_with("E3, 165.0 Hz: not right: 495.0 Hz sounds, partial 3, "));
   CHECK(notes[3].detected_hz == 0);
   CHECK(notes[3].expected.from_s == Approx(1.5));
-  CHECK(in_words(notes[3]) == "E4, 330.0 Hz: no pitched sound");
-  CHECK(in_words(notes) == "2 of 4 notes right, at most 7.0 cents off, each steady within 0.03 s");
+  CHECK(describe(notes[3]) == "E4, 330.0 Hz: no pitched sound");
+  CHECK(describe(notes) == "2 of 4 notes right, at most 7.0 cents off, each steady within 0.03 s");
 }
 
 TEST_CASE("notes_heard: a note that takes long to leave another partial is told so and not right",
@@ -89,7 +89,7 @@ TEST_CASE("notes_heard: a note that takes long to leave another partial is told 
     CHECK(notes[0].partials_s == Approx(wrong_s).epsilon(0).margin(0.05));
     CHECK(notes[0].other_partial == 2);
     CHECK(notes[0].right() == (wrong_s <= 0.25));
-    CHECK(in_words(notes[0]).find(", on partial 2 for 0.") != std::string::npos);
+    CHECK(describe(notes[0]).find(", on partial 2 for 0.") != std::string::npos);
   }
 }
 
@@ -124,7 +124,7 @@ TEST_CASE("notes_heard: a vibrato is one note, and told as one", "[analysis]") {
   CHECK(notes[0].swing_cents == Approx(38).epsilon(0).margin(2.5));
   REQUIRE(notes[0].vibrato_hz);
   CHECK(*notes[0].vibrato_hz == Approx(5).epsilon(0).margin(0.15));
-  CHECK(in_words(notes[0]).find("(40 expected)") != std::string::npos);
+  CHECK(describe(notes[0]).find("(40 expected)") != std::string::npos);
 }
 
 TEST_CASE("notes_heard: a slide is a glide between two notes", "[analysis]") {
@@ -139,14 +139,14 @@ TEST_CASE("notes_heard: a slide is a glide between two notes", "[analysis]") {
   CHECK(notes[1].expected.seconds() == Approx(0.8).epsilon(0).margin(2 * kPitchHop_s));
   CHECK(notes[1].right());
   CHECK(notes[1].cents == Approx(0).margin(1));
-  CHECK(in_words(notes[1]).starts_with("from A2 to E3 in 0.8"));
-  CHECK(in_words(notes).starts_with("2 of 2 notes right and 1 of 1 glides, "));
+  CHECK(describe(notes[1]).starts_with("from A2 to E3 in 0.8"));
+  CHECK(describe(notes).starts_with("2 of 2 notes right and 1 of 1 glides, "));
   // Whoever stays where he was has not played it.
   const auto lazy = detected(steps({110}, 1.8), expected);
   CHECK_FALSE(lazy[1].right());
   CHECK(lazy[2].partial == 1);
   CHECK(lazy[2].cents == Approx(-700).margin(0.1));
-  CHECK(in_words(lazy[2]).starts_with("E3, 164.8 Hz: not right: 110.0 Hz sounds, A2, -700.0 cents"));
+  CHECK(describe(lazy[2]).starts_with("E3, 164.8 Hz: not right: 110.0 Hz sounds, A2, -700.0 cents"));
 }
 
 TEST_CASE("notes_heard: steps off the scale are notes of their own, and compared with what is expected",
@@ -157,7 +157,7 @@ TEST_CASE("notes_heard: steps off the scale are notes of their own, and compared
   REQUIRE(notes.size() == 3);
   CHECK(notes[1].right());
   CHECK(notes[1].cents == Approx(0).margin(0.1));
-  CHECK(in_words(notes[1]).starts_with("A3 +40 cents, 225.1 Hz: "));
+  CHECK(describe(notes[1]).starts_with("A3 +40 cents, 225.1 Hz: "));
   const auto tempered = detected(steps({220}, 0.9), expected);
   CHECK(tempered[1].cents == Approx(-40).margin(0.1));
   CHECK_FALSE(tempered[1].right());

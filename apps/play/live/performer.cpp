@@ -1,16 +1,98 @@
+#include "apps/play/live/performer.h"
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <utility>
 
-#include "apps/play/live/performer.h"
+#include "apps/cli/console.h"
+#include "apps/cli/take_files.h"
+#include "engine/core/named.h"
 #include "engine/nodes/table.h"
+#include "engine/rig/check_rig.h"
+#include "engine/rig/rig_inputs.h"
 #include "engine/scene/build_scene.h"
 #include "engine/scene/closed_loop.h"
 #include "engine/scene/guard_report.h"
 
 namespace tactus::app {
 namespace {
+
+/// Appends the files of a graph and its parts.
+void add_files(const GraphSpec& graph, std::vector<std::filesystem::path>& files) {
+  if (graph.file.file) files.emplace_back(*graph.file.file);
+  for (const auto& [use, part] : graph.parts)
+    if (part != nullptr) add_files(*part, files);
+}
+
+class LiveInstrument final : public Performer {
+ public:
+  explicit LiveInstrument(PerformerSetup setup) : setup_(std::move(setup)) {
+    files_ = {setup_.file};
+    auto plan = compile_files();
+    if (setup_.rig) wiring_ = or_exit(wire_rig(*setup_.rig, *plan));
+    wiring_.drives = apply(setup_.guard, std::move(wiring_.drives), setup_.root);
+    engine_ = std::make_unique<Player>(std::move(plan));
+    loaded_ = std::move(read_);
+    if (RigInputs::needed(wiring_.input_scales, setup_.padding_frames))
+      rig_inputs_.emplace(*engine_, wiring_.input_scales, setup_.padding_frames);
+  }
+
+  BlockProcessor& processor() override {
+    if (rig_inputs_) return *rig_inputs_;
+    return *engine_;
+  }
+  Player& instrument() override { return *engine_; }
+  std::vector<std::string> inputs() const override { return engine_->plan().input_names; }
+  std::vector<std::string> outputs() const override { return output_names(engine_->plan()); }
+  std::vector<GuardedChannel> guards() const override {
+    auto channels = guarded_channels(engine_->plan(), wiring_.drives);
+    if (setup_.rig) return channels;
+    for (auto& channel : channels)
+      if (channel.kind == DriveGuard::Kind::Audio) channel = {DriveGuard::Kind::Drive, conservative_limits()};
+    return channels;
+  }
+  std::vector<int> in_map() const override { return wiring_.in_map; }
+  std::vector<int> out_map() const override { return wiring_.out_map; }
+  void describe(TakeHeader& header) const override {
+    header.files = take_files(loaded_, standard_nodes(), setup_.root);
+    header.input_scales = wiring_.input_scales;
+    header.padding_frames = setup_.padding_frames;
+    if (setup_.rig) add_rig(*setup_.rig, to_text(*setup_.rig), header);
+  }
+
+  void edit() override {
+    or_exit(engine_->replace(compile_files()));
+    loaded_ = std::move(read_);
+  }
+
+ private:
+  std::unique_ptr<Plan> compile_files() {
+    auto loaded = load_graph_leniently(setup_.file, setup_.root);
+    if (loaded.spec == nullptr) throw CommandError{loaded.errors};
+    read_ = loaded;
+    files_.clear();
+    add_files(*loaded.spec, files_);
+    name_ = loaded.spec->name;
+    if (setup_.rig) {
+      for (auto& mistake : check_rig(*setup_.rig, *loaded.spec)) loaded.errors.push_back(std::move(mistake));
+      loaded.spec = without_left_out(*setup_.rig, loaded.spec);
+    }
+    CompileOptions options;
+    options.sample_rate = setup_.rate;
+    options.system_delay =
+        Seconds{setup_.delay.value_or(0_s).value + setup_.padding_frames / setup_.rate.value};
+    if (options.system_delay.value > 0) announce_delay(*loaded.spec, options.system_delay.value);
+    options.controls = setup_.controls;
+    return or_exit(compile(loaded, standard_nodes(), options));
+  }
+
+  PerformerSetup setup_;
+  RigWiring wiring_;
+  LoadedGraph loaded_, read_;  ///< that plays; that was read last
+  std::unique_ptr<Player> engine_;
+  std::optional<RigInputs> rig_inputs_;
+};
 
 /// How long the key that strikes is down.
 constexpr double kStrikeSeconds = 0.01;
@@ -21,20 +103,17 @@ struct Read {
   CompiledScene compiled;
 };
 
-Checked<Read> read_scene(const PerformerSetup& setup) {
+Read read_scene(const PerformerSetup& setup) {
   auto loaded = load_scene_leniently(setup.file, setup.root);
-  if (!loaded.scene) return tl::unexpected(std::move(loaded.errors));
-  auto drives = apply(setup.guard, std::move(loaded.scene->drives), setup.root);
-  if (!drives) return tl::unexpected(drives.error());
-  loaded.scene->drives = std::move(*drives);
+  if (!loaded.scene) throw CommandError{std::move(loaded.errors)};
+  loaded.scene->drives = apply(setup.guard, std::move(loaded.scene->drives), setup.root);
   SceneOptions options;
   options.rate = setup.rate;
   options.delay = setup.delay;
   options.set = setup.controls;
   options.by_hand = true;
-  auto compiled = compile_scene(loaded, standard_nodes(), options);
-  if (!compiled) return tl::unexpected(compiled.error());
-  return Read{std::move(*loaded.scene), std::move(*compiled)};
+  auto compiled = or_exit(compile_scene(loaded, standard_nodes(), options));
+  return {std::move(*loaded.scene), std::move(compiled)};
 }
 
 std::vector<std::filesystem::path> files_of(const SceneSpec& scene, const std::filesystem::path& file) {
@@ -42,11 +121,6 @@ std::vector<std::filesystem::path> files_of(const SceneSpec& scene, const std::f
   for (const auto& part : scene.parts)
     if (part.graph != nullptr) add_files(*part.graph, files);
   return files;
-}
-
-bool same_names(const std::vector<SceneTap>& a, const std::vector<SceneTap>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const auto& x, const auto& y) { return x.name == y.name; });
 }
 
 /// The monitor output: indices of the instrument's outputs, or of its inputs.
@@ -103,19 +177,15 @@ class LiveWorld final : public Performer, private BlockProcessor {
     return std::vector<GuardedChannel>(monitor_.channels.size(), GuardedChannel{DriveGuard::Kind::Audio, {}});
   }
 
-  Checked<void> edit() override {
+  void edit() override {
     auto read = read_scene(setup_);
-    if (!read) return tl::unexpected(read.error());
-    if (read->compiled.delay_frames != built_.delay_frames)
-      return tl::unexpected(std::vector{Error{Errc::BadArgument, setup_.file.string(),
-                                              "the delay cannot be changed during playback", "start again"}});
-    files_ = files_of(read->scene, setup_.file);
-    if (!same_names(read->compiled.plant_taps, built_.plant_taps)) watching_ = false;
-    for (auto [engine, plan] : {std::pair{built_.instrument.get(), &read->compiled.instrument},
-                                std::pair{built_.plant.get(), &read->compiled.plant}})
-      if (auto status = engine->replace(std::move(*plan)); !status)
-        return tl::unexpected(std::vector{status.error()});
-    return {};
+    if (read.compiled.delay_frames != built_.delay_frames)
+      exit_with({Errc::BadArgument, setup_.file.string(), "the delay cannot be changed during playback",
+                 "start again"});
+    files_ = files_of(read.scene, setup_.file);
+    if (names_of(read.compiled.plant_taps) != names_of(built_.plant_taps)) watching_ = false;
+    or_exit(built_.instrument->replace(std::move(read.compiled.instrument)));
+    or_exit(built_.plant->replace(std::move(read.compiled.plant)));
   }
 
   std::vector<PortEnergy> ports() const override { return ports_.energies(setup_.rate); }
@@ -171,10 +241,13 @@ class LiveWorld final : public Performer, private BlockProcessor {
 
 }  // namespace
 
-Checked<std::unique_ptr<Performer>> make_world(PerformerSetup setup) {
+std::unique_ptr<Performer> make_instrument(PerformerSetup setup) {
+  return std::make_unique<LiveInstrument>(std::move(setup));
+}
+
+std::unique_ptr<Performer> make_world(PerformerSetup setup) {
   auto read = read_scene(setup);
-  if (!read) return tl::unexpected(read.error());
-  return std::make_unique<LiveWorld>(std::move(setup), std::move(*read));
+  return std::make_unique<LiveWorld>(std::move(setup), std::move(read));
 }
 
 }  // namespace tactus::app

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <functional>
 
-#include "apps/study/reports.h"
+#include "apps/study/study.h"
+#include "engine/nodes/table.h"
 
 namespace tactus::app {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string ms(double seconds) { return fmt::format("{:.4g}", 1e3 * seconds); }
 
@@ -157,6 +156,16 @@ std::string describe_settings(const PlayabilityStudy& study, const std::string& 
   return where.empty() ? text : text + fmt::format("; all {} {}", count, where);
 }
 
+Json verdict_json(const DelayVerdict& verdict) {
+  return {{"delay_s", verdict.delay_s},
+          {"playable", verdict.playable},
+          {"score", verdict.score},
+          {"runs", verdict.runs},
+          {"playable_runs", verdict.good},
+          {"varied_runs", verdict.varied},
+          {"playable_varied_runs", verdict.varied_good}};
+}
+
 }  // namespace
 
 std::string describe_verdict(const PlayabilityStudy& study) {
@@ -185,18 +194,9 @@ Json json_of(const PlayabilityStudy& study) {
   Json json{{"scene", study.scene},
             {"kind", study.kind == Playability::Kind::Roll ? "roll" : "tone"},
             {"verdict", describe_verdict(study)},
-            {"over", Json::array()},
-            {"delays", Json::array()},
+            {"over", list_of(study.over, [](const SweptValue& swept) { return swept.name; })},
+            {"delays", list_of(study.verdicts(), verdict_json)},
             {"runs", Json::array()}};
-  for (const auto& swept : study.over) json["over"].push_back(swept.name);
-  for (const auto& verdict : study.verdicts())
-    json["delays"].push_back({{"delay_s", verdict.delay_s},
-                              {"playable", verdict.playable},
-                              {"score", verdict.score},
-                              {"runs", verdict.runs},
-                              {"playable_runs", verdict.good},
-                              {"varied_runs", verdict.varied},
-                              {"playable_varied_runs", verdict.varied_good}});
   const auto& types = measure_columns(study.kind);
   for (const auto& run : study.runs) {
     Json entry{{"delay_s", run.delay_s}};
@@ -209,6 +209,71 @@ Json json_of(const PlayabilityStudy& study) {
     json["runs"].push_back(std::move(entry));
   }
   return json;
+}
+
+namespace {
+
+struct PlayabilityArguments : SweepOptions {
+  std::string delay = "0:40:1 ms";
+};
+
+std::vector<double> delays_of(const std::string& text) {
+  std::vector<double> delays;
+  for (const auto& value : parse_steps(text, "--delay")) {
+    if (!value.dimension || !(*value.dimension == Dimension{.second = 1}))
+      exit_with({Errc::UnitMismatch, "--delay", "'" + text + "' is not a time or a range of times",
+                 "write for instance \"0:40:1 ms\""});
+    if (value.si < 0 || value.si > 1)
+      exit_with({Errc::OutOfRange, "--delay", "a delay of " + fmt::format("{:g} s", value.si),
+                 "choose 0 s to 1 s"});
+    delays.push_back(value.si);
+  }
+  return delays;
+}
+
+PlayabilityOptions study_options(const PlayabilityArguments& options, SceneSpec& scene) {
+  if (options.over.size() > 2)
+    exit_with({Errc::BadArgument, "--over", "at most two parameters can be swept in addition to the delay",
+               "use tactus sweep for more"});
+  auto plan = read_plan(options, scene);
+  const double least_s = scene.playability ? scene.playability->from_s + 1 : 1;
+  if (!options.duration.empty() && scene.duration.value < least_s)
+    exit_with({Errc::OutOfRange, "--duration", "leaves less than one second to evaluate",
+               fmt::format("choose at least {:g} s", least_s)});
+  for (const auto& swept : plan.over)
+    if (swept.what == SweptValue::What::Delay)
+      exit_with({Errc::BadArgument, "--over", "the delay is swept already", "use --delay"});
+  return {std::move(plan), delays_of(options.delay)};
+}
+
+int run_playability(const PlayabilityArguments& options) {
+  auto scene = load_target(options);
+  auto plan = study_options(options, scene);
+  SweepMonitor monitor{scene.name, plan};
+  const auto study = or_exit(study_playability(scene, standard_nodes(), plan));
+  if (const auto exit = monitor.end(finished(study.runs), std::ssize(study.runs))) return *exit;
+  publish(options, study, study.over.size() > 1 ? 2 : 1);
+  const auto verdicts = study.verdicts();
+  return std::all_of(verdicts.begin(), verdicts.end(), [](const auto& v) { return v.playable; }) ? kDone
+                                                                                                 : kNo;
+}
+
+}  // namespace
+
+void add_study_playability(CLI::App& study, int& exit_code) {
+  auto [command, options] = add_command(
+      study, "playability", "Playability of a scene as a function of the delay", exit_code, run_playability);
+  add_study_options(command, options, "scene with [playability]; for a folder, its scene.toml")->required();
+  command.add_option("--delay", options.delay, "delays to simulate: FROM:TO:STEP, or a single value")
+      ->capture_default_str();
+  add_sweep_options(command, options);
+  command.footer(
+      "Examples:\n  tactus study playability instruments/haptic_drum\n  tactus study playability "
+      "instruments/haptic_drum --over strength=0.2:1:5 --svg drum.svg\n  tactus study playability "
+      "instruments/haptic_drum --delay \"20 ms\" --gain \"6 dB\" --draws 50\n  tactus study playability "
+      "instruments/cellomobo/open_string.toml --delay \"0:40:5 ms\" --over \"tuned=55:880:5:log Hz\"\nThe "
+      "criteria are in [playability] of the scene; see docs/playability.md.\nExit code 1: not playable at "
+      "one or more delays. 5: interrupted.");
 }
 
 }  // namespace tactus::app

@@ -1,14 +1,14 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 
-#include "apps/study/reports.h"
+#include "apps/study/study.h"
 
 namespace tactus::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Curves = std::vector<std::vector<WallLimit>>;
 using Abscissa = std::function<double(const WallLimit&)>;
 
@@ -100,9 +100,7 @@ Json part_json(const WallLimit& limit) {
 }
 
 Json part_json(const std::vector<WallLimit>& limits) {
-  auto json = Json::array();
-  for (const auto& limit : limits) json.push_back(part_json(limit));
-  return json;
+  return list_of(limits, [](const WallLimit& limit) { return part_json(limit); });
 }
 
 Json part_json(const MappedController& mapped, const std::vector<MappedDevice>& devices) {
@@ -181,7 +179,9 @@ Json json_of(const WallMap& map) {
   Json json{{"devices", Json::array()},
             {"by_delay", Json::object()},
             {"by_rate", Json::object()},
-            {"controllers", Json::array()}};
+            {"controllers", list_of(map.controllers, [&](const MappedController& controller) {
+               return part_json(controller, map.devices);
+             })}};
   for (std::size_t d = 0; d < map.devices.size(); ++d) {
     const auto& [name, device] = map.devices[d];
     json["devices"].push_back({{"name", name},
@@ -193,8 +193,6 @@ Json json_of(const WallMap& map) {
     json["by_delay"][name] = part_json(map.by_delay[d]);
     json["by_rate"][name] = part_json(map.by_rate[d]);
   }
-  for (const auto& controller : map.controllers)
-    json["controllers"].push_back(part_json(controller, map.devices));
   json["friction_limit_n_per_m"] = map.friction_limit;
   json["borders"] = map.borders;
   json["confirmed"] = map.confirmed;
@@ -212,6 +210,91 @@ std::vector<Plot> plots_of(const WallMap& map) {
       hz(map.rate), map.devices.front().name, map.confirmed, map.borders);
   return {by_delay, plot_of(map, map.by_rate, [](const WallLimit& limit) { return limit.loop.rate.value; },
                             {.label = "sample rate", .unit = "Hz"})};
+}
+
+namespace {
+
+struct DeviceOption {
+  const char *name, *unit;
+  double least;
+  double WallDevice::*value;
+  const char* help;
+};
+constexpr std::array<DeviceOption, 5> kDeviceOptions = {
+    {{"mass", "kg", 1e-6, &WallDevice::mass, "moving mass of the device, such as \"9 g\""},
+     {"damping", "N s/m", 0, &WallDevice::damping, "viscous damping of the device, such as \"0.05 N s/m\""},
+     {"friction", "N", 0, &WallDevice::friction, "dry friction of the device, such as \"0.2 N\""},
+     {"step", "m", 0, &WallDevice::quantum, "step of the position encoder, such as \"0.157 mm\""},
+     {"force-limit", "N", 1e-3, &WallDevice::force_limit, "largest force of the motor, such as \"6.37 N\""}}};
+
+struct WallOptions : RunOptions {
+  std::array<std::string, kDeviceOptions.size()> device;
+  std::string rate, wall_damping;
+  int points = 8;
+};
+
+/// A finger on the tip: Hajian & Howe, J. Biomechanical Engineering 119, 1997, as a range of magnitudes.
+constexpr double kLightMass = 5e-3, kFirmMass = 10e-3;     // [kg]
+constexpr double kLightDamping = 1.0, kFirmDamping = 5.0;  // [N s/m]
+
+/// The device and the loop of the options and the scene.
+WallStudy study_of(const WallOptions& options) {
+  WallStudy study;
+  study.controllers = controllers_of_the_paper();
+  study.points_per_decade = options.points;
+  SceneDevice device{.bare = {.quantum = 0.15708e-3, .force_limit = 6.37}};
+  if (!options.target.empty()) {
+    const auto scene = load_target(options);
+    device = or_exit(device_of(scene));
+    study.rate = scene.rate;
+    study.controllers.push_back({"this scene", scene.rate, scene.delay, 0});
+  }
+  for (std::size_t i = 0; i < kDeviceOptions.size(); ++i) {
+    const auto& [name, unit, least, value, help] = kDeviceOptions[i];
+    read_option(options.device[i], unit, name, least, 1e9, device.bare.*value);
+  }
+  read_option(options.wall_damping, "N s/m", "wall-damping", 0, 1e9, study.damping);
+  read_option(options.rate, "Hz", "rate", 100, 1e9, study.rate.value);
+  study.devices = {{"bare", device.bare}, {"held lightly", device.bare.held(kLightMass, kLightDamping)}};
+  if (device.hand_damping > 0) study.devices.push_back({"in this scene", device.held()});
+  study.devices.push_back({"held firmly", device.bare.held(kFirmMass, kFirmDamping)});
+  return study;
+}
+
+int run_stability(const WallOptions& options) {
+  const auto study = study_of(options);
+  RunPlan plan;
+  read_run_plan(options, plan);
+  SweepMonitor monitor{"walls", plan};
+  const auto map = or_exit(map_walls(study, plan));
+  if (const auto exit = monitor.end(map.finished, map.runs)) return *exit;
+  publish(options, map);
+  return map.confirmed == map.borders ? kDone : kNo;
+}
+
+}  // namespace
+
+void add_study_stability(CLI::App& study, int& exit_code) {
+  auto [command, options] = add_command(
+      study, "stability",
+      "Stiffest stable virtual wall against delay and sample rate, with and without a finger on the device",
+      exit_code, run_stability);
+  add_study_options(
+      command, options,
+      "scene whose plant describes the device by its controls mass, damping, friction, step and force_limit; "
+      "default: 50 g, 0.1 N s/m, no friction, encoder steps of 0.157 mm, 6.37 N");
+  for (std::size_t i = 0; i < kDeviceOptions.size(); ++i)
+    command.add_option(std::string{"--"} + kDeviceOptions[i].name, options.device[i], kDeviceOptions[i].help);
+  command.add_option("--wall-damping", options.wall_damping,
+                     "damping of the walls (velocity as the difference of positions), such as \"0.1 N s/m\"");
+  command.add_option("--rate", options.rate,
+                     "sample rate of the curves against delay; default: the scene's, or 20 kHz");
+  add_number(command, "--points", options.points, "points of each curve per decade", 1, 100);
+  add_run_options(command, options);
+  command.footer(
+      "Examples:\n  tactus study stability instruments/wall --report walls.svg\n  tactus study stability "
+      "--mass \"20 g\" --damping \"0.3 N s/m\" --rate \"8 kHz\"\ndocs/walls.md explains the stability map. "
+      "Exit code 1: a stability limit was not confirmed by simulation. 5: interrupted.");
 }
 
 }  // namespace tactus::app

@@ -1,0 +1,165 @@
+#pragma once
+// Thread: [control]
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/cli/backends.h"
+#include "apps/cli/commands.h"
+#include "apps/cli/console.h"
+#include "apps/cli/json.h"
+#include "engine/plot/plot.h"
+#include "engine/rig/rig.h"
+#include "latency/block_law.h"
+#include "latency/calibration.h"
+#include "latency/measurement.h"
+
+namespace tactus::app {
+
+/// The opening that shows best what was found: the first with the verdict of the whole. nullptr: none.
+const Opening* shown_of(const Measurement& measurement);
+
+/// The report of a measurement. One recorded elsewhere has a single opening without a stream.
+struct LatencyReport {
+  std::string source;  ///< a device and its setting, or a file
+  Measurement measurement;
+  bool live = false;                 ///< measured now, on a device
+  std::vector<std::string> saved;    ///< where the delay was saved
+  std::vector<std::string> written;  ///< files
+
+  bool ok() const { return measurement.finding.verdict == Verdict::Ok; }
+  Hertz sample_rate() const;
+  const Opening* shown() const { return shown_of(measurement); }
+};
+
+/// Was there anything to analyse? Not if the measurement was given up before.
+bool is_known(const Analysis& analysis);
+
+/// What the delay is, in a sentence.
+extern const char* const kDelayIs;
+
+/// Part of every report.
+Json essentials_json(const Finding& finding, Hertz sample_rate, double delay_frames,
+                     double standard_error_frames, const Analysis& analysis);
+
+/// One object, the same keys for every measurement; null is what is not known or not to be trusted.
+Json json_of(const LatencyReport& report);
+/// Lines for people.
+std::string text_of(const LatencyReport& report);
+/// A page: impulse response, spectrum, group delay, the delay of every probe.
+std::vector<Plot> picture_of(const LatencyReport& report);
+/// A page: impulse response, spectrum, group delay of an actuator and a sensor.
+std::vector<Plot> picture_of(const Calibration& calibration);
+
+/// With so many digits behind the point; 0 has no sign.
+std::string fixed(double value, int digits);
+/// "960.0031 ± 0.0004": as many digits as the error leaves.
+std::string with_error(double value, double standard_error);
+
+// Each adds itself below `tactus latency`.
+void add_latency_measure(CLI::App& latency, int& exit_code);
+void add_latency_probe(CLI::App& latency, int& exit_code);
+void add_latency_analyze(CLI::App& latency, int& exit_code);
+void add_latency_sweep(CLI::App& latency, int& exit_code);
+void add_latency_calibrate(CLI::App& latency, int& exit_code);
+
+/// Where a report goes, beside stdout.
+struct ReportFiles {
+  std::string folder;   ///< all of them
+  std::string picture;  ///< an SVG
+  std::string sound;    ///< what was played and captured
+  bool json = false;    ///< stdout is for machines
+};
+
+/// --folder, --report, --json
+void add_report_options(CLI::App& command, ReportFiles& files);
+/// Writes the files, prints the report, and gives the exit code. Throws a CommandError.
+int publish(LatencyReport report, const ReportFiles& files);
+
+/// As float32: channel 1 is what was played, then all that was captured. `tactus latency analyze` without a
+/// probe reads it back. Errors: BadFile.
+Status write_recording(const std::string& path, const LoopRecording& recording);
+
+// `tactus latency sweep`
+
+/// A requested setting and its result.
+struct SweepRow {
+  SettingDelay setting;          ///< as it was granted
+  std::optional<Error> refused;  ///< by the device: nothing was measured
+  int asked_block = 0;
+  std::optional<int> asked_periods;
+  bool again = false;  ///< granted was a setting that another row has
+  std::int64_t xruns = 0, lost_frames = 0;
+  double detected_lost_frames = 0.0;  ///< by what came back
+  std::optional<double> reported_frames;
+  Analysis analysis;
+};
+
+/// Those of one rate and one number of periods, and the line through them.
+struct LawOfGroup {
+  Hertz sample_rate;
+  int periods = 0;
+  BlockLaw law;
+};
+
+struct SweepReport {
+  std::string source;
+  std::vector<SweepRow> rows;
+  std::vector<std::string> written;
+
+  /// What was measured, each once.
+  std::vector<SettingDelay> settings() const;
+  /// The row to play with; without one, the last that was measured; nullptr: none was.
+  const SweepRow* recommended() const;
+  std::vector<LawOfGroup> laws() const;
+};
+
+Json json_of(const SweepReport& report);
+std::string text_of(const SweepReport& report);
+/// Delay against block, with the lines.
+Plot picture_of(const SweepReport& report);
+
+/// Which loop is to be measured, and how loud.
+struct LoopOptions {
+  std::string backend, device, input_device, rig;
+  std::optional<int> input, output;  ///< channels of the device, from 1
+  std::string rate, level;
+  std::optional<int> block, periods;
+  int openings = 5, probes = 8;
+  std::string profile;  ///< of what is in the loop, a file; empty: a cable
+};
+
+/// --backend to --level: which card, which channels, how loud.
+void add_loop_options(CLI::App& command, LoopOptions& options);
+/// --rate, --block and --periods: one setting.
+void add_setting_options(CLI::App& command, LoopOptions& options);
+
+/// --openings and --sweeps
+void add_repetition_options(CLI::App& command, LoopOptions& options);
+
+/// A loop that can be measured.
+struct Loop {
+  ChosenDevices devices;
+  MeasureSettings settings;
+  std::optional<Rig> rig;  ///< where one was named
+};
+
+/// Chooses the devices and looks up what is connected to the output. Opens nothing. Throws a CommandError.
+Loop make_loop(const LoopOptions& options);
+
+/// Measures with a bar on stderr. Errors: of `measure`. Throws a CommandError when the user interrupts it
+/// (after install_signal_handlers); the stream is closed.
+Result<Measurement> measure_now(Backend& backend, const MeasureSettings& settings);
+
+/// The profile of a file of `tactus latency calibrate` at `sample_rate`, whatever it was measured at. Throws
+/// a CommandError.
+PathProfile read_profile(const std::string& file, Hertz sample_rate);
+
+/// "jack:system, 48 kHz, 64 frames a block, 2 periods; output 1 to input 1"
+std::string source_text(const MeasureSettings& settings, const StreamGranted& granted);
+
+/// --level in dBFS: "-12", "-12 dB", "-12 dBFS". Throws a CommandError.
+double parse_level(const std::string& text);
+
+}  // namespace tactus::app

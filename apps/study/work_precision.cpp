@@ -1,0 +1,182 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "apps/study/study.h"
+#include "engine/nodes/table.h"
+
+namespace tactus::app {
+namespace {
+
+std::vector<const WorkPoint*> by_load(const WorkPrecision& study) {
+  std::vector<const WorkPoint*> points;
+  for (const auto& point : study.points) points.push_back(&point);
+  std::stable_sort(points.begin(), points.end(), [](const WorkPoint* a, const WorkPoint* b) {
+    return a->known() != b->known() ? a->known() : a->load() < b->load();
+  });
+  return points;
+}
+
+/// An error with marks: the reference is less than ten times more accurate; on the Pareto front.
+std::string error_text(const WorkPoint& point, std::size_t a) {
+  return fmt::format("{:.2e}{}{}", point.errors[a], point.trusted(a) ? "" : "?", point.front[a] ? " *" : "");
+}
+
+/// A row per variant, by computing time.
+Table table_of(const WorkPrecision& study) {
+  Table table{{{"solver", "steps per frame", "rate", "ns per frame", "of real time"}}};
+  for (const auto& used : study.references) table.rows[0].push_back(used.accuracy);
+  for (const auto* point : by_load(study)) {
+    auto& row = table.rows.emplace_back();
+    row = {point->variant.solver, std::to_string(point->variant.oversample),
+           fmt::format("{:g} kHz", point->variant.rate.value / 1e3)};
+    if (point->known())
+      row.insert(row.end(),
+                 {fmt::format("{:.1f}", point->ns_per_frame), fmt::format("{:.2g} %", 100 * point->load())});
+    else
+      row.insert(row.end(), {"", "", point->refused ? "refused: " + point->refused->what : "unstable"});
+    for (std::size_t a = 0; a < point->errors.size(); ++a) row.push_back(error_text(*point, a));
+    row.resize(table.rows[0].size());
+  }
+  return table;
+}
+
+std::string own_error_of(const ReferenceUsed& used) {
+  if (used.own_error == 0.0) return "";
+  return fmt::format(", whose own error is at most {:.1e}", used.own_error);
+}
+
+std::string advice(const WorkPrecision& study) {
+  std::string text;
+  for (const double error : {1e-2, 1e-4}) {
+    const auto* point = study.cheapest(error);
+    text += fmt::format(
+        "Within {:g} %: {}\n", 100 * error,
+        point == nullptr ? "none in real time"
+                         : fmt::format("{}, {:.0f} ns per frame, {:.2g} % of real time",
+                                       to_string(point->variant), point->ns_per_frame, 100 * point->load()));
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string text_of(const WorkPrecision& study) {
+  auto text = fmt::format("{}\n\n", study.scene);
+  for (const auto& used : study.references)
+    text += fmt::format("  {}: {} of {}, against {}{}\n", used.accuracy, used.measure, used.of, used.what,
+                        own_error_of(used));
+  return text + "\n" + table_of(study).text() +
+         "\n*: no cheaper variant has a smaller error; ?: less than ten times the reference's own error. "
+         "Errors are relative.\n" +
+         advice(study);
+}
+
+std::string markdown_of(const WorkPrecision& study) {
+  auto table = table_of(study);
+  for (auto& row : table.rows)
+    for (auto& cell : row)
+      if (cell.ends_with(" *")) cell.replace(cell.size() - 1, 1, "\\*");
+  return table.markdown();
+}
+
+Json json_of(const WorkPrecision& study) {
+  const auto reference_json = [](const ReferenceUsed& used) -> Json {
+    return {{"accuracy", used.accuracy},
+            {"measure", used.measure},
+            {"of", used.of},
+            {"against", used.what},
+            {"own_error", used.own_error}};
+  };
+  const auto run_json = [&](const WorkPoint* point) {
+    const bool measured = point->known();
+    Json run{{"solver", point->variant.solver},
+             {"oversample", point->variant.oversample},
+             {"sample_rate_hz", point->variant.rate.value},
+             {"verdict", point->refused    ? "refused"
+                         : point->unstable ? "unstable"
+                                           : "ok"},
+             {"ns_per_frame", known(measured, point->ns_per_frame)},
+             {"of_real_time", known(measured, measured ? point->load() : 0)},
+             {"errors", Json::object()},
+             {"nothing_cheaper_is_closer", Json::object()}};
+    if (point->refused) run["why"] = to_string(*point->refused);
+    for (std::size_t a = 0; a < point->errors.size(); ++a) {
+      const auto& accuracy = study.references[a].accuracy;
+      run["errors"][accuracy] = point->errors[a];
+      run["reference_own_errors"][accuracy] = point->floors[a];
+      run["nothing_cheaper_is_closer"][accuracy] = static_cast<bool>(point->front[a]);
+    }
+    return run;
+  };
+  return {{"scene", study.scene},
+          {"references", list_of(study.references, reference_json)},
+          {"runs", list_of(by_load(study), run_json)}};
+}
+
+namespace {
+
+struct WorkPrecisionArguments : StudyOptions {
+  std::string folder;
+  std::vector<std::string> solvers, rates;
+  std::vector<int> oversamples;
+  int repeats = 5;
+};
+
+void write_files(const WorkPrecision& study, const std::filesystem::path& folder) {
+  std::error_code ignored;
+  std::filesystem::create_directories(folder, ignored);
+  or_exit(write_svg(folder / "work_precision.svg", plots_of(study)));
+  or_exit(write_file(folder / "work_precision.md", markdown_of(study)));
+  or_exit(write_json(folder / "work_precision.json", json_of(study)));
+}
+
+int run_work_precision(const WorkPrecisionArguments& options) {
+  or_exit(swept_solvers(options.solvers, "--solvers"));
+  std::vector<Hertz> rates;
+  for (const auto& text : options.rates) rates.push_back(parse_rate(text, "rates"));
+  const auto scene = load_target(options);
+  const auto study = [&] {
+    Progress progress{"studying " + scene.name};
+    return or_exit(
+        study_work_precision(scene, standard_nodes(),
+                             {options.solvers, rates, options.oversamples, options.repeats,
+                              [&](double share, const std::string& what) { progress(share, what); }}));
+  }();
+  publish(options, study);
+  if (!options.folder.empty()) write_files(study, options.folder);
+  return study.cheapest(1.0) == nullptr ? kNo : kDone;
+}
+
+}  // namespace
+
+void add_study_work_precision(CLI::App& study, int& exit_code) {
+  auto [command, options] =
+      add_command(study, "work-precision",
+                  "Numerical error against computing time for every solver, sample rate and oversampling",
+                  exit_code, run_work_precision);
+  add_study_options(command, options, "scene with [accuracy]; for a folder, its scene.toml")->required();
+  command.add_option("--solvers", options.solvers, "solvers, such as explicit,passive; default: all")
+      ->delimiter(',');
+  command
+      .add_option("--rates", options.rates,
+                  "sample rates, such as 24kHz,96kHz; default: the scene's, half and twice that")
+      ->delimiter(',');
+  command.add_option("--oversample", options.oversamples, "steps per frame; default: 1,2,4,8,16")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 64));
+  add_number(command, "--repeat", options.repeats, "number of timing runs; their median is reported", 1,
+             1000);
+  command
+      .add_option("--out", options.folder,
+                  "folder for the plot (SVG), the table (Markdown) and the results (JSON)")
+      ->check(writable_folder());
+  command.footer(
+      "Examples:\n  tactus study work-precision instruments/numerics/stick_impact\n  tactus study "
+      "work-precision instruments/numerics/woofer --solvers explicit,passive --rates 48kHz --out "
+      "out/woofer\nThe scene's [accuracy] section lists the compared measures (docs/graph_files.md).\nExit "
+      "code 1: no variant is both stable and fast enough for real time.");
+}
+
+}  // namespace tactus::app

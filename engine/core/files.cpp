@@ -1,0 +1,30 @@
+#include "engine/core/files.h"
+
+#include <fstream>
+#include <random>
+#include <system_error>
+
+namespace tactus {
+
+namespace fs = std::filesystem;
+
+Status write_file(const fs::path& file, const std::string& text) {
+  std::ofstream stream{file, std::ios::binary};
+  stream << text;
+  stream.close();
+  if (stream) return {};
+  return fail(Errc::BadFile, file.string(), "cannot be written", "choose an existing, writable folder");
+}
+
+Status replace_file(const fs::path& file, const std::string& text) {
+  auto temporary = file;
+  temporary += ".new" + std::to_string(std::random_device{}());  // no other program takes this name too
+  auto status = write_file(temporary, text);
+  std::error_code error, ignored;
+  if (status) fs::rename(temporary, file, error);
+  if (status && !error) return {};
+  fs::remove(temporary, ignored);
+  return fail(Errc::BadFile, file.string(), "cannot be written", "choose an existing, writable folder");
+}
+
+}  // namespace tactus

@@ -1,0 +1,16 @@
+#pragma once
+// Thread: [control]
+
+#include <filesystem>
+#include <string>
+
+#include "engine/core/error.h"
+
+namespace tactus {
+
+/// Errors: BadFile.
+Status write_file(const std::filesystem::path& file, const std::string& text);
+/// The same, but whole or not at all: other programs read the former text or this one. Errors: BadFile.
+Status replace_file(const std::filesystem::path& file, const std::string& text);
+
+}  // namespace tactus
