@@ -43,11 +43,11 @@ PlayabilityStudy rolls(const std::vector<double>& scores) {
   for (std::size_t i = 0; i < scores.size(); ++i) {
     const bool good = scores[i] >= 0.5;
     study.delays_s.push_back(1e-3 * static_cast<double>(i));
-    study.runs.push_back({study.delays_s.back(),
-                          {},
-                          "as written",
-                          PlayabilityResult{good ? "regular" : "irregular", scores[i], good,
-                                            std::vector<double>(measure_columns(study.kind).size(), 1.0)}});
+    auto& run = study.runs.emplace_back();
+    run.delay_s = study.delays_s.back();
+    run.variant = "as written";
+    run.result = PlayabilityResult{good ? "regular" : "irregular", scores[i], good,
+                                   std::vector<double>(measure_columns(study.kind).size(), 1.0)};
   }
   return study;
 }

@@ -2,7 +2,7 @@
 #include <string>
 
 #include "apps/play/play_report.h"
-#include "apps/study/reports.h"
+#include "apps/study/study.h"
 #include "tests/support/well_formed.h"
 
 using namespace tactus;
