@@ -38,6 +38,19 @@ std::vector<std::string> keys_of(const ElementType& type) {
   return keys;
 }
 
+/// Of a network, beside its elements.
+const SectionType& options() {
+  static const SectionType section = [] {
+    std::vector<std::string> solvers;
+    for (const auto solver : kSolvers) solvers.emplace_back(name_of(solver));
+    return SectionType{
+        "A network",
+        {choice_field("solver", std::move(solvers), "How it is stepped", name_of(Solver::Passive)),
+         whole_field("oversample", 1, kMostOversample, "Steps in a frame")}};
+  }();
+  return section;
+}
+
 class LayoutReader {
  public:
   explicit LayoutReader(const NetworkSpec& spec) : spec_(spec) {}
