@@ -78,7 +78,7 @@ std::string about_step(const Plan& plan, const Step& step) {
 
 Json left_out_json(const LeftOut& left) { return {{"name", left.path}, {"why", left.reason}}; }
 
-Json loop_json(const LoopReport& loop) {
+Json cut_loop_json(const LoopReport& loop) {
   return {{"through", loop.paths}, {"delay_frames", loop.delay_frames}, {"sub_block_frames", loop.sub_block}};
 }
 
@@ -90,7 +90,7 @@ Json explain_engine(Player& engine, const std::string& title, int block) {
             {"signal_memory_bytes", memory_of(plan)},
             {"about", Json::array()},
             {"sections", Json::array()},
-            {"loops", list_of(plan.loops, loop_json)},
+            {"loops", list_of(plan.loops, cut_loop_json)},
             {"left_out", list_of(plan.left_out, left_out_json)}};
   for (const auto& section : plan.sections) {
     Json part{{"loop", section.loop}, {"sub_block_frames", section.sub_block}, {"steps", Json::array()}};

@@ -221,13 +221,22 @@ class Instance {
   void declare_node(const NodeSpec& node) {
     const auto& table = resolving_.table;
     const auto* type = table.find(node.type);
-    if (type != nullptr)
+    if (type != nullptr) {
+      check_keys(node, *type);
       return declare_outputs(node, std::shared_ptr<const NodeType>(std::shared_ptr<void>{}, type), true);
+    }
     std::vector<std::string> names;
     for (const auto* known : table.types) names.push_back(known->name);
     errors_.add(Errc::UnknownName, node.type_at, "there is no node type '" + node.type + "'",
                 suggest(node.type, names, "`tactus nodes` lists them all"));
     scope_.hide(node.name);
+  }
+
+  void check_keys(const NodeSpec& node, const NodeType& type) {
+    auto known = node_fields().keys();
+    for (const auto& port : type.inputs) known.push_back(port.name);
+    for (const auto& setting : type.settings) known.push_back(setting.name);
+    errors_.unknown_keys(node.fields, known, type.name + " '" + node.name + "'");
   }
 
   void declare_network(const NetworkSpec& network) {
@@ -358,10 +367,6 @@ class Instance {
   void connect_node(const EntrySpec& entry, FlatNode& node) {
     const auto& type = *node.type;
     const auto owner = type.name + " '" + entry.name + "'";
-    auto known = node_fields().keys();
-    for (const auto& port : type.inputs) known.push_back(port.name);
-    for (const auto& setting : type.settings) known.push_back(setting.name);
-    errors_.unknown_keys(entry.fields, known, owner);
     FieldReader fields{entry.fields, node_fields(), errors_, FieldReader::kKeysChecked, owner};
     if (const auto voices = fields.number("voices")) node.voices = static_cast<int>(*voices);
     connect_ports(entry, node, owner);

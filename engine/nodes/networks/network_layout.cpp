@@ -71,24 +71,9 @@ class LayoutReader {
 
  private:
   void read_options() {
-    errors_.unknown_keys(spec_.fields, std::vector<std::string>{"solver", "oversample"});
-    const auto solver = errors_.text(spec_.fields, "solver");
-    std::vector<std::string> known;
-    for (const auto candidate : kSolvers) known.emplace_back(name_of(candidate));
-    const auto found = std::find(known.begin(), known.end(), solver);
-    if (found != known.end())
-      layout_.solver = kSolvers[index(found - known.begin())];
-    else if (!solver.empty())
-      errors_.add(Errc::UnknownName, find(spec_.fields, "solver")->at, "unknown solver '" + solver + "'",
-                  suggest(solver, known));
-    const auto* oversample = find(spec_.fields, "oversample");
-    if (oversample == nullptr) return;
-    const double* number = oversample->number();
-    if (number == nullptr || *number != std::round(*number) || *number < 1 || *number > kMostOversample)
-      errors_.add(Errc::OutOfRange, oversample->at, "'oversample' is not a whole number from 1 to 64",
-                  "give the number of solver steps per frame");
-    else
-      layout_.oversample = static_cast<int>(*number);
+    FieldReader reader(spec_.fields, options(), errors_);
+    if (const auto solver = reader.choice("solver")) layout_.solver = kSolvers[index(*solver)];
+    layout_.oversample = static_cast<int>(reader.number("oversample").value_or(0));
   }
 
   void read_type(const NodeSpec& element) {
