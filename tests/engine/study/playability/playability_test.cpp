@@ -151,7 +151,7 @@ TEST_CASE("playability: a delay is playable when all as written are, and nine of
   study.variants.resize(11);
   for (int i = 0; i < 11; ++i)
     study.runs.push_back(
-        {0, {}, i == 0 ? "as written" : "draw", PlayabilityResult{"regular", 1, i != 3, {}}});
+        {{{}, i == 0 ? "as written" : "draw", PlayabilityResult{"regular", 1, i != 3, {}}}, 0});
   CHECK(study.verdicts().front().playable);
   CHECK(study.verdicts().front().robust() == Approx(0.9));
   study.runs[4].result->playable = false;
