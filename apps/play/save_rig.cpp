@@ -20,8 +20,8 @@ namespace fs = std::filesystem;
 
 const std::string kNone = "none";
 
-/// Of an answer.
-using TakeAnswer = std::function<void(const std::string&)>;
+/// Accepts an answer, or throws a CommandError.
+using UseAnswer = std::function<void(const std::string&)>;
 
 [[noreturn]] void refuse(const std::string& what, const std::string& remedy) {
   exit_with({Errc::BadArgument, "", what, remedy}, kUsage);
@@ -54,7 +54,7 @@ std::string title_of(const PortSpec& port) {
 
 /// Asks until `take` accepts the answer. `proposed`: what an empty line stands for; empty: nothing.
 void ask(const Dialog& dialog, const std::string& question, const std::string& proposed,
-         const TakeAnswer& take) {
+         const UseAnswer& take) {
   while (true) {
     std::string answer;
     if (!dialog.take_defaults) {
@@ -76,8 +76,8 @@ void ask(const Dialog& dialog, const std::string& question, const std::string& p
 }
 
 /// Volts from `least` to 1 kV.
-TakeAnswer take_volts(double least, const char* least_text, const std::string& example,
-                      std::optional<double>& to) {
+UseAnswer take_volts(double least, const char* least_text, const std::string& example,
+                     std::optional<double>& to) {
   return [=, &to](const std::string& text) {
     const double volts = quantity_in(text, volt(), example).si;
     if (!(volts >= least && volts <= 1000))

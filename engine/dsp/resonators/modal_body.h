@@ -77,8 +77,9 @@ class ModalBody {
     body_.by_wave = 2 * give * body_.by_state;
   }
 
-  /// [realtime] One frame; `wave` is `a` [N].
-  tactus_body_answer step(double wave) noexcept {
+  /// [realtime] One frame; `wave` is `a` [N]. Not inlined: g++ would take a sign that its caller changes into
+  /// the multiply-add, which turns -0 into 0.
+  [[gnu::noinline]] tactus_body_answer step(double wave) noexcept {
     auto answer = tactus_modal_body_answer(&body_, wave);
     const auto push = Lanes::broadcast(answer.force);
     auto free = Lanes::broadcast(0), held = Lanes::broadcast(0);
