@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [control] unless stated otherwise; [writer]: the thread that reads the ring
 
 #include <atomic>
 #include <condition_variable>
