@@ -186,7 +186,7 @@ TEST_CASE("latency: wrong usage is told, with exit code 2", "[latency]") {
   const Desk desk;
   desk.capture("capture.wav", later(desk.probe(), 960, 0.5));
   says(desk.run("latency analyze capture.wav --probe probe.wav --channel 2"), 2,
-       "'capture.wav' has no channel 2; it has 1 alone");
+       "'capture.wav' has no channel 2; it has only channel 1");
   says(desk.run("latency analyze capture.wav --probe probe.wav --channel 0"), 2, "--channel");
   says(desk.run("latency analyze capture.wav --probe probe.wav --rate fast"), 2, "--rate");
   says(desk.run("latency analyze capture.wav --probe probe.wav --rate '10 Hz'"), 2,
