@@ -156,7 +156,8 @@ TEST_CASE("latency analyze: a file with what was played in its first channel nee
   CHECK(ran.json()["delay_frames"].get<double>() == Approx(480).epsilon(0).margin(0.01));
   CHECK(desk.run("latency analyze raw.wav --json").json()["verdict"] == "WRONG_CHANNEL");
   says(desk.run("latency analyze raw.wav --channel 1"), 2, "channel 1 must be the played signal");
-  says(desk.run("latency analyze raw.wav --channel 4"), 2, "'raw.wav' has no channel 4; it has 2 to 3");
+  says(desk.run("latency analyze raw.wav --channel 4"), 2,
+       "'raw.wav' has no channel 4; it has channels 2 to 3");
 }
 
 TEST_CASE("latency analyze: files that cannot be are told one by one, with exit code 3", "[latency]") {
@@ -186,7 +187,7 @@ TEST_CASE("latency: wrong usage is told, with exit code 2", "[latency]") {
   const Desk desk;
   desk.capture("capture.wav", later(desk.probe(), 960, 0.5));
   says(desk.run("latency analyze capture.wav --probe probe.wav --channel 2"), 2,
-       "'capture.wav' has no channel 2; it has 1 alone");
+       "'capture.wav' has no channel 2; it has only channel 1");
   says(desk.run("latency analyze capture.wav --probe probe.wav --channel 0"), 2, "--channel");
   says(desk.run("latency analyze capture.wav --probe probe.wav --rate fast"), 2, "--rate");
   says(desk.run("latency analyze capture.wav --probe probe.wav --rate '10 Hz'"), 2,

@@ -219,9 +219,9 @@ TEST_CASE("energy_watch: what is wrong with a port is told before anything plays
         "and a position in m, or a torque in N m and an angle");
   CHECK(mistakes(R"(a = { force = "plant.force", position = "plant.arm" })") ==
         "scene.toml:12:1: port 'a' lacks 'active_up_to'; give 'active_up_to': energy that the instrument may "
-        "give, in J");
+        "deliver, in J");
   CHECK(mistakes(R"(a = { force = "plant.force", active_up_to = "1 N" })") ==
-        "scene.toml:12:1: port 'a' lacks 'position'; give 'position': output of a part, in m: "
+        "scene.toml:12:1: port 'a' lacks 'position'; give 'position': output of a part in m, such as "
         "\"plant.arm\"\nscene.toml:12:45: '1 N' is in N, but 'active_up_to' is in J; give a quantity in "
         "J");
   CHECK(mistakes(kArm, R"(e = { measure = "energy_given", of = "arn", max = 1 })") ==
