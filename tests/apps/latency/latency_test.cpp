@@ -156,7 +156,8 @@ TEST_CASE("latency analyze: a file with what was played in its first channel nee
   CHECK(ran.json()["delay_frames"].get<double>() == Approx(480).epsilon(0).margin(0.01));
   CHECK(desk.run("latency analyze raw.wav --json").json()["verdict"] == "WRONG_CHANNEL");
   says(desk.run("latency analyze raw.wav --channel 1"), 2, "channel 1 must be the played signal");
-  says(desk.run("latency analyze raw.wav --channel 4"), 2, "'raw.wav' has no channel 4; it has 2 to 3");
+  says(desk.run("latency analyze raw.wav --channel 4"), 2,
+       "'raw.wav' has no channel 4; it has channels 2 to 3");
 }
 
 TEST_CASE("latency analyze: files that cannot be are told one by one, with exit code 3", "[latency]") {
