@@ -375,7 +375,7 @@ void add_check(CLI::App& app, int& exit_code) {
   for (const auto& [name, value, help] :
        {std::tuple{"--hand-damping", &options.hand_damping, "damping added to the device by a fingertip"},
         {"--hand-mass", &options.hand_mass, "mass added to the device by a fingertip"},
-        {"--push", &options.push, "contact force assumed when a contact is analysed in its closed state"},
+        {"--push", &options.push, "contact force assumed in the analysis of a contact that touches"},
         {"--device-mass", &options.device_mass,
          "mass of the haptic device assumed for an instrument without a scene"},
         {"--device-damping", &options.device_damping,
@@ -383,7 +383,7 @@ void add_check(CLI::App& app, int& exit_code) {
     command.add_option(name, *value, help)->capture_default_str();
   command.add_flag("--quick", options.quick, "analyse the graph only; do not simulate");
   command.add_flag("--verbose", options.verbose,
-                   "also print every loop, network, control and run as a table");
+                   "also print tables of all loops, networks, controls and simulation runs");
   command.add_flag("--json", options.json, "print every number as JSON");
   command.footer(
       "Examples:\n  tactus check instruments/haptic_drum\n  tactus check my_wall.toml --delay \"1 ms\" "

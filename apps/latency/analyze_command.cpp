@@ -127,9 +127,9 @@ void add_latency_analyze(CLI::App& latency, int& exit_code) {
       "channel of FILE with the captured signal, counted from 1; default: 1, or 2 if channel 1 is the probe",
       1, 1024);
   command.add_option("--rate", options.rate, "actual sample rate, if the headers of the files are wrong");
-  command.add_option(
-      "--profile", options.profile,
-      "profile of the actuator and sensor in the loop, saved by tactus latency calibrate; default: a cable");
+  command.add_option("--profile", options.profile,
+                     "profile of the actuator and sensor in the loop, saved by tactus latency calibrate; "
+                     "default: none (a cable)");
   add_report_options(command, options.report);
   command.footer(
       "Examples:\n  tactus latency analyze capture.wav --probe probe.wav\n  tactus latency analyze "

@@ -153,7 +153,7 @@ void add_latency_calibrate(CLI::App& latency, int& exit_code) {
       ->check(writable_file());
   command
       .add_option("--wav", options.sound,
-                  "WAV file for the recording (played and captured), for tactus latency analyze")
+                  "write the played and the captured signal to this WAV file, for tactus latency analyze")
       ->check(writable_file());
   command.add_flag("--json", options.json, "print the report as JSON");
   command.footer(

@@ -99,8 +99,8 @@ void add_loop_options(CLI::App& command, LoopOptions& options) {
   command.add_option("--device", options.device, "id of a device, or part of its name");
   command.add_option("--input-device", options.input_device, "input device, if different from --device");
   command.add_option("--rig", options.rig,
-                     "rig file: device, sample rate, block size and what is connected to the output; the "
-                     "measured delay is saved there");
+                     "rig file: device, sample rate, block size and what is connected to the output; "
+                     "latency measure saves the delay there");
   add_number(command, "--in,--input", options.input, "input channel of the loop, counted from 1", 1, 1024);
   add_number(command, "--out,--output", options.output, "output channel of the loop, counted from 1", 1,
              1024);
@@ -117,7 +117,7 @@ void add_setting_options(CLI::App& command, LoopOptions& options) {
 void add_repetition_options(CLI::App& command, LoopOptions& options) {
   add_number(command, "--openings", options.openings, "number of times the stream is opened", 1, 100);
   add_number(command, "--sweeps", options.probes,
-             "number of probe signals played each time the stream is opened", 2, 100);
+             "number of probe signals (sine sweeps) played each time the stream is opened", 2, 100);
 }
 
 Loop make_loop(const LoopOptions& options) {

@@ -58,7 +58,7 @@ int save(LatencyReport& report, const Loop& loop, const MeasureOptions& options)
   const auto& file = options.loop.rig;
   if (loop.rig)
     note(save_in_rig(report.measurement, *loop.rig, file),
-         fmt::format("{0}, as [delay] measured; the previous file is {0}~", file));
+         fmt::format("{0} (key 'measured' of [delay]); the previous version is {0}~", file));
   return exit;
 }
 
@@ -85,14 +85,14 @@ void add_latency_measure(CLI::App& latency, int& exit_code) {
   auto& loop = options.loop;
   add_loop_options(command, loop);
   add_setting_options(command, loop);
-  command.add_option(
-      "--profile", loop.profile,
-      "profile of the actuator and sensor in the loop, saved by tactus latency calibrate; default: a cable");
+  command.add_option("--profile", loop.profile,
+                     "profile of the actuator and sensor in the loop, saved by tactus latency calibrate; "
+                     "default: none (a cable)");
   add_repetition_options(command, loop);
   add_report_options(command, options.report);
   command
       .add_option("--wav", options.report.sound,
-                  "WAV file for the recording (played and captured), for tactus latency analyze")
+                  "write the played and the captured signal to this WAV file, for tactus latency analyze")
       ->check(writable_file());
   command.add_flag("--no-keep", options.no_keep, "do not save the measured delay");
   command.footer(

@@ -139,7 +139,7 @@ int run_nodes(const NodesOptions& options) {
 
 void add_nodes(CLI::App& app, int& exit_code) {
   auto [command, options] = add_command(
-      app, "nodes", "Print the reference of node types and network elements", exit_code, run_nodes);
+      app, "nodes", "Print the reference for node types and network elements", exit_code, run_nodes);
   command.add_option("NAME", options.name,
                      "node type to describe in full, or `network` for the elements of networks");
   command.add_flag("--json", options.json, "print the reference as JSON");

@@ -90,9 +90,8 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
         {"--outputs", &options.out, "channels of the device for the outputs"}})
     group->add_option(name, *channels, help)->delimiter(',')->check(CLI::Range(1, 1024));
   add_number(*group, "--periods", options.periods, "blocks in the driver's buffer", 1, 64);
-  group->add_option(
-      "--pad-delay", options.pad_delay,
-      "add delay until the system delay is this long (the same in every session), such as \"20 ms\"");
+  group->add_option("--pad-delay", options.pad_delay,
+                    "add delay so that the system delay is this long in every session, such as \"20 ms\"");
   group->add_option("--record", options.record, "record sensors, drives and controls to this WAV file");
   group->add_option("--save-rig", options.save_rig,
                     "ask what is connected to each channel, and write the answers to this rig file");

@@ -146,8 +146,8 @@ void add_player_options(CLI::App& command, PlayerOptions& options) {
   command.add_option("--set", options.set,
                      "NAME=VALUE: sets a control, such as strength=0.5 or \"sensitivity=-40 dB\"; in a scene "
                      "also plant.NAME=VALUE");
-  add_number(command, "--block", options.block, "block size in frames (the result does not depend on it)", 1,
-             8192);
+  add_number(command, "--block", options.block,
+             "block size in frames; the computed signals do not depend on it", 1, 8192);
   command.add_option("--profile", options.guard.profile,
                      "actuator profile for all drives (outputs to actuators): woofer, bass_shaker, "
                      "tactor_lra, voice_coil, … or a file");

@@ -222,11 +222,11 @@ void add_render(CLI::App& app, int& exit_code) {
       "FILE", options.target,
       "instrument or scene file; for a folder, its scene.toml, or its instrument.toml if --in is given");
   command.add_option("--replay", options.replay,
-                     "take recorded with --record: replay it and check that the drives match bit for bit; "
+                     "a recording made with --record: replay it and check that the drives match bit for bit; "
                      "with FILE, feed the recorded sensor signals to that instrument");
   command.add_option("--in", options.in,
-                     "input WAV file: channel k feeds the k-th input; gives the default rate (it is "
-                     "resampled if --rate differs) and duration");
+                     "input WAV file: channel k feeds the k-th input; its rate and duration are "
+                     "the defaults; it is resampled if --rate differs");
   command.add_option("--out", options.out, "WAV file for all outputs, in the order of the instrument file")
       ->check(writable_file());
   command.add_option("--sound", options.sound, "WAV file for the monitor output, without the drives")
@@ -242,7 +242,8 @@ void add_render(CLI::App& app, int& exit_code) {
   add_player_options(command, options);
   command
       .add_flag("--error", options.error,
-                "report the numerical error and the computing time per frame of a scene with [accuracy]")
+                "report the numerical error and the computing time per frame of a scene that has an "
+                "[accuracy] section")
       ->excludes("--in", "--out", "--sound", "--events", "--replay", "--set");
   for (const auto* option : {"--in", "--sound", "--events", "--rate", "--duration"})
     command.get_option("--replay")->excludes(option);

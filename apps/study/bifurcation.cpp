@@ -148,7 +148,7 @@ void add_study_bifurcation(CLI::App& study, int& exit_code) {
   add_number(command, "--settle", plan.settling_s,
              "settling time at each value, in seconds, before landings are recorded", 0.0, 1000.0);
   add_number(command, "--read", plan.reading_s,
-             "time at each value, in seconds, in which landings are recorded", 0.1, 1000.0);
+             "time for which landings are recorded at each value, in seconds", 0.1, 1000.0);
   command
       .add_option("--restitution", options.restitution, "restitution of the ideal ball; default: as measured")
       ->check(CLI::Range(0.01, 0.99));

@@ -263,7 +263,8 @@ int run_playability(const PlayabilityArguments& options) {
 void add_study_playability(CLI::App& study, int& exit_code) {
   auto [command, options] = add_command(
       study, "playability", "Playability of a scene as a function of the delay", exit_code, run_playability);
-  add_study_options(command, options, "scene with [playability]; for a folder, its scene.toml")->required();
+  add_study_options(command, options, "scene with a [playability] section; for a folder, its scene.toml")
+      ->required();
   command.add_option("--delay", options.delay, "delays to simulate: FROM:TO:STEP, or a single value")
       ->capture_default_str();
   add_sweep_options(command, options);

@@ -281,15 +281,15 @@ void add_study_stability(CLI::App& study, int& exit_code) {
       exit_code, run_stability);
   add_study_options(
       command, options,
-      "scene whose plant describes the device by its controls mass, damping, friction, step and force_limit; "
-      "default: 50 g, 0.1 N s/m, no friction, encoder steps of 0.157 mm, 6.37 N");
+      "scene whose plant has the controls 'mass', 'damping', 'friction', 'step' and 'force_limit'; "
+      "default: 50 g, 0.1 N s/m, no friction, encoder step 0.157 mm, force limit 6.37 N");
   for (std::size_t i = 0; i < kDeviceOptions.size(); ++i)
     command.add_option(std::string{"--"} + kDeviceOptions[i].name, options.device[i], kDeviceOptions[i].help);
   command.add_option("--wall-damping", options.wall_damping,
-                     "damping of the walls (velocity as the difference of positions), such as \"0.1 N s/m\"");
+                     "damping of the walls, applied to the differentiated position, such as \"0.1 N s/m\"");
   command.add_option("--rate", options.rate,
-                     "sample rate of the curves against delay; default: the scene's, or 20 kHz");
-  add_number(command, "--points", options.points, "points of each curve per decade", 1, 100);
+                     "sample rate for the curves against delay; default: the scene's, or 20 kHz");
+  add_number(command, "--points", options.points, "points per decade on each curve", 1, 100);
   add_run_options(command, options);
   command.footer(
       "Examples:\n  tactus study stability instruments/wall --report walls.svg\n  tactus study stability "

@@ -232,9 +232,10 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
   command
       .add_option(
           "--over", options.over,
-          "NAME=FROM:TO:COUNT, or FROM:TO:COUNT:log for logarithmic spacing; NAME: a control (strength, "
-          "plant.grip), a gesture (plain numbers scale it, values with a unit replace it by a constant), a "
-          "constant (plant.drum.coil.resistance), delay, rate or oversample; or solver=NAME,NAME")
+          "NAME=FROM:TO:COUNT, or FROM:TO:COUNT:log for logarithmic spacing; a unit at the end applies to "
+          "FROM and TO. NAME: a control (strength, plant.grip); a gesture (a plain number scales it, a value "
+          "with a unit holds it at that value); a parameter of a node (plant.drum.coil.resistance); delay, "
+          "rate or oversample. Also solver=NAME,NAME")
       ->take_all();
   command.add_option("--set", options.set,
                      "NAME=VALUE: sets a control of the instrument; plant.NAME=VALUE: of the plant");

@@ -156,12 +156,13 @@ void add_study_work_precision(CLI::App& study, int& exit_code) {
       add_command(study, "work-precision",
                   "Numerical error against computing time for every solver, sample rate and oversampling",
                   exit_code, run_work_precision);
-  add_study_options(command, options, "scene with [accuracy]; for a folder, its scene.toml")->required();
+  add_study_options(command, options, "scene with an [accuracy] section; for a folder, its scene.toml")
+      ->required();
   command.add_option("--solvers", options.solvers, "solvers, such as explicit,passive; default: all")
       ->delimiter(',');
   command
       .add_option("--rates", options.rates,
-                  "sample rates, such as 24kHz,96kHz; default: the scene's, half and twice that")
+                  "sample rates, such as 24kHz,96kHz; default: half, one and two times the scene's")
       ->delimiter(',');
   command.add_option("--oversample", options.oversamples, "steps per frame; default: 1,2,4,8,16")
       ->delimiter(',')

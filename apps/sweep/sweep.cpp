@@ -100,8 +100,8 @@ void add_sweep(CLI::App& app, int& exit_code) {
                   "name of an entry in the scene's [expect], or MEASURE:SIGNAL such as rms:instrument.sound")
       ->required()
       ->take_all();
-  command.add_option("--from", options.from, "start of the evaluated time, such as \"1 s\"");
-  command.add_option("--to", options.to, "end of the evaluated time, such as \"4 s\"");
+  command.add_option("--from", options.from, "start of the measurement window, such as \"1 s\"");
+  command.add_option("--to", options.to, "end of the measurement window, such as \"4 s\"");
   command.footer(
       "Examples:\n  tactus sweep instruments/haptic_drum --over \"delay=0:40:9 ms\" --measure "
       "rate:instrument.hit --svg rate.svg\n  tactus sweep instruments/haptic_drum --over strength=0.2:1:5 "

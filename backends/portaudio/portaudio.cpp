@@ -97,7 +97,7 @@ LibraryDevice described(int index) {
 }
 
 /// PortAudio takes all clients whose names end like a JACK client's for that one, and would open their ports.
-bool may_be_taken_for_another(const LibraryDevice& one, const std::vector<LibraryDevice>& all) {
+bool has_ambiguous_name(const LibraryDevice& one, const std::vector<LibraryDevice>& all) {
   return one.api == "jack" && std::any_of(all.begin(), all.end(), [&](const LibraryDevice& other) {
            return other.api == "jack" && other.index != one.index &&
                   other.library_name.ends_with(one.library_name);
@@ -137,7 +137,7 @@ class Session {
     for (int index = 0; index < Pa_GetDeviceCount(); ++index) all.push_back(described(index));
     number_same_ids(all);
     std::copy_if(all.begin(), all.end(), std::back_inserter(devices),
-                 [&](const LibraryDevice& one) { return !may_be_taken_for_another(one, all); });
+                 [&](const LibraryDevice& one) { return !has_ambiguous_name(one, all); });
     const auto output = Pa_GetDefaultOutputDevice();
     const auto wanted = output != paNoDevice ? output : Pa_GetDefaultInputDevice();
     for (auto& one : devices) one.is_default = one.index == wanted;

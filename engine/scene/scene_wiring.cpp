@@ -40,7 +40,7 @@ void check_gesture(const Gesture& gesture, const FlatControl& control, const Sou
                       "control '" + control.name + "' has the unit of " +
                           in_unit(control.value, control.unit) + ", but gesture '" + gesture.name +
                           "' has the unit of " + in_unit(gesture.points.front().value, gesture.unit),
-                      "give the points of the gesture the unit of the control");
+                      "write the points of the gesture in the unit of the control");
   for (const auto& point : gesture.points)
     if (!control.range.contains(point.value))
       return errors.add(Errc::OutOfRange, at,

@@ -50,14 +50,14 @@ RingOutMonitor::Result RingOutMonitor::observe(const LevelWindow& window) noexce
 
 LevelSearch::LevelSearch(const Settings& settings)
     : settings_(settings),
-      most_windows_(quiet_windows(settings) + probes_in(settings) * kPeriod + 2 * windows_in(kLongestDelay) +
-                    windows_in(kGone)) {
-  windows_.reserve(index(most_windows_));
+      max_windows_(quiet_windows(settings) + probes_in(settings) * kPeriod + 2 * windows_in(kLongestDelay) +
+                   windows_in(kGone)) {
+  windows_.reserve(index(max_windows_));
   sorted_.reserve(index(quiet_windows(settings)));
 }
 
 LevelSearch::Step LevelSearch::observe(const LevelWindow& window) noexcept {
-  if (now() == most_windows_) return decide();
+  if (now() == max_windows_) return decide();
   windows_.push_back(window);
   if (window.power > kStandsOut * found_.noise_power) last_above_noise_ = now();
   switch (stage_) {

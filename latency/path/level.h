@@ -79,7 +79,7 @@ class LevelSearch {
   double level() const noexcept { return probes_[probe_count_ - 1].level; }
   const PathLevel& found() const noexcept { return found_; }
   /// [any] Windows after which it has answered, whatever is captured.
-  int most_windows() const noexcept { return most_windows_; }
+  int max_windows() const noexcept { return max_windows_; }
 
  private:
   enum class Stage { Quiet, Probing, Echoes, Overloaded };
@@ -100,7 +100,7 @@ class LevelSearch {
   int now() const noexcept { return static_cast<int>(windows_.size()); }
 
   Settings settings_;
-  int most_windows_;
+  int max_windows_;
   Stage stage_ = Stage::Quiet;
   std::vector<LevelWindow> windows_;
   std::vector<double> sorted_;

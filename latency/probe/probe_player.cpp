@@ -37,7 +37,7 @@ Status ProbePlayer::prepare(const StreamFormat& format) {
   window_ = {};
   slow_ = 0.0;
   slow_share_ = 1.0 - std::exp(-2.0 * std::numbers::pi * kSlowest.value / rate.value);
-  const auto capacity = train_.size() + whole_frames(LevelSearch::kWindow * search_->most_windows() +
+  const auto capacity = train_.size() + whole_frames(LevelSearch::kWindow * search_->max_windows() +
                                                          LevelSearch::kLongestDelay + kAfter * 2,
                                                      rate);
   played_.assign(capacity, 0.0);

@@ -26,7 +26,7 @@ char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + '
 bool same(char a, char b) { return lower(a) == lower(b); }
 
 /// Letters to insert, remove, replace or swap with their neighbour (Damerau, Comm. ACM 7(3), 1964), in the
-/// variant that edits no part of a word twice; capitals count as small letters.
+/// variant that edits no part of a word twice; upper and lower case are the same.
 std::size_t distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before, last(b.size() + 1), row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;

@@ -155,7 +155,7 @@ class Parser {
       return syntax(start, "there is no function '" + word + "'", "the functions are min, max and abs");
     if (!dotted_name(word))
       return syntax(start, "'" + word + "' is not a name",
-                    "names consist of small letters, digits and _; a port follows a dot");
+                    "names consist of lower-case letters, digits and _; a port follows a dot");
     if (++values_ > kMaxValues) return too_long(start);
     auto whole = make(Op::Signal, start);
     whole.name = word;

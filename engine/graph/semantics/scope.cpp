@@ -54,7 +54,7 @@ void NameSpace::add(const std::string& name, const std::string& kind, const Sour
     errors.add(Errc::Syntax, at, quoted + because + " cannot name " + kind, remedy);
   };
   if (!well_formed(name))
-    return refuse("", "names begin with a small letter and continue with small letters, digits and _");
+    return refuse("", "names begin with a lower-case letter, followed by lower-case letters, digits and _");
   if (name.size() > 1 && is_unit_symbol(name)) return refuse(" is a unit and", "choose another name");
   if (std::ranges::find(kReserved, name) != kReserved.end())
     return refuse(" is reserved and", "choose another name");

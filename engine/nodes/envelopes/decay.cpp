@@ -46,7 +46,7 @@ NodeType decay_type() {
   return {
       .name = "decay",
       .summary = "A pulse at each trigger: jumps to its level and decays exponentially.",
-      .equation = "out(t) = level exp(-t / time), t since the last trigger; 0 for t >= length > 0",
+      .equation = "out(t) = level exp(-t / time), t since the last trigger; if length > 0, 0 for t >= length",
       .source = "elementary",
       .example = "pulse = { type = \"decay\", trigger = \"hit\", time = \"12 ms\" }",
       .inputs = {{"trigger", "", "starts the pulse in the frame of the trigger"},

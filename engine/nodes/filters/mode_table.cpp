@@ -125,7 +125,12 @@ std::vector<Setting> mode_settings(std::vector<Setting> further) {
              "frequency ratios. harmonic: 1, 2, 3 …; geometric: equal pitch steps; bar: free at both ends "
              "(marimba); clamped_bar: clamped at one end (kalimba); membrane: drum head",
              {"harmonic", "geometric", "bar", "clamped_bar", "membrane"}, "harmonic"),
-      within(1, kMaxModes, {"modes", Setting::Kind::Integer, "number of modes of a series", {}, "16"}),
+      within(1, kMaxModes,
+             {"modes",
+              Setting::Kind::Integer,
+              "number of modes of the harmonic, bar or membrane series",
+              {},
+              "16"}),
       within(1, 1e4,
              {"span",
               Setting::Kind::Quantity,

@@ -106,7 +106,7 @@ NodeType sample_type() {
       .equation = "out[n] = level * s(p[n]); p = 0 at a trigger, p[n+1] = p[n] + speed[n] * file_rate / rate",
       .source = "Moore, Elements of Computer Music, 1990; cubic: Catmull & Rom, 1974",
       .example = "thud = { type = \"sample\", file = \"thud.wav\", trigger = \"hit\" }",
-      .inputs = {{"trigger", "", "starts the file; a constant 1 starts it in the first frame"},
+      .inputs = {{"trigger", "", "starts playback of the file; a constant 1 starts it at the first frame"},
                  {"speed", "", "playback speed; 1: as recorded; not band-limited above 1", 1, 0, kMaxSpeed},
                  {"level", "any", "output level for full scale in the file", 1}},
       .outputs = {{"out", "=level", "the played recording"}},

@@ -73,8 +73,9 @@ NodeType threshold_type() {
       .inputs = {{"in", "any", "signal"},
                  {"level", "=in", "level of the threshold"},
                  {"hysteresis", "=in", "distance below `level` at which it is released", 0, 0},
-                 event_hold(
-                     {"hold", "s", "time after a trigger in which no other occurs", 0, 0, kLongestHold_s})},
+                 event_hold({"hold", "s",
+                             "hold-off: time after a trigger in which further triggers are ignored", 0, 0,
+                             kLongestHold_s})},
       .outputs = {{.name = "out",
                    .unit = "",
                    .doc = "trigger when the signal rises to the level",

@@ -11,7 +11,7 @@ NodeType hysteresis_type() {
       .source = "play operator: Krasnosel'skii & Pokrovskii, Systems with Hysteresis, 1989",
       .example = "steady = { type = \"hysteresis\", in = \"lever\", width = \"0.2 mm\" }",
       .inputs = {{"in", "any", "signal"}, {"width", "=in", "width of the dead band", {}, 0}},
-      .outputs = {{"out", "=in", "signal without movements smaller than the width"}},
+      .outputs = {{"out", "=in", "input with variations smaller than the width removed"}},
       .make = make_node<KernelNode<tactus_hysteresis_step, 2>>,
       .small_signal_gain = 1,
       .range = from_zero_to("in"),

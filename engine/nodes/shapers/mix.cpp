@@ -18,7 +18,7 @@ struct MixFunction {
 NodeType mix_type() {
   return {
       .name = "mix",
-      .summary = "Adds all lanes of a signal.",
+      .summary = "Sums all lanes (parallel signals) of a signal.",
       .equation =
           "out = sum of in over its lanes; lanes k + 8, k + 16, ... are added to lane k, then the remaining "
           "8 lanes\nin halves: k and k + 4, k and k + 2, k and k + 1",

@@ -31,7 +31,7 @@ class CentredSolver final : public NetworkSolver {
     if (factored()) status = factor();
     if (status) status = slow_start();
     if (status && kind_ == Solver::Explicit && model_.masses >= kShortestRow && model_.frictions.empty())
-      line_up(std::move(links.constant));
+      arrange_links(std::move(links.constant));
     if (status) status = couple();
     return status;
   }
@@ -219,7 +219,7 @@ class CentredSolver final : public NetworkSolver {
     return {};
   }
 
-  void line_up(std::vector<double> constant) {
+  void arrange_links(std::vector<double> constant) {
     std::vector<LinkOperator::Entry> jumps;
     row_ = MassRow(links_.entries(), model_.scale, jumps);
     std::vector<bool> pushed(model_.mass.size(), !jumps.empty());

@@ -11,7 +11,7 @@ namespace tactus {
 namespace {
 
 constexpr const char* kForm =
-    "a measured path is one input, one fir node 'path' and one output from = \"path\"";
+    "a measured path must have one input, one fir node 'path' and one output with from = \"path\"";
 
 enum FirSetting { kTaps, kRate };
 

@@ -123,7 +123,7 @@ void check_expectation(const Expectation& expectation, const SceneSpec& scene,
     return check_subject(expectation, *type, scene, recorded, errors);
   if (!scene.playability && !scene.incomplete)
     errors.add(Errc::Missing, expectation.at, "'" + expectation.measure + "' needs [playability]",
-               "add the section with kind = \"roll\" or kind = \"tone\"");
+               "add a [playability] section with kind = \"roll\" or kind = \"tone\"");
 }
 
 void check_signals(const SceneSpec& scene, const NodeTable& table, ErrorList& errors) {

@@ -281,7 +281,8 @@ void read_compared(const Field& field, const std::string& name, Comparison& comp
 Comparison read_comparison(const Value::Table& section, const Source& at, ErrorList& errors) {
   Comparison comparison{errors.text(section, "name"), at, {}, {}};
   if (comparison.name.empty())
-    errors.add(Errc::Missing, at, "[compare] lacks 'name'", "write name = \"without the pulse\"");
+    errors.add(Errc::Missing, at, "[compare] lacks 'name'",
+               "add a name, such as name = \"without the pulse\"");
   for (const auto& field : section) {
     if (field.key == "name") continue;
     const auto* part = field.value.table();  // plant.gain = 1

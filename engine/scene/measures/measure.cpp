@@ -46,7 +46,7 @@ Result<Window> window_of(const SceneRecording& recording, const Expectation& exp
   if (recording.playability) window.playability = &*recording.playability;
   if (type.subject == Subject::Playing && window.playability == nullptr)
     return fail(Errc::Missing, expectation.at.text(), "'" + type.name + "' needs [playability]",
-                "add the section with kind = \"roll\" or kind = \"tone\"");
+                "add a [playability] section with kind = \"roll\" or kind = \"tone\"");
   if (type.subject == Subject::Port) {
     window.port = find_named(recording.ports, expectation.of);
     if (window.port == nullptr)

@@ -155,7 +155,7 @@ std::vector<Measure> all_measures() {
        S::Events, [](W w) { return evenness_of(w.event_times()).spread; }},
       {"beats", "", "events after which the pattern of the intervals repeats", S::Events,
        [](W w) -> double { return evenness_of(w.event_times()).beats; }},
-      {"pattern_spread", "", "relative spread of the intervals around that pattern", S::Events,
+      {"pattern_spread", "", "relative spread of the intervals around the repeating pattern", S::Events,
        [](W w) { return evenness_of(w.event_times()).pattern_spread; }},
       {"restitution", "", "ratio of the speeds after and before a strike, geometric mean", S::Signal,
        restitution_of, "stick", "contact"},

@@ -54,7 +54,7 @@ class PlantTimer {
         loop_(replay_, *built_.plant, replay_.outputs(), built_.delay_frames, Converters{.on = false}),
         rate_(recording.sample_rate),
         frames_(static_cast<int>(frames_in(scene.duration, rate_))) {
-    const double share = kLongestTiming_s / std::max(kLongestTiming_s, recording.run_seconds);
+    const double share = kMaxTimingDuration_s / std::max(kMaxTimingDuration_s, recording.run_seconds);
     frames_ = std::max(std::min(frames_, kTimedBlock), static_cast<int>(frames_ * share));
   }
 
@@ -76,7 +76,7 @@ class PlantTimer {
 
  private:
   static constexpr int kTimedBlock = 64;
-  static constexpr double kLongestTiming_s = 0.3;
+  static constexpr double kMaxTimingDuration_s = 0.3;
   static constexpr double kShortestTiming_s = 3e-3;  // the processor's clock counts microseconds
 
   BuiltScene built_;

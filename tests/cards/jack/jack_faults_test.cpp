@@ -177,7 +177,7 @@ Outcome pull_ports(Player& player) {
   if (!player.plays_on()) return failed("does not play on");
   if (!wait_until([&] {
         player.tick();
-        return player.is_told("somebody disconnected '" + out);
+        return player.is_told("disconnected '" + out);
       }))
     return failed("does not tell");
   if (player.server.connections(out) != "") return failed("does not leave it as the user did it");

@@ -36,7 +36,7 @@ Search search(const Path& path, LevelSearch::Settings settings = {0.003, 0.5, Se
   LevelSearch level{settings};
   Search result;
   std::vector<double> played;
-  for (; result.windows < level.most_windows(); ++result.windows) {
+  for (; result.windows < level.max_windows(); ++result.windows) {
     const auto captured = path.captured(played, result.windows);
     if (captured.peak > LevelSearch::kTooLoud) {
       played.resize(std::min(played.size(), static_cast<std::size_t>(result.windows)));

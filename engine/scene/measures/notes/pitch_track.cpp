@@ -13,7 +13,7 @@
 namespace tactus {
 namespace {
 
-constexpr double kBegun = 0.178;                     // -15 dB
+constexpr double kOnsetLevel = 0.178;                // -15 dB
 constexpr double kElsewhere = 0.25;                  // of its time, in a right note
 constexpr double kSlowest_hz = 3, kFastest_hz = 10;  // of a vibrato
 
@@ -217,8 +217,8 @@ std::optional<double> steady_from(const std::vector<ToneMoment>& moments, double
   const auto needed = static_cast<std::size_t>(std::max(1.0, std::round(hold_s / kPitchHop_s)));
   std::size_t run = 0;
   for (std::size_t i = 0; i < moments.size(); ++i) {
-    const bool steady =
-        std::abs(moments[i].off_cents() - off_cents) <= kNearPartial_cents && moments[i].rms >= kBegun * rms;
+    const bool steady = std::abs(moments[i].off_cents() - off_cents) <= kNearPartial_cents &&
+                        moments[i].rms >= kOnsetLevel * rms;
     const bool follows = i == 0 || moments[i].time_s - moments[i - 1].time_s < 1.5 * kPitchHop_s;
     run = !steady ? 0 : follows ? run + 1 : 1;
     if (run == needed) return moments[i + 1 - needed].time_s;

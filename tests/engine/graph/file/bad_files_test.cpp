@@ -153,13 +153,13 @@ g = { value = 2008-06-05 }
 [nodes]
 Mix = "1"
 )",
-     R"(test.toml:3:1: 'Mix' cannot name a node; names begin with a small letter and continue with small letters, digits and _)"},
+     R"(test.toml:3:1: 'Mix' cannot name a node; names begin with a lower-case letter, followed by lower-case letters, digits and _)"},
     {"a name in UTF-8",
      R"(format = 1
 [nodes]
 "größe" = "1"
 )",
-     R"(test.toml:3:1: 'größe' cannot name a node; names begin with a small letter and continue with small letters, digits and _)"},
+     R"(test.toml:3:1: 'größe' cannot name a node; names begin with a lower-case letter, followed by lower-case letters, digits and _)"},
     {"a letter with an accent outside of quotes",
      R"(format = 1
 [controls]
@@ -180,7 +180,7 @@ größe = "1"
 [nodes]
 "a.b" = "1"
 )",
-     R"(test.toml:3:1: 'a.b' cannot name a node; names begin with a small letter and continue with small letters, digits and _)"},
+     R"(test.toml:3:1: 'a.b' cannot name a node; names begin with a lower-case letter, followed by lower-case letters, digits and _)"},
     {"a reserved name",
      R"(format = 1
 [nodes]

@@ -123,7 +123,7 @@ a = { value = 1 }
         R"(drum.toml:1:1: 'format' is missing; begin the file with format = 1
 drum.toml:1:8: 'name' must be a string, not a number; put it in quotes
 drum.toml:2:2: unknown key 'nods'; did you mean 'nodes'?
-drum.toml:4:1: 'Hit' cannot name a node; names begin with a small letter and continue with small letters, digits and _
+drum.toml:4:1: 'Hit' cannot name a node; names begin with a lower-case letter, followed by lower-case letters, digits and _
 drum.toml:5:1: 'ms' is a unit and cannot name a node; choose another name
 drum.toml:6:1: 'min' is reserved and cannot name a node; choose another name
 drum.toml:7:1: node 'x' has neither 'type' nor 'use'; is 'typ' a misspelling of 'type'?

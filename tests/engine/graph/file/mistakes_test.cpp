@@ -28,7 +28,7 @@ d = { type = "clip", in = "nowhere" }
 [outputs]
 y = { from = "sum" }
 )") ==
-      R"(test.toml:5:1: 'Hit' cannot name a node; names begin with a small letter and continue with small letters, digits and _
+      R"(test.toml:5:1: 'Hit' cannot name a node; names begin with a lower-case letter, followed by lower-case letters, digits and _
 test.toml:6:12: this is in N, but it is added to what is in m; multiply one of them by a quantity that turns its unit into the other's
 test.toml:7:1: node 'lost' has neither 'type' nor 'use'; give a node type, as in type = "low_pass", or the file of a part, as in use = "string.toml"
 test.toml:9:28: there is no 'nowhere'; write an input, a control or a node of this file

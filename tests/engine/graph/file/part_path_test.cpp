@@ -50,13 +50,13 @@ TEST_CASE("parts: mistakes in all files come together, each file once", "[graph]
       folder.write("a.toml",
                    "format = 1\n[nodes]\nx = { use = \"bad.toml\" }\ny = { use = \"worse.toml\" }\n"
                    "z = { use = \"bad.toml\" }\n1x = 3\n");
-  CHECK(
-      mistakes(folder, file) ==
-      "a.toml:6:1: '1x' cannot name a node; names begin with a small letter and continue with small letters, "
-      "digits "
-      "and _\n"
-      "bad.toml:2:1: unknown key 'nods'; did you mean 'nodes'?\n"
-      "worse.toml:1:10: in this key-value pair: encountered end-of-file; fix this to see further errors");
+  CHECK(mistakes(folder, file) ==
+        "a.toml:6:1: '1x' cannot name a node; names begin with a lower-case letter, followed by lower-case "
+        "letters, "
+        "digits "
+        "and _\n"
+        "bad.toml:2:1: unknown key 'nods'; did you mean 'nodes'?\n"
+        "worse.toml:1:10: in this key-value pair: encountered end-of-file; fix this to see further errors");
 }
 
 TEST_CASE("parts: a circle of files is printed file by file", "[graph]") {

@@ -109,13 +109,16 @@ TEST_CASE("expression: what cannot be read is said in words", "[graph]") {
       {"max + 1", "a.toml:3:14: '(' is missing after 'max'; write max(a, b)"},
       {"max(a, b", "a.toml:3:13: '(' is not closed; put ')' where it ends"},
       {"Gain * 2",
-       "a.toml:3:10: 'Gain' is not a name; names consist of small letters, digits and _; a port follows a "
+       "a.toml:3:10: 'Gain' is not a name; names consist of lower-case letters, digits and _; a port follows "
+       "a "
        "dot"},
       {"a..b",
-       "a.toml:3:10: 'a..b' is not a name; names consist of small letters, digits and _; a port follows a "
+       "a.toml:3:10: 'a..b' is not a name; names consist of lower-case letters, digits and _; a port follows "
+       "a "
        "dot"},
       {"a.",
-       "a.toml:3:10: 'a.' is not a name; names consist of small letters, digits and _; a port follows a dot"},
+       "a.toml:3:10: 'a.' is not a name; names consist of lower-case letters, digits and _; a port follows a "
+       "dot"},
       {"2 × x", "a.toml:3:12: '×' found where an operator was expected; put + - * or / before it"},
       {"1e999",
        "a.toml:3:10: the number 1e999 is too large or too small; use a number between 1e-300 and 1e300"},

@@ -423,7 +423,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [compare]
 strength = 0
 )",
-     R"(scene.toml:6:1: [compare] lacks 'name'; write name = "without the pulse")"},
+     R"(scene.toml:6:1: [compare] lacks 'name'; add a name, such as name = "without the pulse")"},
     {"a comparison of a control that is not there",
      R"(format = 1
 duration = "1 s"

@@ -132,7 +132,7 @@ TEST_CASE("path file: a scene at another rate hears the same path", "[scene]") {
 
 TEST_CASE("path file: what is no measured path is told with its place", "[scene]") {
   const std::string form =
-      "; a measured path is one input, one fir node 'path' and one output from = \"path\"";
+      "; a measured path must have one input, one fir node 'path' and one output with from = \"path\"";
   CHECK(mistakes("type = \"fir\"\nin = \"drive\"\nrate = \"48 kHz\"\ntaps = [1, 0.5]",
                  "type = \"clip\"\nin = \"drive\"") ==
         "path.toml:1:1: there is no fir node called 'path'" + form +
