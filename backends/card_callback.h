@@ -17,7 +17,7 @@
 namespace tactus {
 
 /// Finds frames that went missing although no driver reported them, by the clock: blocks come late for many
-/// reasons but never early, so the earliest block of each half second shows where the stream stands. When it
+/// reasons but never early, so the earliest block of each half second shows the stream's position. When it
 /// falls behind that of the half second before by more than a block and by more than two clocks drift apart
 /// (0.2 %), frames are missing.
 ///

@@ -22,7 +22,7 @@ struct SecondPath {
   double level_db = 0.0;                       ///< beside the path
 };
 
-/// What an analysis knows that its reader need not.
+/// Results of an analysis that its report omits.
 struct Evidence {
   CoarseDelay coarse;
   Response::Echo echo;

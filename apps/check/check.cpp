@@ -43,7 +43,7 @@ Json loop_json(const LoopVerdict& loop) {
           {"border_hz", margin.border_hz},
           {"least_factor_above", margin.up},
           {"largest_factor_below", margin.down},
-          {"gain_margin_db", 20 * std::log10(margin.border)},
+          {"gain_margin_db", amplitude_to_db(margin.border)},
           {"peak_gain", margin.peak},
           {"peak_hz", margin.peak_hz},
           {"holds_at_every_delay", margin.peak < 1},

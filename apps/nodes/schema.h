@@ -11,7 +11,7 @@ std::string file_reference();
 
 /// [control] What graph, scene, profile and rig files may hold, as JSON Schema (draft 7), made from the
 /// declarations of the nodes, the elements of networks and the measures, so that editors complete and check
-/// files. Names, units and expressions are strings to it: what they mean only the engine knows.
+/// files. Names, units and expressions are strings to it; only the engine checks them.
 /// docs/tactus.schema.json is this.
 std::string file_schema(const NodeTable& table);
 

@@ -21,18 +21,18 @@ struct PlayOptions : LiveOptions {
 struct Report {
   const PlayedScene& played;
   std::vector<ReportSection> sections;
-  std::vector<Outcome> outcomes;
+  std::vector<ExpectationResult> outcomes;
 
   bool passed() const {
     return played.recording.faults.empty() &&
            std::all_of(outcomes.begin(), outcomes.end(),
-                       [](const Outcome& outcome) { return outcome.holds; });
+                       [](const ExpectationResult& outcome) { return outcome.holds; });
   }
   double delay_ms() const { return 1e3 * played.recording.delay_frames / played.recording.sample_rate.value; }
   double times_real_time() const { return played.recording.seconds() / played.recording.run_seconds; }
 };
 
-Json outcome_json(const Outcome& outcome) {
+Json outcome_json(const ExpectationResult& outcome) {
   return {{"name", outcome.name},
           {"value", outcome.value},
           {"unit", outcome.unit},

@@ -183,7 +183,7 @@ int report_accuracy(const RenderOptions& options, const std::filesystem::path& f
   if (!options.rate.empty()) scene.rate = parse_rate(options.rate);
   if (!options.delay.empty()) scene.delay = parse_delay(options.delay);
   if (!options.duration.empty()) scene.duration = parse_duration(options.duration, 3600_s);
-  const auto result = or_exit(judge_as_written(scene, standard_nodes()));
+  const auto result = or_exit(evaluate_as_written(scene, standard_nodes()));
   options.json ? print_json(json_of(result)) : fmt::print("{}", error_text(result));
   return result.points.front().known() ? kDone : kNo;
 }

@@ -22,7 +22,7 @@ inline constexpr int kMaxSubBlock = 64;
 inline constexpr int kVectorWidth = 8;
 
 /// One input of a node for one sub-block. A constant (or a control at rest) is one number with stride 0, so
-/// that a node can see that nothing changes; anything else has one sample per frame.
+/// that a node can see that nothing changes; anything else has one sample per frame. [any]
 struct Signal {
   const double* data = nullptr;
   std::ptrdiff_t stride = 0;

@@ -59,7 +59,7 @@ class DriveGuard {
     Drive,  ///< moves something: all stages
     Audio,  ///< for ears: finite, ramps, ceiling
   };
-  /// A frame counts as limited by ceiling or excursion for this long after: crests of a loop above 10 Hz.
+  /// A frame counts as limited by ceiling or excursion for this long after: peaks of a loop above 10 Hz.
   static constexpr Seconds kCrest{0.015};
 
   /// [control] `limits` must have passed `check`.

@@ -122,7 +122,7 @@ struct Plot {
 /// A trace of samples `step` apart, the first at `start`.
 PlotSeries plot_trace(std::string label, double start, double step, std::vector<double> values);
 
-/// A page of plots as an SVG document, `columns` of them side by side.
+/// A page of plots as an SVG document, in `columns` columns.
 std::string to_svg(const std::vector<Plot>& page, int columns = 1);
 /// Errors: BadFile.
 [[nodiscard]] Status write_svg(const std::filesystem::path& path, const std::vector<Plot>& page,

@@ -38,7 +38,7 @@ class RigInputs final : public BlockProcessor {
   BlockProcessor& inner_;
   std::vector<double> scales_;
   int padding_frames_;
-  std::size_t place_ = 0;  ///< in each ring: where the oldest value stands
+  std::size_t place_ = 0;  ///< in each ring: index of the oldest value
   std::vector<Input> inputs_;
   ChannelBuffers in_;
 };

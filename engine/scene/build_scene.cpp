@@ -89,7 +89,7 @@ class SceneBuilder {
                     "see [parts] of the scene");
   }
 
-  /// What the instrument gives out comes into the world from outside.
+  /// The instrument's outputs are inputs of the plant.
   void declare_drives() {
     if (has_no_instrument()) return;
     NodeSpec unknown;

@@ -147,7 +147,7 @@ void report_details(LoopEstimator& estimator, const LoopEstimate& loop, const Re
 constexpr double kSoftest = 0.01;  // of the path: it moves no delay by a thousandth of a frame
 constexpr double kAside = 2.0;
 
-/// How much of what the path brings of a burst stands in `rest` at the delay `frames`, beside the path.
+/// The share of the path's response to a burst that `rest` contains at the delay `frames`.
 double usual_level(const LoopEstimate& loop, std::span<const double> first, std::span<const double> rest,
                    std::int64_t frames) {
   std::vector<double> levels;

@@ -15,7 +15,7 @@ namespace {
 constexpr double kLeastShare = 0.125;  // of the probe's energy must lie within the recording
 constexpr Seconds kEdge{0.01};
 constexpr std::size_t kAround = 96;       // frames: by 400 ppm two clocks differ by so much in five seconds
-constexpr double kCoarseRounding = 1e-9;  // of the mean: direct current, and nothing else
+constexpr double kCoarseRounding = 1e-9;  // of the mean: DC only
 constexpr double kLowest = 60.0;          // Hz; below there is hum, and little that defines a delay
 
 std::size_t loudest(const std::vector<double>& values, std::size_t from, std::size_t to) {

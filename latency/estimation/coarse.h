@@ -15,7 +15,7 @@ namespace tactus {
 struct CoarseDelay {
   std::int64_t frames = 0;  ///< negative: the recording began after the probe
   double sign = 1.0;
-  /// How far the correlation at that delay stands out of what it is at others, in standard deviations.
+  /// How far the correlation at that delay exceeds that at other delays, in standard deviations.
   /// Without any signal its highest value among n delays is about sqrt(2 ln n): 5 for a few hundred thousand.
   double prominence = 0.0;
 

@@ -19,7 +19,7 @@ struct NoiseFloor {
   std::vector<double> per_frame;  ///< power spectrum of one frame of it, from 0 to half the sample rate; its
                                   ///< mean is `variance`
 
-  /// [control] By Welch's method, in windows of 1024 frames. A stretch of less than two of them has a flat
+  /// [control] By Welch's method, in windows of 1024 frames. A signal shorter than two of them has a flat
   /// spectrum.
   static NoiseFloor of(std::span<const double> quiet);
   /// [any] The power that `frames` frames of it have in each bin of a transform of `size`.

@@ -186,7 +186,7 @@ Response::Echo Response::echo() const {
   auto left = power_of(rest);
   const double all = std::accumulate(left.begin(), left.end(), 0.0);
   const auto size = static_cast<std::int64_t>(left.size());
-  // What stands at the path itself is its shape.
+  // The values at the path itself are its shape.
   const auto at = static_cast<std::int64_t>(highest_power(main));
   for (auto n = at - kAtPath; n <= at + kAtPath; ++n) left[index((n + size) % size)] = 0.0;
   Echo echo;
@@ -209,22 +209,22 @@ Response::Echo Response::echo() const {
 
 std::array<std::optional<double>, 4> Response::harmonics(const ExponentialSweep& probe) const {
   constexpr double kHalf = 0.004;          // seconds around each response
-  constexpr double kNowhere = 12.5;        // no whole order: what stands there is noise
+  constexpr double kNowhere = 12.5;        // not a whole order: only noise is there
   constexpr double kFundamental = 1000.0;  // Hz
   const auto answer = deconvolved(window_.captured);
   const auto size = static_cast<std::int64_t>(answer.size());
   const auto half = static_cast<std::int64_t>(kHalf * sample_rate_.value);
   const double growth = frames_in(probe.growth(), sample_rate_);
-  // Mean power of the answer where the order `place` stands, at the frequencies of another one.
+  // Mean power of the response at the position of order `place`, at the frequencies of another one.
   const auto power = [&](double place, double order) {
     const auto centre = std::llround(model_.delay_frames - growth * std::log(place));
-    std::vector<double> piece;
+    std::vector<double> window;
     for (auto n = centre - half; n < centre + half; ++n) {
       const double fade =
           0.5 + 0.5 * std::cos(pi * static_cast<double>(n - centre) / static_cast<double>(half));
-      piece.push_back(std::sqrt(fade) * answer[index((n % size + size) % size)]);
+      window.push_back(std::sqrt(fade) * answer[index((n % size + size) % size)]);
     }
-    const auto spectrum = fourier_.forward(piece);
+    const auto spectrum = fourier_.forward(window);
     const double bins_per_hertz = static_cast<double>(fourier_.size()) / sample_rate_.value;
     const auto low = static_cast<std::size_t>(order * kFundamental / std::numbers::sqrt2 * bins_per_hertz);
     const auto high =

@@ -10,7 +10,7 @@
 
 namespace tactus {
 
-/// A stretch of sound between two pauses.
+/// The sound between two pauses.
 struct Burst {
   std::int64_t at = 0;
   std::int64_t frames = 0;

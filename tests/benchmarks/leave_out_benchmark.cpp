@@ -6,9 +6,9 @@
 #include <memory>
 #include <vector>
 
-#include "tests/support/graph_runner.h"
-#include "tests/support/mostly_idle_graph.h"
-#include "tests/support/node_runner.h"
+#include "tests/support/graphs/graph_runner.h"
+#include "tests/support/graphs/mostly_idle_graph.h"
+#include "tests/support/graphs/node_runner.h"
 
 namespace {
 

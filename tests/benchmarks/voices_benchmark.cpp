@@ -1,8 +1,8 @@
 #include <benchmark/benchmark.h>
 
-#include "tests/support/graph_runner.h"
-#include "tests/support/node_runner.h"
-#include "tests/support/voices_graph.h"
+#include "tests/support/graphs/graph_runner.h"
+#include "tests/support/graphs/node_runner.h"
+#include "tests/support/graphs/voices_graph.h"
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "tests/support/graph_runner.h"
+#include "tests/support/graphs/graph_runner.h"
 
 namespace tactus::bench {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/graph/node_type.h"
-#include "tests/support/node_runner.h"
+#include "tests/support/graphs/node_runner.h"
 
 namespace tactus::test {
 

@@ -7,7 +7,7 @@
 
 #include "engine/nodes/table.h"
 #include "tests/conformance/node_cases.h"
-#include "tests/support/graph_runner.h"
+#include "tests/support/graphs/graph_runner.h"
 
 // What a broken sensor, driver or control program can deliver, at every input of every node in a running
 // graph, and beside it a branch that must not notice.

@@ -6,7 +6,7 @@
 #include "engine/nodes/table.h"
 #include "tests/conformance/node_cases.h"
 #include "tests/conformance/random_graph.h"
-#include "tests/support/graph_runner.h"
+#include "tests/support/graphs/graph_runner.h"
 #include "tests/support/temporary_folder.h"
 
 // Every loop of a random graph is bounded, and not one fault may be counted.

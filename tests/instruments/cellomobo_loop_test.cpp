@@ -7,7 +7,7 @@
 #include "engine/nodes/table.h"
 #include "engine/scene/measures/notes/pitch_track.h"
 #include "engine/study/stability/stability.h"
-#include "tests/support/graph_runner.h"
+#include "tests/support/graphs/graph_runner.h"
 
 using namespace tactus;
 

@@ -7,7 +7,7 @@
 #include "engine/nodes/table.h"
 #include "engine/runtime/player.h"
 #include "engine/scene/play_scene.h"
-#include "tests/support/graph_runner.h"
+#include "tests/support/graphs/graph_runner.h"
 
 using namespace tactus;
 

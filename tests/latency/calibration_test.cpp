@@ -7,7 +7,7 @@
 
 #include "latency/estimation/fourier.h"
 #include "latency/probe/probe.h"
-#include "tests/support/plants.h"
+#include "tests/support/graphs/plants.h"
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include <thread>
 
 #include "engine/guard/guarded.h"
-#include "tests/support/graph_runner.h"
+#include "tests/support/graphs/graph_runner.h"
 
 using namespace tactus;
 

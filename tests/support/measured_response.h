@@ -4,7 +4,7 @@
 #include <complex>
 #include <numbers>
 
-#include "tests/support/node_runner.h"
+#include "tests/support/graphs/node_runner.h"
 
 namespace tactus::test {
 

@@ -75,7 +75,7 @@ class LiveInstrument final : public Performer {
     add_files(*loaded.spec, files_);
     name_ = loaded.spec->name;
     if (setup_.rig) {
-      for (auto& mistake : check_rig(*setup_.rig, *loaded.spec)) loaded.errors.push_back(std::move(mistake));
+      for (auto& error : check_rig(*setup_.rig, *loaded.spec)) loaded.errors.push_back(std::move(error));
       loaded.spec = without_left_out(*setup_.rig, loaded.spec);
     }
     CompileOptions options;
@@ -158,7 +158,7 @@ class LiveWorld final : public Performer, private BlockProcessor {
         loop_(guarded_, *built_.plant, built_.instrument->out_channels(), built_.delay_frames,
               scene_.converters),
         monitor_(monitor_of(*built_.instrument, setup_.speakers)),
-        listener_([this](const ClosedLoop::Block& piece) { copy_monitor(piece); }) {
+        listener_([this](const ClosedLoop::Block& block) { copy_monitor(block); }) {
     name_ = scene_.name;
     files_ = files_of(scene_, setup_.file);
   }
@@ -217,12 +217,12 @@ class LiveWorld final : public Performer, private BlockProcessor {
     loop_.run(io.frames, listener_);
   }
 
-  void copy_monitor(const ClosedLoop::Block& piece) noexcept {
-    const auto& from = monitor_.sensors ? piece.sensors : piece.drives;
+  void copy_monitor(const ClosedLoop::Block& block) noexcept {
+    const auto& from = monitor_.sensors ? block.sensors : block.drives;
     for (std::size_t c = 0; c < monitor_.channels.size(); ++c)
-      std::copy_n(from[static_cast<int>(monitor_.channels[c])], piece.frames, io_->out[c] + done_);
-    done_ += piece.frames;
-    if (watching_.load(std::memory_order_relaxed)) ports_.take(*built_.plant, piece.frames);
+      std::copy_n(from[static_cast<int>(monitor_.channels[c])], block.frames, io_->out[c] + done_);
+    done_ += block.frames;
+    if (watching_.load(std::memory_order_relaxed)) ports_.take(*built_.plant, block.frames);
   }
 
   PerformerSetup setup_;

@@ -147,8 +147,9 @@ std::vector<double> triggers_of(const SceneRecording& recording, const std::stri
   return signal == nullptr ? std::vector<double>{} : trigger_times(signal->samples, recording.sample_rate);
 }
 
-Checked<std::vector<Outcome>> check_expectations(const SceneSpec& scene, const SceneRecording& recording) {
-  std::vector<Outcome> outcomes;
+Checked<std::vector<ExpectationResult>> check_expectations(const SceneSpec& scene,
+                                                           const SceneRecording& recording) {
+  std::vector<ExpectationResult> outcomes;
   std::vector<Error> errors;
   for (const auto& expectation : scene.expect) {
     const auto value = measure(recording, expectation);

@@ -92,7 +92,7 @@ std::vector<std::string> error_names();
 Result<double> measure(const SceneRecording& recording, const Expectation& expectation);
 
 /// The result of one entry of [expect].
-struct Outcome {
+struct ExpectationResult {
   std::string name, measure;
   double value = 0;
   std::string unit;
@@ -100,7 +100,8 @@ struct Outcome {
   std::string wanted;  ///< "at least 15 Hz"
 };
 /// Of a scene that `build_scene` accepted. Errors: UnknownName for what was not recorded all the same.
-Checked<std::vector<Outcome>> check_expectations(const SceneSpec& scene, const SceneRecording& recording);
+Checked<std::vector<ExpectationResult>> check_expectations(const SceneSpec& scene,
+                                                           const SceneRecording& recording);
 
 /// Relative error of what `accuracy` names in `run`: against its exact value if it has one, else against
 /// `reference`, played at the same rate. What should oscillate, or happen, and does not is wrong by 1.

@@ -117,9 +117,9 @@ ExtremeRun run_guarded(const StabilitySubject& subject, BuiltScene& built, Extre
   const int frames = static_cast<int>(run.seconds * run.rate.value);
   Quarters energy;
   for (int done = 0; done < frames; done += kExtremesBlock) {
-    loop.run(std::min(kExtremesBlock, frames - done), [&](const ClosedLoop::Block& piece) {
-      for (const auto* drive : piece.drives)
-        for (int n = 0; n < piece.frames; ++n) {
+    loop.run(std::min(kExtremesBlock, frames - done), [&](const ClosedLoop::Block& block) {
+      for (const auto* drive : block.drives)
+        for (int n = 0; n < block.frames; ++n) {
           run.finite = run.finite && std::isfinite(drive[n]);
           run.peak = std::max(run.peak, std::abs(drive[n]));
         }
@@ -146,8 +146,8 @@ std::vector<double> sensors_after(double push, const StabilitySubject& subject, 
   ClosedLoop loop{
       disturbed, *built->plant, built->instrument->out_channels(), built->delay_frames, {.on = false}};
   if (!loop.prepare(run.rate, kExtremesBlock)) return samples;
-  loop.run(static_cast<int>(run.seconds * run.rate.value), [&](const ClosedLoop::Block& piece) {
-    for (const auto* sensor : piece.sensors) samples.insert(samples.end(), sensor, sensor + piece.frames);
+  loop.run(static_cast<int>(run.seconds * run.rate.value), [&](const ClosedLoop::Block& block) {
+    for (const auto* sensor : block.sensors) samples.insert(samples.end(), sensor, sensor + block.frames);
   });
   run.finite = run.finite && disturbed.finite();
   return samples;

@@ -243,7 +243,8 @@ Result<Expectation> find_swept_measure(const SceneSpec& scene, const std::string
   if (const auto* found = find_measure(what.measure); found != nullptr && found->value != nullptr)
     return what;
   auto names = names_of(scene.expect);
-  for (const auto& known : value_names()) names.push_back(known);
+  for (const auto& known : value_names())
+    if (std::ranges::find(names, known) == names.end()) names.push_back(known);
   const auto near = nearest_name(what.measure, names);
   return fail(Errc::UnknownName, "--measure", "there is no measure '" + what.measure + "'",
               (near.empty() ? "" : "did you mean '" + near + "'? ") + ("the measures are " + listed(names)));

@@ -273,7 +273,7 @@ Checked<WorkPrecision> study_work_precision(const SceneSpec& scene, const NodeTa
   return Study{scene, table, options}.run();
 }
 
-Checked<WorkPrecision> judge_as_written(const SceneSpec& scene, const NodeTable& table, int repeats) {
+Checked<WorkPrecision> evaluate_as_written(const SceneSpec& scene, const NodeTable& table, int repeats) {
   if (auto missing = missing_section(scene)) return tl::unexpected(std::vector{*missing});
   WorkPrecisionOptions options;
   options.repeats = repeats;

@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [control]
 
 #include <functional>
 #include <optional>
@@ -75,7 +76,7 @@ Checked<WorkPrecision> study_work_precision(const SceneSpec& scene, const NodeTa
 
 /// [control] The same for the scene as it is written: one run, whose variant names no solver. Errors: those
 /// of the scene; Missing without [accuracy].
-Checked<WorkPrecision> judge_as_written(const SceneSpec& scene, const NodeTable& table, int repeats = 5);
+Checked<WorkPrecision> evaluate_as_written(const SceneSpec& scene, const NodeTable& table, int repeats = 5);
 
 /// [any] Error against computing time, a plot for each line of [accuracy]: a curve for each solver and rate
 /// over its oversampling, the Pareto front, and the limit of real time.

@@ -6,7 +6,7 @@
 #include "engine/rig/profile.h"
 #include "tests/backends/take/performance.h"
 #include "tests/conformance/random_graph.h"
-#include "tests/support/busy_graph.h"
+#include "tests/support/graphs/busy_graph.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace tactus;

@@ -10,7 +10,7 @@
 #include "engine/graph/plan/inserted_nodes.h"
 #include "engine/nodes/shapers/mix_kernel.h"
 #include "engine/nodes/table.h"
-#include "tests/support/node_runner.h"
+#include "tests/support/graphs/node_runner.h"
 
 using namespace tactus;
 using test::Samples;

@@ -3,8 +3,8 @@
 #include <numbers>
 
 #include "engine/dsp/pitch/pitch_detector.h"
-#include "tests/support/graph_runner.h"
-#include "tests/support/node_runner.h"
+#include "tests/support/graphs/graph_runner.h"
+#include "tests/support/graphs/node_runner.h"
 
 using namespace tactus;
 

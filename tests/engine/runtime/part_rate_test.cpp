@@ -2,8 +2,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "tests/support/node_runner.h"
-#include "tests/support/part_graph.h"
+#include "tests/support/graphs/node_runner.h"
+#include "tests/support/graphs/part_graph.h"
 
 using namespace tactus;
 using test::Channels;

@@ -2,9 +2,9 @@
 #include <thread>
 
 #include "tests/support/allocation_count.h"
-#include "tests/support/busy_graph.h"
-#include "tests/support/graph_runner.h"
-#include "tests/support/node_runner.h"
+#include "tests/support/graphs/busy_graph.h"
+#include "tests/support/graphs/graph_runner.h"
+#include "tests/support/graphs/node_runner.h"
 
 using namespace tactus;
 

@@ -1,9 +1,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "tests/support/graph_runner.h"
-#include "tests/support/node_runner.h"
-#include "tests/support/voices_graph.h"
+#include "tests/support/graphs/graph_runner.h"
+#include "tests/support/graphs/node_runner.h"
+#include "tests/support/graphs/voices_graph.h"
 
 using namespace tactus;
 using test::Channels;

@@ -6,7 +6,7 @@
 #include "engine/scene/closed_loop.h"
 #include "engine/scene/play_scene.h"
 #include "tests/support/allocation_count.h"
-#include "tests/support/node_runner.h"
+#include "tests/support/graphs/node_runner.h"
 
 using namespace tactus;
 namespace fs = std::filesystem;

@@ -3,8 +3,8 @@
 #include <catch2/catch.hpp>
 
 #include "tests/support/allocation_count.h"
-#include "tests/support/graph_runner.h"
-#include "tests/support/node_runner.h"
+#include "tests/support/graphs/graph_runner.h"
+#include "tests/support/graphs/node_runner.h"
 
 using namespace tactus;
 

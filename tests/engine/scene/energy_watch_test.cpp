@@ -11,7 +11,7 @@
 #include "engine/scene/measures/measure.h"
 #include "engine/scene/play_scene.h"
 #include "tests/support/allocation_count.h"
-#include "tests/support/graph_runner.h"
+#include "tests/support/graphs/graph_runner.h"
 #include "tests/support/scene_folder.h"
 #include "tests/support/wall_theory.h"
 

@@ -20,7 +20,7 @@
 #include "latency/estimation/delay_trend.h"
 #include "latency/probe/probe.h"
 #include "tests/studies/latency/baselines.h"
-#include "tests/support/plants.h"
+#include "tests/support/graphs/plants.h"
 #include "tests/support/simulated_loop.h"
 
 namespace {

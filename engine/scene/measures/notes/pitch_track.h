@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [control]
 
 #include <functional>
 #include <optional>
@@ -96,7 +97,7 @@ std::vector<PitchPoint> track_notes(std::span<const double> sound, Hertz rate, H
 Hertz lowest_tracked(Hertz lowest);
 
 /// The expected and the detected notes of a scene: those of a signal in Hz, which a part other than
-/// the instrument gives out, in the signal with the role "monitor".
+/// the instrument outputs, in the signal with the role "monitor".
 struct Melody {
   const RecordedSignal* expected = nullptr;
   std::vector<PitchPoint> detected;

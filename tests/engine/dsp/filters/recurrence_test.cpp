@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "tests/support/node_runner.h"
+#include "tests/support/graphs/node_runner.h"
 
 using namespace tactus;
 using namespace tactus::test;

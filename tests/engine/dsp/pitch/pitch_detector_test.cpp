@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/support/node_runner.h"
+#include "tests/support/graphs/node_runner.h"
 
 using namespace tactus;
 

@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "tests/support/graph_runner.h"
+#include "tests/support/graphs/graph_runner.h"
 #include "tests/support/messages.h"
 #include "tests/support/temporary_folder.h"
 

@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "tests/support/graph_runner.h"
+#include "tests/support/graphs/graph_runner.h"
 
 using namespace tactus;
 using test::engine_of;

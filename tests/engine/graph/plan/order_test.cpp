@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "engine/graph/plan/compile.h"
-#include "tests/support/graph_runner.h"
+#include "tests/support/graphs/graph_runner.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace tactus;

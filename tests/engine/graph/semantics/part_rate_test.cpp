@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 
+#include "tests/support/graphs/part_graph.h"
 #include "tests/support/messages.h"
-#include "tests/support/part_graph.h"
 
 using namespace tactus;
 using test::PartGraphs;

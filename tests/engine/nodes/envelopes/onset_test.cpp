@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "tests/support/node_runner.h"
+#include "tests/support/graphs/node_runner.h"
 
 namespace tactus {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/dsp/delays/resample.h"
-#include "tests/support/graph_runner.h"
+#include "tests/support/graphs/graph_runner.h"
 #include "tests/support/measured_response.h"
 
 using namespace tactus;

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <numeric>
 
-#include "tests/support/play_node.h"
+#include "tests/support/graphs/play_node.h"
 
 using namespace tactus;
 using test::play_node;

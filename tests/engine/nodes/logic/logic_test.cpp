@@ -1,7 +1,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "tests/support/play_node.h"
+#include "tests/support/graphs/play_node.h"
 
 using namespace tactus;
 using test::play_node;

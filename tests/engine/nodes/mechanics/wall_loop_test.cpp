@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/study/walls/virtual_wall.h"
-#include "tests/support/graph_runner.h"
+#include "tests/support/graphs/graph_runner.h"
 #include "tests/support/wall_theory.h"
 
 // Virtual walls as graph files play them: the nodes, their order and their delays against the theory of

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/support/graph_runner.h"
+#include "tests/support/graphs/graph_runner.h"
+#include "tests/support/graphs/play_node.h"
 #include "tests/support/measured_response.h"
-#include "tests/support/play_node.h"
 
 using namespace tactus;
 using namespace tactus::test;

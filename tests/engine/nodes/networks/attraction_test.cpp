@@ -6,7 +6,7 @@
 
 #include "engine/nodes/networks/network.h"
 #include "engine/physics/linearised.h"
-#include "tests/support/graph_runner.h"
+#include "tests/support/graphs/graph_runner.h"
 #include "tests/support/parse_graph.h"
 
 using namespace tactus;

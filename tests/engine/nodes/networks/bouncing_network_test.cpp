@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "engine/study/orbits/bouncing_ball.h"
-#include "tests/support/graph_runner.h"
+#include "tests/support/graphs/graph_runner.h"
 
 // A ball on a driven table as a network: its contact takes time, which the exact map knows nothing of.
 

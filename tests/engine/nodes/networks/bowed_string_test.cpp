@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "tests/support/graph_runner.h"
+#include "tests/support/graphs/graph_runner.h"
 
 using namespace tactus;
 

@@ -9,7 +9,7 @@
 #include <regex>
 
 #include "tests/support/allocation_count.h"
-#include "tests/support/graph_runner.h"
+#include "tests/support/graphs/graph_runner.h"
 #include "tests/support/messages.h"
 
 using namespace tactus;

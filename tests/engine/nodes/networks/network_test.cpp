@@ -7,8 +7,8 @@
 #include "engine/core/named.h"
 #include "engine/nodes/networks/network_elements.h"
 #include "tests/support/allocation_count.h"
-#include "tests/support/graph_runner.h"
-#include "tests/support/node_runner.h"
+#include "tests/support/graphs/graph_runner.h"
+#include "tests/support/graphs/node_runner.h"
 #include "tests/support/parse_graph.h"
 
 using namespace tactus;

@@ -8,8 +8,8 @@
 
 #include "engine/core/units.h"
 #include "engine/dsp/strings/wave_line.h"
-#include "tests/support/graph_runner.h"
-#include "tests/support/node_runner.h"
+#include "tests/support/graphs/graph_runner.h"
+#include "tests/support/graphs/node_runner.h"
 
 using namespace tactus;
 using namespace tactus::test;

@@ -6,7 +6,7 @@
 #include "engine/dsp/delays/resample.h"
 #include "engine/nodes/table.h"
 #include "engine/scene/play_scene.h"
-#include "tests/support/node_runner.h"
+#include "tests/support/graphs/node_runner.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace tactus;

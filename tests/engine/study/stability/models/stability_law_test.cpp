@@ -3,7 +3,7 @@
 
 #include "engine/nodes/table.h"
 #include "engine/study/stability/models/nonlinearities.h"
-#include "tests/support/node_runner.h"
+#include "tests/support/graphs/node_runner.h"
 
 using namespace tactus;
 

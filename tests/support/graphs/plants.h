@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "latency/estimation/loop_recording.h"
-#include "tests/support/graph_runner.h"
+#include "tests/support/graphs/graph_runner.h"
 
 namespace tactus::test {
 

@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "tests/support/graph_runner.h"
+#include "tests/support/graphs/graph_runner.h"
 #include "tests/support/messages.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "tests/support/node_runner.h"
+#include "tests/support/graphs/node_runner.h"
 
 namespace tactus::test {
 
