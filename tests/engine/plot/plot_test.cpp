@@ -178,6 +178,20 @@ TEST_CASE("plot: long titles break into lines that fit", "[plot]") {
   CHECK(joined == text);
 }
 
+TEST_CASE("plot: the label at the end of a curve begins right of the axes", "[plot]") {
+  Plot plot;
+  plot.x = {.low = 0, .high = 1};
+  plot.subplots = {{.series = {{.label = "one", .x = {0, 1}, .y = {0, 1}}}}};
+  const auto svg = to_svg({plot});
+  const auto number_after = [&](const std::string& key, std::size_t from) {
+    return std::stod(svg.substr(svg.find(key, from) + key.size()));
+  };
+  const double label = number_after("x=\"", svg.rfind("<text", svg.find(">one<")));
+  const double axis = number_after("x2=\"", svg.rfind("<line", svg.find("class=\"axis\"")));
+  CHECK(label > axis);
+  CHECK(label < axis + 20);
+}
+
 TEST_CASE("plot: a plot is well-formed XML and says what it shows", "[plot]") {
   auto plot = small_plot();
   plot.events = {{0.01, "hit"}};
