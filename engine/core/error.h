@@ -30,8 +30,10 @@ struct Error {
   std::string where;   ///< "file:line:column", "--option", or empty
   std::string what;    ///< one sentence without a full stop
   std::string remedy;  ///< what to do, or empty
-  Place place = where.empty() ? Place::None : where.starts_with("--") ? Place::Option : Place::File;
 
+  Place place() const {
+    return where.empty() ? Place::None : where.starts_with("--") ? Place::Option : Place::File;
+  }
   /// The same error elsewhere.
   Error at(std::string other) const { return {code, std::move(other), what, remedy}; }
 };

@@ -8,12 +8,19 @@ namespace tactus {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+Status cannot_write(const fs::path& file) {
+  return fail(Errc::BadFile, file.string(), "cannot be written", "choose an existing, writable folder");
+}
+
+}  // namespace
+
 Status write_file(const fs::path& file, const std::string& text) {
   std::ofstream stream{file, std::ios::binary};
   stream << text;
   stream.close();
-  if (stream) return {};
-  return fail(Errc::BadFile, file.string(), "cannot be written", "choose an existing, writable folder");
+  return stream ? Status{} : cannot_write(file);
 }
 
 Status replace_file(const fs::path& file, const std::string& text) {
@@ -24,7 +31,7 @@ Status replace_file(const fs::path& file, const std::string& text) {
   if (status) fs::rename(temporary, file, error);
   if (status && !error) return {};
   fs::remove(temporary, ignored);
-  return fail(Errc::BadFile, file.string(), "cannot be written", "choose an existing, writable folder");
+  return cannot_write(file);
 }
 
 }  // namespace tactus

@@ -120,8 +120,8 @@ static inline void tactus_string_set_pole(tactus_filter* pole, const tactus_stri
   tactus_filter_set(pole, tactus_filter_order_1(1, 0, design->pole));
 }
 
-/// A frame of the loop. `line` holds what came out, `pole` is not used by a zero; `position`: frame number
-/// modulo 8.
+/// One frame of the loop. `line`: the past outputs; `pole`: the filter of a loss with a pole, unused if the
+/// loss is a zero; `position`: frame number modulo 8.
 static inline tactus_real tactus_string_step(const tactus_string_design* design, int one_pole,
                                              tactus_line* line, tactus_filter* pole, tactus_real in,
                                              int position) {
