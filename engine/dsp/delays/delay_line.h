@@ -25,13 +25,16 @@ class DelayLine {
 
   /// [realtime] At most `longest_run` samples.
   void write(const double* x, int count) noexcept {
-    const auto n = static_cast<std::size_t>(count);
-    if (next_ >= mirrored_ && next_ + n <= capacity_) {
-      copy_samples(x, count, samples_.data() + next_);
-      next_ = (next_ + n) & (capacity_ - 1);
-      return;
+    while (count > 0) {
+      const int run = std::min(count, static_cast<int>(capacity_ - next_));
+      copy_samples(x, run, samples_.data() + next_);
+      if (next_ < mirrored_)
+        copy_samples(x, std::min(run, static_cast<int>(mirrored_ - next_)),
+                     samples_.data() + capacity_ + next_);
+      next_ = (next_ + static_cast<std::size_t>(run)) & (capacity_ - 1);
+      x += run;
+      count -= run;
     }
-    for (std::size_t i = 0; i < n; ++i) put(x[i]);
   }
 
   /// [realtime] Remembers what `other` did, as far as there is room: the memory itself changes hands if it
