@@ -84,7 +84,7 @@ int read_ratio(const Value& value, Hertz around, const std::string& owner, Error
 PartRate read_part_rate(const NodeSpec& node, const GraphSpec& part, Hertz around, ErrorList& errors) {
   Value::Table own = node.fields;
   std::erase_if(own, [&](const Field& field) { return declares(part, field.key); });
-  FieldReader fields{own, part_fields(), errors, FieldReader::kKeysChecked, owner_of(node)};
+  FieldReader fields{own, part_fields().fields, errors, FieldReader::kKeysChecked, owner_of(node)};
   const auto second_choice = [&](const char* key) {
     const auto choice = fields.choice(key);
     if (choice && !fields.has("rate"))
@@ -293,7 +293,7 @@ class Instance {
     const auto part = spec_.parts.find(node.use);
     if (part == spec_.parts.end()) return scope_.hide(node.name);  // its file cannot be read
     if (too_large(node)) return scope_.hide(node.name);
-    FieldReader fields{node.fields, part_fields(), errors_, FieldReader::kKeysChecked, owner_of(node)};
+    FieldReader fields{node.fields, part_fields().fields, errors_, FieldReader::kKeysChecked, owner_of(node)};
     const int voices = static_cast<int>(fields.number("voices").value_or(voices_));
     const auto rate = read_part_rate(node, *part->second, sample_rate(), errors_);
     auto instance = std::make_unique<Instance>(*part->second, resolving_, prefix_ + node.name + ".", voices,
@@ -367,7 +367,7 @@ class Instance {
   void connect_node(const EntrySpec& entry, FlatNode& node) {
     const auto& type = *node.type;
     const auto owner = type.name + " '" + entry.name + "'";
-    FieldReader fields{entry.fields, node_fields(), errors_, FieldReader::kKeysChecked, owner};
+    FieldReader fields{entry.fields, node_fields().fields, errors_, FieldReader::kKeysChecked, owner};
     if (const auto voices = fields.number("voices")) node.voices = static_cast<int>(*voices);
     connect_ports(entry, node, owner);
     for (const auto& setting : type.settings) {
@@ -407,8 +407,9 @@ class Instance {
                       "omit it; list only nodes that change the phase");
         node.compensate.push_back(known->second);
       } else if (scope_.find(name, value->at) != FlatGraph::kMissing) {
-        errors_.add(Errc::UnknownName, value->at, "there is no node '" + name + "' to compensate",
-                    "list nodes of this file that have a type");
+        errors_.add(
+            Errc::UnknownName, value->at, "there is no node '" + name + "' to compensate",
+            "list nodes that this file declares with 'type'; expressions and parts cannot be compensated");
       }
     }
   }
