@@ -58,7 +58,7 @@ Json entry_json(const Setting& setting) {
   Json json{{"name", setting.name},
             {"kind", setting_kind_name(setting.kind)},
             {"doc", setting.doc},
-            {"required", setting.fallback.empty() && !setting.optional}};
+            {"required", setting.required}};
   if (choice || !setting.choices.empty()) json[choice ? "choices" : "units"] = setting.choices;
   if (!setting.fallback.empty()) json["default"] = setting.fallback;
   add_range(json, setting.low, setting.high);

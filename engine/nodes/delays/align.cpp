@@ -119,9 +119,9 @@ NodeType align_type() {
                  {"trigger", "", "start of a note", 0},
                  {"on", "", "below 0.5 no delay is added: the input passes unchanged", 1}},
       .outputs = {{"out", "=in", "the input, delayed"}},
-      .settings = {optional({"compensate", Setting::Kind::Names,
-                             "filters in the same loop, or models of hardware in it; their phase delays at "
-                             "the pitch count as part of the loop delay"})},
+      .settings = {{"compensate", Setting::Kind::Names,
+                    "filters in the same loop, or models of hardware in it; their phase delays at "
+                    "the pitch count as part of the loop delay"}},
       .make = AlignNode::make,
       .compensation = PhaseCompensation{.port = AlignNode::kDelay, .period = AlignNode::kPeriod, .sign = 1}};
 }

@@ -247,11 +247,11 @@ NodeType delay_type() {
                   "to fs/21, lagrange3 up to fs/8 (its taps begin one frame earlier), lagrange5 up to fs/6 "
                   "(two frames earlier)",
                   {"none", "linear", "lagrange3", "lagrange5"}, "lagrange3"),
-           optional({"min", Setting::Kind::Text, "minimum delay time, if the graph does not determine it"}),
-           optional({"max", Setting::Kind::Text, "maximum delay time, if the graph does not determine it"}),
-           optional({"compensate", Setting::Kind::Names,
-                     "filters in the same loop; their phase delays at the frequency 1/time are subtracted "
-                     "from the time, so that the loop is in tune"})},
+           {"min", Setting::Kind::Text, "minimum delay time, if the graph does not determine it"},
+           {"max", Setting::Kind::Text, "maximum delay time, if the graph does not determine it"},
+           {"compensate", Setting::Kind::Names,
+            "filters in the same loop; their phase delays at the frequency 1/time are subtracted "
+            "from the time, so that the loop is in tune"}},
       .make = make_delay,
       .compensation = PhaseCompensation{.port = kDelayTime, .period = kDelayTime, .sign = -1}};
 }

@@ -117,8 +117,8 @@ NodeType modal_type() {
       .inputs = {late({"in", "any", "excitation"}), mode_frequency_input(false), mode_decay_input(false)},
       .outputs = {filtered_output("out", "all modes together")},
       .settings =
-          mode_settings({optional({"gains", Setting::Kind::Numbers,
-                                   "gain of each mode: one number for all, or one per mode; default: 1"}),
+          mode_settings({{"gains", Setting::Kind::Numbers,
+                          "gain of each mode: one number for all, or one per mode; default: 1"},
                          within(-4, 4,
                                 {"gain_slope",
                                  Setting::Kind::Quantity,

@@ -114,13 +114,11 @@ InputPort mode_decay_input(bool fixed) {
 
 std::vector<Setting> mode_settings(std::vector<Setting> further) {
   std::vector<Setting> settings = {
-      optional(
-          {"frequencies", Setting::Kind::Numbers, "frequencies of the modes, instead of a series", {"Hz"}}),
-      optional(
-          {"decays",
-           Setting::Kind::Numbers,
-           "time in which each mode decays by 60 dB, instead of a slope: one number for all, or one per mode",
-           {"s"}}),
+      {"frequencies", Setting::Kind::Numbers, "frequencies of the modes, instead of a series", {"Hz"}},
+      {"decays",
+       Setting::Kind::Numbers,
+       "time in which each mode decays by 60 dB, instead of a slope: one number for all, or one per mode",
+       {"s"}},
       choice("series",
              "frequency ratios. harmonic: 1, 2, 3 …; geometric: equal pitch steps; bar: free at both ends "
              "(marimba); clamped_bar: clamped at one end (kalimba); membrane: drum head",

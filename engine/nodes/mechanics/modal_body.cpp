@@ -138,11 +138,11 @@ NodeType modal_body_type() {
                   {"velocity", "m/s", "velocity of the point of contact"},
                   {"position", "m", "velocity of the point of contact"},
                   {"force", "N", "force on the body"}},
-      .settings = mode_settings({optional(
-          {"masses",
-           Setting::Kind::Numbers,
-           "effective masses of the modes at the point of contact: one number for all, or one per mode",
-           {"kg"}})}),
+      .settings = mode_settings(
+          {{"masses",
+            Setting::Kind::Numbers,
+            "effective masses of the modes at the point of contact: one number for all, or one per mode",
+            {"kg"}}}),
       .make = make_modal_body,
       .skips_unused_outputs = true};
 }

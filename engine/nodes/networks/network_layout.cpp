@@ -65,7 +65,7 @@ class LayoutReader {
     if (spec_.elements.empty())
       errors_.add(Errc::Missing, spec_.at, "network '" + spec_.name + "' has no elements",
                   "give it a mass, as in stick = { type = \"mass\", mass = \"12 g\" }");
-    if (errors_.any()) return tl::unexpected(errors_.take());
+    if (errors_.any() || spec_.broken) return tl::unexpected(errors_.take());
     return std::move(layout_);
   }
 
@@ -85,7 +85,7 @@ class LayoutReader {
     if (element.name == "energy")
       errors_.add(Errc::Duplicate, element.at, "an element cannot have the name 'energy'",
                   "'" + spec_.name + ".energy' is the energy of the whole network");
-    if (type == nullptr)
+    if (type == nullptr && !element.type.empty())  // else reported when the file was read
       errors_.add(Errc::UnknownName, element.type_at, "there is no element type '" + element.type + "'",
                   suggest(element.type, names_of(network_elements(), [](const auto&) { return true; })));
   }
