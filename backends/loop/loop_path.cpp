@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/dsp/curves/quantise_kernel.h"
-#include "engine/dsp/envelopes/time_constant_kernel.h"
+#include "engine/dsp/curves/curve_kernel.h"
+#include "engine/dsp/envelopes/envelope_kernel.h"
 
 namespace tactus {
 namespace {

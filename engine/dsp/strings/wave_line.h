@@ -2,8 +2,8 @@
 
 // Thread: [realtime]; constructors [control].
 
+#include "engine/dsp/strings/string_kernel.h"
 #include "engine/dsp/strings/string_loop.h"
-#include "engine/dsp/strings/waveguide_kernel.h"
 
 namespace tactus {
 

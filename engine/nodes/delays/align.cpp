@@ -1,6 +1,6 @@
 #include "engine/dsp/delays/delay_line.h"
 #include "engine/dsp/delays/taps.h"
-#include "engine/dsp/envelopes/rise_kernel.h"
+#include "engine/dsp/envelopes/envelope_kernel.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/nodes/declare.h"
 #include "engine/nodes/delays/align_kernel.h"

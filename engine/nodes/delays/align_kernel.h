@@ -3,7 +3,7 @@
 // Thread: [realtime].
 
 #include "engine/dsp/delays/taps_kernel.h"
-#include "engine/dsp/envelopes/rise_kernel.h"
+#include "engine/dsp/envelopes/envelope_kernel.h"
 
 #define TACTUS_ALIGN_TAPS 4
 #define TACTUS_ALIGN_LONGEST 0.1  ///< period [s]: 10 Hz, the lowest string

@@ -2,7 +2,7 @@
 
 // Thread: [realtime].
 
-#include "engine/dsp/envelopes/time_constant_kernel.h"
+#include "engine/dsp/envelopes/envelope_kernel.h"
 
 /// Attack, decay, sustain, release. In each frame, e being the value of the frame before:
 ///   gate rises:      attack from where it is

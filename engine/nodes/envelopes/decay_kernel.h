@@ -2,8 +2,7 @@
 
 // Thread: [realtime].
 
-#include "engine/dsp/envelopes/rise_kernel.h"
-#include "engine/dsp/envelopes/time_constant_kernel.h"
+#include "engine/dsp/envelopes/envelope_kernel.h"
 
 /// A pulse that jumps to a level and decays:  out[n] = level * keep^n,  n frames after its start;
 /// 0 once n has reached `length` frames (0: never).

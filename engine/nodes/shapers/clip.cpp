@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "engine/nodes/kernel_node.h"
-#include "engine/nodes/shapers/clip_kernel.h"
+#include "engine/nodes/shapers/shaper_kernel.h"
 
 namespace tactus {
 namespace {

@@ -1,4 +1,4 @@
-#include "engine/dsp/curves/quantise_kernel.h"
+#include "engine/dsp/curves/curve_kernel.h"
 #include "engine/nodes/kernel_node.h"
 
 namespace tactus {
