@@ -125,8 +125,8 @@ static inline void tactus_string_set_pole(tactus_filter* pole, const tactus_stri
 static inline tactus_real tactus_string_step(const tactus_string_design* design, int one_pole,
                                              tactus_line* line, tactus_filter* pole, tactus_real in,
                                              int position) {
-  tactus_real out =
-      tactus_line_sum(line, design->newest, design->taps, TACTUS_STRING_TAPS, one_pole ? 0 : in);
+  const tactus_real* newest = tactus_line_tap(line, design->newest, TACTUS_STRING_TAPS - 1);
+  tactus_real out = tactus_tap_sum(newest, design->taps, TACTUS_STRING_TAPS, one_pole ? 0 : in);
   if (one_pole) out = in + tactus_filter_step(pole, out, position);
   tactus_line_write(line, out);
   return out;
@@ -177,8 +177,10 @@ static inline tactus_string_design tactus_waveguide_design(const tactus_waveguid
 static inline tactus_real tactus_waveguide_step(const tactus_string_design* design, int one_pole,
                                                 tactus_line* line, tactus_filter* pole, tactus_real in,
                                                 int position) {
+  const tactus_real* newest;
   tactus_real out;
   tactus_line_write(line, in);
-  out = tactus_line_sum(line, design->newest + 1, design->taps, TACTUS_STRING_TAPS, 0);
+  newest = tactus_line_tap(line, design->newest + 1, TACTUS_STRING_TAPS - 1);
+  out = tactus_tap_sum(newest, design->taps, TACTUS_STRING_TAPS, 0);
   return one_pole ? tactus_filter_step(pole, out, position) : out;
 }

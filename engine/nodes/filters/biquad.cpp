@@ -17,8 +17,7 @@ NodeType biquad(const char* name, const char* summary, const char* transfer, con
           .inputs = {filtered_input(), std::move(corner), std::move(q)},
           .outputs = {filtered_output("out", "filtered")},
           .make = BiquadNode::maker([](const BiquadNode::Parameters& p, Hertz sample_rate) {
-            return FilterCoefficients<2>{
-                Shape(tactus_filter_radians(p[0], sample_rate.value), tactus_filter_q(p[1]))};
+            return Shape(tactus_filter_radians(p[0], sample_rate.value), tactus_filter_q(p[1]));
           })};
 }
 

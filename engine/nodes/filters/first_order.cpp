@@ -13,11 +13,8 @@ struct DifferenceNode final : KernelNode<tactus_difference_step, 1> {
   }
 };
 
-using VelocityNode = FilterNode<1, 1>;
-
-FilterCoefficients<1> design(const VelocityNode::Parameters& p, Hertz sample_rate) {
-  const double rate = sample_rate.value;
-  return FilterCoefficients<1>{tactus_filtered_velocity(tactus_filter_radians(p[0], rate), rate)};
+tactus_filter_design velocity_design(const std::array<double, 1>& parameters, Hertz rate) {
+  return tactus_filtered_velocity(tactus_filter_radians(parameters[0], rate.value), rate.value);
 }
 
 }  // namespace
@@ -87,7 +84,7 @@ NodeType velocity_type() {
                cutoff_input(
                    "cutoff frequency of the low-pass after the difference; at most 0.49 of the sample rate")},
           .outputs = {{"out", "=in/s", "filtered rate of change"}},
-          .make = VelocityNode::maker(design)};
+          .make = FilterNode<1, 1>::maker(velocity_design)};
 }
 
 }  // namespace tactus
