@@ -4,32 +4,17 @@
 namespace tactus {
 namespace {
 
-class WavetableNode final : public Node {
- public:
-  explicit WavetableNode(const NodeSetup& setup)
-      : sample_rate_(setup.sample_rate.value),
-        table_(setup.setting("table").numbers),
-        cubic_(setup.setting("interpolation").text == "cubic") {}
-
-  void process(const NodeBlock& block) noexcept override {
-    run_frames<3>(block, [this](double frequency, double phase, double level) {
-      return tactus_wavetable_step(&phasor_, table_.data(), static_cast<int>(table_.size()), cubic_,
-                                   frequency, phase, level, sample_rate_);
-    });
-  }
-  void reset() noexcept override { phasor_ = {}; }
-
- private:
-  double sample_rate_;
-  std::vector<double> table_;
-  bool cubic_;
-  tactus_phasor phasor_{};
-};
-
 Result<std::unique_ptr<Node>> make_wavetable(const NodeSetup& setup) {
-  if (setup.setting("table").numbers.empty())
+  const auto& table = setup.setting("table").numbers;
+  if (table.empty())
     return fail(Errc::BadArgument, {}, "'table' is empty", "write one period, as in table = [0, 1, 0, -1]");
-  return std::make_unique<WavetableNode>(setup);
+  const bool cubic = setup.setting("interpolation").text == "cubic";
+  return make_step_node<3, tactus_phasor>([table, cubic, rate = rate_of(setup)](tactus_phasor& phasor,
+                                                                                double frequency,
+                                                                                double phase, double level) {
+    return tactus_wavetable_step(&phasor, table.data(), static_cast<int>(table.size()), cubic, frequency,
+                                 phase, level, rate);
+  });
 }
 
 }  // namespace

@@ -2,25 +2,6 @@
 #include "engine/nodes/kernel_node.h"
 
 namespace tactus {
-namespace {
-
-/// A staircase has no useful linearisation, so this is not an `ElementwiseNode`.
-class QuantiserNode final : public Node {
- public:
-  explicit QuantiserNode(bool nearest) : nearest_(nearest) {}
-
-  void process(const NodeBlock& block) noexcept override {
-    run_frames<2>(block, [this](double in, double step) {
-      return nearest_ ? tactus_quantise_nearest(in, step) : tactus_quantise_floor(in, step);
-    });
-  }
-  void reset() noexcept override {}
-
- private:
-  bool nearest_;
-};
-
-}  // namespace
 
 NodeType quantiser_type() {
   return {
@@ -41,7 +22,12 @@ NodeType quantiser_type() {
         if (setup.input("step").constant == 0.0)
           return fail(Errc::OutOfRange, {}, "its 'step' is 0, so nothing is rounded",
                       "give a step above 0, or remove the node");
-        return std::make_unique<QuantiserNode>(setup.setting("rounding").text == "nearest");
+        struct None {};
+        const bool nearest = setup.setting("rounding").text == "nearest";
+        // Not an `ElementwiseNode`: a staircase has no useful linearisation.
+        return make_step_node<2, None>([nearest](None, double in, double step) {
+          return nearest ? tactus_quantise_nearest(in, step) : tactus_quantise_floor(in, step);
+        });
       },
       .stateless = true,
       .small_signal_gain = 1,
