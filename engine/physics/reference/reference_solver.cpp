@@ -7,6 +7,7 @@
 
 #include "engine/core/find_root.h"
 #include "engine/core/index.h"
+#include "engine/core/matrix2.h"
 #include "engine/physics/numbers.h"
 #include "engine/physics/reference/extrapolation.h"
 #include "engine/physics/solvers/network_solver.h"
@@ -34,20 +35,6 @@ constexpr double kLeastPosition = 1e-9, kLeastVelocity = 1e-6, kLeastCurrent = 1
 constexpr double kMostRounding = 1e4;
 
 Eigen::Index row_of(std::size_t i) { return static_cast<Eigen::Index>(i); }
-
-/// matrix x = b for `n` unknowns, symmetric and positive (semi)definite; the result in `b`.
-void solve(double* matrix, double* b, std::size_t n) {
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = i + 1; j < n; ++j) {
-      const double share = matrix[i * n + i] > 0.0 ? matrix[j * n + i] / matrix[i * n + i] : 0.0;
-      for (std::size_t l = i; l < n; ++l) matrix[j * n + l] -= share * matrix[i * n + l];
-      b[j] -= share * b[i];
-    }
-  for (std::size_t i = n; i-- > 0;) {
-    for (std::size_t l = i + 1; l < n; ++l) b[i] -= matrix[i * n + l] * b[l];
-    b[i] = matrix[i * n + i] > 0.0 ? b[i] / matrix[i * n + i] : 0.0;
-  }
-}
 
 double largest(const double* numbers, std::size_t count) {
   double most = 0.0;
@@ -81,10 +68,7 @@ class Motion {
                    [](double m) { return 1.0 / m; });
     numbers_.resize(2 * points() + model.coils.size());
     next_ = slope_ = numbers_;
-    loss_.resize(model.contacts.size());
     contacts_.resize(model.contacts.size());
-    slide_.resize(model.frictions.size());
-    slipped_.resize(model.bonds.size());
     hold_.resize(model.frictions.size());
     mutual_.resize(model.frictions.size() * model.frictions.size());
     inputs_.resize(model.forces.size() + model.coils.size() + model.ports.size() + model.frictions.size() +
@@ -113,18 +97,17 @@ class Motion {
   enum class ContactState { Open, Pressing, Releasing };
 
   std::size_t points() const { return model_.start_position.size(); }
+  std::size_t frictions() const { return model_.frictions.size(); }
   const double* velocities(const double* y) const { return y + points(); }
 
   /// Which contacts press follows from how deep they are and how fast that changes.
-  void load(const NetworkState& state) {
+  void load(NetworkState& state) {
+    loss_ = state.loss.data(), slide_ = state.sliding.data(), slipped_ = state.slipped.data();
     const auto copy = [](std::vector<double>& into, std::initializer_list<const AlignedNumbers*> lists) {
       auto to = into.begin();
       for (const auto* list : lists) to = std::copy(list->begin(), list->end(), to);
     };
     copy(numbers_, {&state.position, &state.velocity, &state.current});
-    copy(loss_, {&state.loss});
-    copy(slide_, {&state.sliding});
-    copy(slipped_, {&state.slipped});
     copy(inputs_, {&state.force, &state.voltage, &state.wave, &state.normal});
     inputs_.back() = 1.0;
     for (std::size_t c = 0; c < contacts_.size(); ++c) {
@@ -142,15 +125,12 @@ class Motion {
     std::copy_n(velocities(y), points(), state.velocity.begin());
     for (std::size_t i = 0; i < state.current.size(); ++i)
       state.current[i] = state.mean_current[i] = current(y, i);
-    std::copy(loss_.begin(), loss_.end(), state.loss.begin());
-    std::copy(slide_.begin(), slide_.end(), state.sliding.begin());
-    std::copy(slipped_.begin(), slipped_.end(), state.slipped.begin());
-    for (std::size_t f = 0; f < slide_.size(); ++f) {
+    for (std::size_t f = 0; f < frictions(); ++f) {
       // Of one that holds: the force at the end of the last step.
       state.friction_force[f] = slide_[f] == 0.0 ? hold_[f] : sliding_force(y, f, slide_[f]);
       state.friction_velocity[f] = between(velocities(y), model_.frictions[f]);
     }
-    for (std::size_t b = 0; b < slipped_.size(); ++b)
+    for (std::size_t b = 0; b < model_.bonds.size(); ++b)
       state.root[model_.contacts.size() + b] =
           model_.bonds[b].law->root(between(state.position, model_.bonds[b]));
     model_.send_waves(state, [&](int slot) { return state.change[index(slot)]; });
@@ -186,7 +166,7 @@ class Motion {
     const auto& f = model_.frictions[friction];
     const double force = f.normal_contact >= 0  ? pressure(y, index(f.normal_contact))
                          : f.normal_spring >= 0 ? tension(y, model_.springs[index(f.normal_spring)])
-                                                : inputs_[inputs_.size() - 1 - slide_.size() + friction];
+                                                : inputs_[inputs_.size() - 1 - frictions() + friction];
     return std::max(0.0, force);
   }
 
@@ -233,9 +213,9 @@ class Motion {
   }
 
   void add_slides(const double* y, double* force) const {
-    for (std::size_t f = 0; f < slide_.size(); ++f)
+    for (std::size_t f = 0; f < frictions(); ++f)
       if (slide_[f] != 0.0) push(force, model_.frictions[f], sliding_force(y, f, slide_[f]));
-    for (std::size_t b = 0; b < slipped_.size(); ++b) {
+    for (std::size_t b = 0; b < model_.bonds.size(); ++b) {
       const auto& bond = model_.bonds[b];
       if (slipped_[b] == 0.0)
         push(force, bond, bond.law->force(between(y, bond)) + bond.damping * between(velocities(y), bond));
@@ -244,7 +224,7 @@ class Motion {
 
   /// Adds the forces of the frictions that hold to those of all others: (x_lower - x_upper)'' = 0.
   void hold(double* force) {
-    const auto n = slide_.size();
+    const auto n = frictions();
     const auto& frictions = model_.frictions;
     for (std::size_t i = 0; i < n; ++i) {
       const auto& a = frictions[i];
@@ -262,7 +242,7 @@ class Motion {
         mutual_[i * n + j] = holds && slide_[j] == 0.0 ? mutual : 0.0;
       }
     }
-    solve(mutual_.data(), hold_.data(), n);
+    solve_symmetric(mutual_.data(), hold_.data(), n);
     for (std::size_t i = 0; i < n; ++i) push(force, frictions[i], hold_[i]);
   }
 
@@ -322,7 +302,7 @@ class Motion {
 
   /// At the start of a frame driven points have new speeds, which what held to them has not.
   void start_slides() {
-    for (std::size_t f = 0; f < slide_.size(); ++f) {
+    for (std::size_t f = 0; f < frictions(); ++f) {
       const double v = between(velocities(numbers_.data()), model_.frictions[f]);
       if (slide_[f] == 0.0 && std::abs(v) > kStill) slide_[f] = sign_of(v);
     }
@@ -397,8 +377,8 @@ class Motion {
   double least_margin(const double* y) {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t c = 0; c < contacts_.size(); ++c) least = std::min(least, contact_margin(y, c));
-    for (std::size_t f = 0; f < slide_.size(); ++f) least = std::min(least, friction_margin(y, f));
-    for (std::size_t b = 0; b < slipped_.size(); ++b) least = std::min(least, bond_margin(y, b));
+    for (std::size_t f = 0; f < frictions(); ++f) least = std::min(least, friction_margin(y, f));
+    for (std::size_t b = 0; b < model_.bonds.size(); ++b) least = std::min(least, bond_margin(y, b));
     return least;
   }
 
@@ -449,10 +429,10 @@ class Motion {
     const double* y = numbers_.data();
     for (std::size_t c = 0; c < contacts_.size(); ++c)
       if (contact_margin(y, c) < 0.0) switch_contact(c);
-    for (std::size_t b = 0; b < slipped_.size(); ++b)
+    for (std::size_t b = 0; b < model_.bonds.size(); ++b)
       if (bond_margin(y, b) < 0.0)
         slipped_[b] = slipped_[b] != 0.0 ? 0.0 : sign_of(between(y, model_.bonds[b]));
-    for (std::size_t f = 0; f < slide_.size(); ++f)
+    for (std::size_t f = 0; f < frictions(); ++f)
       if (friction_margin(y, f) < 0.0) switch_friction(f);
   }
 
@@ -488,10 +468,9 @@ class Motion {
   Eigen::MatrixXd transition_;          ///< from numbers and inputs to the numbers of the next frame
   std::vector<double> numbers_, next_;  ///< y at the start and at the end of a step
   std::vector<double> slope_;           ///< workspace
-  std::vector<double> loss_;            ///< of each contact: r [s/m]
   std::vector<ContactState> contacts_;
-  /// Of each friction: 0 while it holds, else the sign of the velocity; of each bond, of n.
-  std::vector<double> slide_, slipped_;
+  double *loss_ = nullptr, *slide_ = nullptr,
+         *slipped_ = nullptr;          ///< of contacts, frictions and bonds: the state's
   std::vector<double> inputs_;         ///< of the frame: forces, voltages, waves, normal forces, and 1
   std::vector<double> hold_, mutual_;  ///< forces of the frictions that hold, and the matrix for them
   double step_s_ = 0.0;                ///< what the last step advises
