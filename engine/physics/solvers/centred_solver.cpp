@@ -7,7 +7,6 @@
 #include "engine/physics/solvers/mass_row.h"
 #include "engine/physics/solvers/network_solver.h"
 #include "engine/physics/solvers/sparse_solver.h"
-#include "engine/physics/solvers/vectorised.h"
 
 namespace tactus {
 namespace {

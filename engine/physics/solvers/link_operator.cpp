@@ -6,7 +6,7 @@
 #include <tuple>
 
 #include "engine/core/index.h"
-#include "engine/physics/solvers/vectorised.h"
+#include "engine/physics/numbers.h"
 
 namespace tactus {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/core/index.h"
-#include "engine/physics/solvers/vectorised.h"
+#include "engine/physics/numbers.h"
 
 namespace tactus {
 
