@@ -1,5 +1,5 @@
 #include "engine/dsp/envelopes/envelope_kernel.h"
-#include "engine/nodes/envelopes/adsr_kernel.h"
+#include "engine/nodes/envelopes/pulse_kernel.h"
 #include "engine/nodes/kernel_node.h"
 
 namespace tactus {

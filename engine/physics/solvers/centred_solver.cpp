@@ -4,7 +4,7 @@
 #include "engine/core/index.h"
 #include "engine/physics/couplings/couplings.h"
 #include "engine/physics/numbers.h"
-#include "engine/physics/solvers/mass_row.h"
+#include "engine/physics/solvers/link_operator.h"
 #include "engine/physics/solvers/network_solver.h"
 #include "engine/physics/solvers/sparse_solver.h"
 
