@@ -72,21 +72,22 @@ static inline tactus_real tactus_tap_sum(const tactus_real* newest, const tactus
 /// The range of the times of a delay [s]. It is read through `order` + 1 taps: order 0, 1, 3 or 5.
 typedef struct tactus_delay {
   tactus_real low, high, rate;
+  int first;  ///< frames back that the newest tap can be
 } tactus_delay;
+
+/// A loop needs a tap in the past; where the delay is never below a frame, no tap is newer.
+static inline tactus_delay tactus_delay_between(tactus_real low, tactus_real high, tactus_real rate) {
+  const tactus_delay delay = {low, high, rate, tactus_delay_frames(low, rate) >= 1};
+  return delay;
+}
 
 static inline tactus_real tactus_delay_inside(const tactus_delay* s, tactus_real seconds) {
   return seconds > s->low ? tactus_min(seconds, s->high) : s->low;
 }
 
-/// Frames back of the newest tap of a delay in frames. A loop needs a tap in the past; where the delay is
-/// never below a frame, no tap is newer.
-static inline int tactus_delay_tap(const tactus_delay* s, int order, tactus_real frames) {
-  return tactus_delay_newest(frames, order, order > 0 && tactus_delay_frames(s->low, s->rate) >= 1);
-}
-
 /// The least and the most frames from the input to the output.
 static inline int tactus_delay_least(const tactus_delay* s, int order) {
-  return tactus_delay_tap(s, order, tactus_delay_frames(s->low, s->rate));
+  return tactus_delay_newest(tactus_delay_frames(s->low, s->rate), order, s->first);
 }
 static inline int tactus_delay_most(const tactus_delay* s, int order) {
   const int least = tactus_delay_least(s, order), most = (int)ceil(tactus_delay_frames(s->high, s->rate));
@@ -97,7 +98,7 @@ static inline int tactus_delay_most(const tactus_delay* s, int order) {
 static inline int tactus_delay_aim(const tactus_delay* s, int order, tactus_real seconds,
                                    tactus_real* weights) {
   const tactus_real frames = tactus_delay_frames(seconds, s->rate);
-  const int newest = tactus_delay_tap(s, order, frames);
+  const int newest = tactus_delay_newest(frames, order, s->first);
   weights[0] = 1;
   if (order > 0) tactus_lagrange(weights, order + 1, frames - newest);
   return newest;

@@ -64,8 +64,7 @@ static inline void tactus_align_start(tactus_align* s, tactus_real rate, tactus_
   s->frame = 1 / rate;
   s->shortest_period = 2 * s->frame;
   s->longest_period = tactus_clamp(longest_period, s->shortest_period, TACTUS_ALIGN_LONGEST);
-  s->delay.high = tactus_align_longest_pad(s, s->longest_period);
-  s->delay.rate = rate;
+  s->delay = tactus_delay_between(0, tactus_align_longest_pad(s, s->longest_period), rate);
   s->fade_frames = (int)lround(0.010 / s->frame);
   s->now.weights[0] = s->before.weights[0] = 1;
 }

@@ -179,8 +179,8 @@ Result<tactus_delay> range_of(const NodeSetup& setup) {
   if (low > high)
     return fail(Errc::OutOfRange, {}, "'min' of a delay is longer than its 'max'", "exchange them");
   const auto known = setup.input("time").range;
-  const tactus_delay range{std::clamp(known.low, low, high), std::clamp(known.high, low, high),
-                           setup.sample_rate.value};
+  const auto range = tactus_delay_between(std::clamp(known.low, low, high), std::clamp(known.high, low, high),
+                                          setup.sample_rate.value);
   if (!std::isfinite(range.high))
     return fail(Errc::OutOfRange, {}, "the maximum delay cannot be determined", "give max = \"...\" a time");
   if (range.high * setup.sample_rate.value > kDelayMostFrames)

@@ -99,7 +99,7 @@ static int run_align(const double* const* in, int frames, double rate, double* o
 /* Cubic, of times up to 10 ms. */
 static int run_delay(const double* const* in, int frames, double rate, double* out) {
   static double samples[1024 + TAPS];
-  const tactus_delay delay = {0, 0.01, rate};
+  const tactus_delay delay = tactus_delay_between(0, 0.01, rate);
   tactus_line line = {samples, 1024, TAPS, 0};
   memset(samples, 0, sizeof samples);
   EACH_FRAME(tactus_delay_step(&delay, 3, &line, in[0][n], in[1][n]));
