@@ -26,8 +26,8 @@ struct Matrix2 {
   }
 };
 
-/// Solves A x = b for `n` unknowns, A symmetric and positive (semi)definite, row by row: x is left in `b`, A is
-/// overwritten.
+/// Solves A x = b for `n` unknowns, A symmetric and positive (semi)definite, row by row: x is left in `b`, A
+/// is overwritten.
 inline void solve_symmetric(double* a, double* b, std::size_t n) noexcept {
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 1; j < n; ++j) {

@@ -32,7 +32,7 @@ typedef struct tactus_align {
   tactus_align_taps now, before;
 
   // What does not change.
-  tactus_delay delay;  ///< the pad
+  tactus_delay delay;                                  ///< the pad
   tactus_real frame, shortest_period, longest_period;  ///< [s]
   int fade_frames;
 } tactus_align;
