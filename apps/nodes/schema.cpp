@@ -252,13 +252,8 @@ Json part() {
 }
 
 Json network() {
-  std::vector<std::string> solvers;
-  for (const auto solver : kSolvers) solvers.emplace_back(name_of(solver));
-  const SectionType options{"",
-                            {choice_field("solver", solvers, "solver of the network", "passive"),
-                             whole_field("oversample", 1, 64, "solver steps per frame", "1")}};
   auto json = entries("masses on a line and the elements between them", reference("element"));
-  json["properties"] = section_schema(options)["properties"];
+  json["properties"] = section_schema(network_options())["properties"];
   json["minProperties"] = 1;
   return json;
 }

@@ -114,7 +114,7 @@ NodeType modal_type() {
       .example =
           "{ type = \"modal\", in = \"strike\", frequency = \"220 Hz\", series = \"bar\", modes = 12, "
           "decay = \"1 s\" }",
-      .inputs = {late({"in", "any", "excitation"}), mode_frequency_input(false), mode_decay_input(false)},
+      .inputs = {late({"in", "any", "excitation"}), mode_frequency_input(), mode_decay_input()},
       .outputs = {filtered_output("out", "all modes together")},
       .settings =
           mode_settings({{"gains", Setting::Kind::Numbers,

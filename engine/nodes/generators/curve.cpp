@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "engine/dsp/envelopes/rise_kernel.h"
+#include "engine/dsp/envelopes/envelope_kernel.h"
 #include "engine/nodes/declare.h"
 
 namespace tactus {

@@ -129,8 +129,8 @@ NodeType modal_body_type() {
           {{"wave", "N", "incoming force wave: the `wave` of a network's port"},
            fixed(
                {"impedance", "N s/m", "wave impedance, equal to that of the connected port", {}, 1e-9, 1e9}),
-           mode_frequency_input(true),
-           mode_decay_input(true),
+           fixed(mode_frequency_input()),
+           fixed(mode_decay_input()),
            fixed({"mass", "kg",
                   "effective mass of the first mode at the point of contact; without `masses`, of all modes",
                   1, 1e-9, 1e9})},

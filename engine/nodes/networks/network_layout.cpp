@@ -4,7 +4,6 @@
 #include <unordered_map>
 
 #include "engine/core/index.h"
-#include "engine/graph/file/field.h"
 #include "engine/graph/semantics/scope.h"
 #include "engine/nodes/networks/network_builder.h"
 #include "engine/nodes/networks/solver_names.h"
@@ -38,19 +37,6 @@ std::vector<std::string> keys_of(const ElementType& type) {
   return keys;
 }
 
-/// Of a network, beside its elements.
-const SectionType& options() {
-  static const SectionType section = [] {
-    std::vector<std::string> solvers;
-    for (const auto solver : kSolvers) solvers.emplace_back(name_of(solver));
-    return SectionType{
-        "A network",
-        {choice_field("solver", std::move(solvers), "How it is stepped", name_of(Solver::Passive)),
-         whole_field("oversample", 1, kMostOversample, "Steps in a frame")}};
-  }();
-  return section;
-}
-
 class LayoutReader {
  public:
   explicit LayoutReader(const NetworkSpec& spec) : spec_(spec) {}
@@ -71,7 +57,7 @@ class LayoutReader {
 
  private:
   void read_options() {
-    FieldReader reader(spec_.fields, options(), errors_);
+    FieldReader reader(spec_.fields, network_options(), errors_);
     if (const auto solver = reader.choice("solver")) layout_.solver = kSolvers[index(*solver)];
     layout_.oversample = static_cast<int>(reader.number("oversample").value_or(0));
   }
