@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -63,6 +64,8 @@ std::optional<BlockLaw> fit_block_law(const std::vector<SettingDelay>& settings)
   if (!(spread > 0.0)) return std::nullopt;
   BlockLaw law;
   law.settings = static_cast<int>(good.size());
+  law.sample_rate = good.front()->sample_rate;
+  law.periods = good.front()->periods;
   law.per_frame = together / spread;
   law.fixed_frames = mean_delay - law.per_frame * mean_block;
   if (good.size() < 3) return law;
@@ -78,6 +81,18 @@ std::optional<BlockLaw> fit_block_law(const std::vector<SettingDelay>& settings)
 
 const SettingDelay* shortest_good(const std::vector<SettingDelay>& settings) {
   return shortest_above(settings, Seconds{-std::numeric_limits<double>::infinity()});
+}
+
+std::vector<std::vector<SettingDelay>> by_rate_and_periods(const std::vector<SettingDelay>& settings) {
+  std::vector<std::vector<SettingDelay>> groups;
+  for (const auto& setting : settings) {
+    auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& other) {
+      return other.front().sample_rate == setting.sample_rate && other.front().periods == setting.periods;
+    });
+    if (group == groups.end()) group = groups.emplace(group);
+    group->push_back(setting);
+  }
+  return groups;
 }
 
 std::string setting_text(const SettingDelay& setting) {

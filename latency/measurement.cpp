@@ -345,14 +345,12 @@ class Session {
   }
 
   void locate_second_path(Measurement& measurement) {
-    const auto detected_twice = std::find_if(
-        measurement.openings.begin(), measurement.openings.end(),
-        [](const Opening& opening) { return opening.finding.verdict == Verdict::DirectMonitoring; });
+    const auto& detected_twice = measurement.shown();
     auto request = request_;
-    request.block_frames = 2 * detected_twice->granted.block_frames;
+    request.block_frames = 2 * detected_twice.granted.block_frames;
     const auto again = open(request);
     if (!again) return;  // the device has no such block
-    const auto where = second_arrival(*detected_twice, *again);
+    const auto where = second_arrival(detected_twice, *again);
     if (!where.empty()) measurement.finding.what += "; " + where;
   }
 
@@ -368,6 +366,13 @@ class Session {
 };
 
 }  // namespace
+
+const Opening& Measurement::shown() const {
+  const auto found = std::find_if(openings.begin(), openings.end(), [&](const Opening& opening) {
+    return opening.finding.verdict == finding.verdict;
+  });
+  return found != openings.end() ? *found : openings.front();
+}
 
 Result<Measurement> measure(Backend& backend, const MeasureSettings& settings,
                             const MeasureProgress& progress) {

@@ -39,4 +39,11 @@ struct Finding {
   std::string remedy;  ///< what to do
 };
 
+/// A delay, its uncertainty, and whether it is to be trusted.
+struct DelayEstimate {
+  Finding finding;
+  double delay_frames = 0.0;
+  double standard_error_frames = 0.0;
+};
+
 }  // namespace tactus

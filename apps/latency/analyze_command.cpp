@@ -89,9 +89,7 @@ LatencyReport report_of(const std::string& source, Capture capture, Analysis ana
   LatencyReport report;
   report.source = source;
   auto& measurement = report.measurement;
-  measurement.finding = analysis.finding;
-  measurement.delay_frames = analysis.delay_frames;
-  measurement.standard_error_frames = analysis.standard_error_frames;
+  static_cast<DelayEstimate&>(measurement) = analysis;
   auto& opening = measurement.openings.emplace_back();
   opening.finding = analysis.finding;
   opening.recording = std::move(capture.recording);
@@ -127,10 +125,8 @@ void add_latency_analyze(CLI::App& latency, int& exit_code) {
       "channel of FILE with the captured signal, counted from 1; default: 1, or 2 if channel 1 is the probe",
       1, 1024);
   command.add_option("--rate", options.rate, "actual sample rate, if the headers of the files are wrong");
-  command.add_option("--profile", options.profile,
-                     "profile of the actuator and sensor in the loop, saved by tactus latency calibrate; "
-                     "default: none (a cable)");
-  add_report_options(command, options.report);
+  add_profile_option(command, options.profile);
+  add_report_options(command, options.report, true, false);
   command.footer(
       "Examples:\n  tactus latency analyze capture.wav --probe probe.wav\n  tactus latency analyze "
       "capture.wav --probe probe.wav --channel 2 --report delay.svg\n  tactus latency analyze raw.wav     # "

@@ -95,10 +95,7 @@ void set_level(const LoopOptions& options, Loop& loop) {
 }  // namespace
 
 void add_loop_options(CLI::App& command, LoopOptions& options) {
-  command.add_option("--backend", options.backend, "audio backend: jack, rtaudio, …; see tactus devices");
-  command.add_option("--device", options.device, "id of a device, or part of its name");
-  command.add_option("--input-device", options.input_device, "input device, if different from --device");
-  command.add_option("--rig", options.rig,
+  add_device_options(command, options,
                      "rig file: device, sample rate, block size and what is connected to the output; "
                      "latency measure saves the delay there");
   add_number(command, "--in,--input", options.input, "input channel of the loop, counted from 1", 1, 1024);
@@ -129,10 +126,8 @@ Loop make_loop(const LoopOptions& options) {
     check_against_rig(options);
     loop.rig = or_exit(load_rig(options.rig, profiles_near(options.rig)), kBadFile);
   }
-  const auto device =
-      loop.rig ? loop.rig->device : Rig::Device{{}, options.device, options.input_device, {}, {}, {}};
-  if (!options.backend.empty()) or_exit(backends_called(options.backend), kUsage);
-  loop.devices = or_exit(choose_devices(options.backend, device.output, device.input), kDevice);
+  const auto device = loop.rig ? loop.rig->device : Rig::Device{};
+  loop.devices = choose_devices(options, device);
   settings.request = request_for(loop.devices, device, options.rate, options.block, options.periods);
   set_channels(options, loop);
   set_level(options, loop);

@@ -151,11 +151,8 @@ Plot probes_plot(const LatencyReport& report) {
 
 std::string headline(const LatencyReport& report) {
   const auto& measurement = report.measurement;
-  if (!report.ok()) return fmt::format("No delay: {}", code(measurement.finding.verdict));
-  const double ms = 1e3 / report.sample_rate().value;
-  return fmt::format("Delay {} frames, {} ms",
-                     with_error(measurement.delay_frames, measurement.standard_error_frames),
-                     with_error(measurement.delay_frames * ms, measurement.standard_error_frames * ms));
+  return report.ok() ? "Delay " + delay_text(measurement, report.sample_rate())
+                     : fmt::format("No delay: {}", code(measurement.finding.verdict));
 }
 
 std::string describe_analysis(const LatencyReport& report, const Analysis& analysis) {
@@ -163,7 +160,7 @@ std::string describe_analysis(const LatencyReport& report, const Analysis& analy
   if (!report.ok()) text += ". Cause: " + report.measurement.finding.what;
   if (!analysis.detected) return text;
   text += fmt::format(". Gain {} dB, {}; {:.0f} dB above the noise", fixed(analysis.gain_db, 1),
-                      analysis.polarity > 0 ? "not inverted" : "inverted", analysis.snr_db);
+                      polarity_text(analysis.polarity), analysis.snr_db);
   if (report.measurement.reported_frames)
     text += fmt::format("; the driver reports {:.0f} frames", *report.measurement.reported_frames);
   return text + ".";
@@ -172,8 +169,7 @@ std::string describe_analysis(const LatencyReport& report, const Analysis& analy
 }  // namespace
 
 std::vector<Plot> picture_of(const LatencyReport& report) {
-  const auto* shown = report.shown();
-  const auto analysis = shown == nullptr ? Analysis{} : shown->analysis;
+  const auto& analysis = report.measurement.shown().analysis;
   auto page = analysis.detected ? std::vector{response_plot(analysis, report.ok(), kAfter_s),
                                               spectrum_plot(analysis), probes_plot(report)}
                                 : std::vector{Plot{}};
@@ -183,24 +179,19 @@ std::vector<Plot> picture_of(const LatencyReport& report) {
 }
 
 std::vector<Plot> picture_of(const Calibration& calibration) {
-  Analysis path;
-  path.sample_rate = calibration.profile.sample_rate;
+  Analysis path = calibration;
   path.response = calibration.profile.taps;
-  path.spectrum = calibration.spectrum;
-  path.group_delay = calibration.group_delay;
+  path.response_at = 0;
+  path.delay_frames = 0;
   std::vector page{response_plot(path, false, kRinging_s), spectrum_plot(path)};
-  const auto& finding = calibration.finding;
-  page.front().title = finding.verdict == Verdict::Ok
-                           ? fmt::format("Path, {}", calibration.polarity > 0 ? "not inverted" : "inverted")
-                           : fmt::format("No profile: {}", code(finding.verdict));
-  page.front().subtitle =
-      calibration.resonance
-          ? fmt::format(
-                "Resonance {:.1f} Hz, Q {:.2f}; {:.0f} dB above the noise. The delay of the card is "
-                "subtracted.",
-                calibration.resonance->frequency_hz, calibration.resonance->q, calibration.analysis.snr_db)
-          : fmt::format("{:.0f} dB above the noise. The delay of the card is subtracted.",
-                        calibration.analysis.snr_db);
+  const auto verdict = calibration.finding.verdict;
+  page.front().title = verdict == Verdict::Ok ? fmt::format("Path, {}", polarity_text(calibration.polarity))
+                                              : fmt::format("No profile: {}", code(verdict));
+  auto& subtitle = page.front().subtitle;
+  if (const auto& resonance = calibration.resonance)
+    subtitle = fmt::format("Resonance {:.1f} Hz, Q {:.2f}; ", resonance->frequency_hz, resonance->q);
+  subtitle +=
+      fmt::format("{:.0f} dB above the noise. The delay of the card is subtracted.", calibration.snr_db);
   return page;
 }
 

@@ -214,6 +214,12 @@ Json faults_json(const std::vector<FaultCount>& faults) {
   });
 }
 
+Json gaps_json(const Health& health) {
+  Json json = Json::object();
+  for (std::size_t g = 0; g < kGaps; ++g) json[name_of(static_cast<Gap>(g))] = health.gaps[g];
+  return json;
+}
+
 Json ports_json(const std::vector<PortEnergy>& ports) {
   return list_of(ports, [](const PortEnergy& port) {
     Json json{{"port", port.name},

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apps/cli/json.h"
+#include "backends/health.h"
 #include "backends/wav_file.h"
 #include "engine/core/error.h"
 #include "engine/scene/guard_report.h"
@@ -61,6 +62,8 @@ Json events_json(const std::vector<std::string>& names, const std::vector<std::v
 Json events_of(const SceneRecording& recording);
 
 Json faults_json(const std::vector<FaultCount>& faults);
+/// Numbers of gaps by their causes.
+Json gaps_json(const Health& health);
 
 /// The energy that passed the ports of a scene, for machines and for people.
 Json ports_json(const std::vector<PortEnergy>& ports);

@@ -48,12 +48,11 @@ struct ProbeDelay {
 /// path's profile P (1 for a cable), and for A what coupling capacitors (the phase of any high-pass) and slow
 /// filters (a magnitude without phase) do. It is fitted over all probes at once, each frequency weighted by
 /// its power over that of the noise: for white noise and a flat path this is the maximum-likelihood estimate.
-struct Analysis {
+///
+/// Where the delay moves, the estimate is that in the middle of the probes.
+struct Analysis : DelayEstimate {
   Hertz sample_rate = 48_kHz;
-  Finding finding;            ///< is the delay to be trusted?
-  bool detected = false;      ///< false: nothing below is known but noise floor and DC
-  double delay_frames = 0.0;  ///< in the middle of the probes, where it moves
-  double standard_error_frames = 0.0;
+  bool detected = false;       ///< false: nothing is known but noise floor and DC
   double bound_frames = 0.0;   ///< Cramér–Rao, for what was played and the noise that was captured
   double spread_frames = 0.0;  ///< standard deviation over probes
   int polarity = 1;

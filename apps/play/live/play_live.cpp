@@ -153,7 +153,7 @@ int run_play_live(Session& session, LivePlan& plan, const LiveOptions& options, 
 
 /// What plays where, and the state of the drives.
 void announce(const Session& session, const LivePlan& plan, const LiveOptions& options) {
-  fmt::print(stderr, "{}\n{}\n", plan.performer->name(), granted_text(plan, session.granted()));
+  fmt::print(stderr, "{}\n{}\n", plan.performer->name, granted_text(plan, session.granted()));
   if (options.listen)
     fmt::print(stderr,
                "the sound is played on the first channels of {}: connect speakers there, not actuators\n",
@@ -180,7 +180,7 @@ int play_live(const LiveOptions& options) {
   announce(session, plan, options);
 
   const int ended = run_play_live(session, plan, options, duration);
-  const auto view = session.view();
+  const auto& view = session.view();
   const auto stopped = session.stop();
   for (const auto& message : session.take_messages()) fmt::print(stderr, "{}\n", message);
   print_report(session, view, *plan.performer, options.json);
