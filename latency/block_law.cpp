@@ -31,12 +31,11 @@ const SettingDelay* shortest_above(const std::vector<SettingDelay>& settings, Se
 /// The one with the largest block of those that are shorter than the best and had gaps.
 const SettingDelay* nearest_bad(const std::vector<SettingDelay>& settings, const SettingDelay& best) {
   const SettingDelay* nearest = nullptr;
-  for (const auto& setting : settings) {
-    const bool shorter = Seconds{setting.block_frames / setting.sample_rate.value} <
-                         Seconds{best.block_frames / best.sample_rate.value};
-    if (!setting.good() && shorter && (nearest == nullptr || setting.block_frames > nearest->block_frames))
+  const auto block_s = [](const auto& setting) { return setting.block_frames / setting.sample_rate.value; };
+  for (const auto& setting : settings)
+    if (!setting.good() && block_s(setting) < block_s(best) &&
+        (nearest == nullptr || setting.block_frames > nearest->block_frames))
       nearest = &setting;
-  }
   return nearest;
 }
 

@@ -2,11 +2,8 @@
 // Thread: [control]
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <memory>
 #include <utility>
-
-#include "engine/core/error.h"
 
 namespace tactus::app {
 
@@ -47,11 +44,8 @@ CLI::Option* add_number(CLI::App& command, const char* name, Number& value, cons
   return command.add_option(name, value, help)->check(CLI::Range(low, high))->capture_default_str();
 }
 
-/// Whether a file can be written there, or files into that folder, which may still be missing. Leaves
-/// everything as it was. To be asked before the work whose result goes there. Errors: BadFile.
-Status can_write_file(const std::filesystem::path& file);
-Status can_write_into(const std::filesystem::path& folder);
-/// The same of an option, when the command line is read.
+/// Whether a file can be written there, or files into that folder, which may still be missing: known when the
+/// command line is read, before the work whose result goes there. Leaves everything as it was.
 CLI::Validator writable_file();
 CLI::Validator writable_folder();
 

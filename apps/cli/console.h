@@ -51,9 +51,8 @@ class Progress {
  public:
   explicit Progress(std::string what);
   ~Progress();
-  void operator()(double share);
-  /// Shows what is being done, too.
-  void operator()(double share, const std::string& what);
+  /// `what`: what is being done now; empty: as before.
+  void operator()(double share, const std::string& what = {});
 
  private:
   std::string what_;

@@ -65,24 +65,26 @@ Samples at_rate(Samples probe, Hertz rate) {
   return resample(probe, rate);
 }
 
-/// Two files as one recording, as if they had begun together.
-Capture joined(const AnalyzeOptions& options, Samples captured) {
-  auto played = at_rate(read(options.probe, options), captured.sample_rate);
-  const int channel = captured_channel(options, 1, static_cast<int>(captured.channels.size()));
-  auto& first = played.channels.front();
-  first.resize(static_cast<std::size_t>(std::max(captured.frames(), played.frames())));
-  return {{captured.sample_rate, std::move(first), std::move(captured.channels)}, channel};
-}
-
-/// A file whose first channel is what was played.
-Capture cut(const AnalyzeOptions& options, Samples both) {
-  if (both.channels.size() < 2)
+/// A file whose first channel is what was played, or two files as if they had begun together.
+Capture capture_of(const AnalyzeOptions& options) {
+  auto samples = read(options.capture, options);
+  auto& channels = samples.channels;
+  const bool together = options.probe.empty();
+  if (together && channels.size() < 2)
     exit_with({Errc::BadFile, options.capture, "it has one channel, and no probe file is given",
                "give the file that was played as --probe"});
-  const int channel = captured_channel(options, 2, static_cast<int>(both.channels.size()) - 1);
-  auto played = std::move(both.channels.front());
-  both.channels.erase(both.channels.begin());
-  return {{both.sample_rate, std::move(played), std::move(both.channels)}, channel};
+  const int first = together ? 2 : 1;
+  const int channel = captured_channel(options, first, static_cast<int>(channels.size()) + 1 - first);
+  std::vector<double> played;
+  if (together) {
+    played = std::move(channels.front());
+    channels.erase(channels.begin());
+  } else {
+    auto probe = at_rate(read(options.probe, options), samples.sample_rate);
+    played = std::move(probe.channels.front());
+    played.resize(std::max(played.size(), channels.front().size()));
+  }
+  return {{samples.sample_rate, std::move(played), std::move(channels)}, channel};
 }
 
 LatencyReport report_of(const std::string& source, Capture capture, Analysis analysis) {
@@ -98,9 +100,7 @@ LatencyReport report_of(const std::string& source, Capture capture, Analysis ana
 }
 
 int run_latency_analyze(const AnalyzeOptions& options) {
-  auto samples = read(options.capture, options);
-  auto capture =
-      options.probe.empty() ? cut(options, std::move(samples)) : joined(options, std::move(samples));
+  auto capture = capture_of(options);
   const auto rate = capture.recording.sample_rate;
   AnalysisSettings settings;
   settings.channel = capture.channel;

@@ -111,8 +111,8 @@ class LivePlay {
     if (!plan_.rig) return line_.print("there is no rig file: start with --save-rig FILE");
     plan_.rig->midi = midi_map_.bindings();
     plan_.rig->controls.clear();
-    for (const auto& [control, frozen] : controls_.all())
-      plan_.rig->controls.push_back({control.name, {}, {control.value, control.unit, false}});
+    for (const auto& live : controls_.all())
+      plan_.rig->controls.push_back({live.control.name, {}, {live.control.value, live.control.unit, false}});
     const auto& file = plan_.rig_file;
     const auto saved = replace_rig(*plan_.rig, file);
     line_.print(saved ? file + ": controls and MIDI bindings saved; the previous file is " + file + "~"
