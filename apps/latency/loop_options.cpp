@@ -64,14 +64,13 @@ GuardedChannel guard_of(const Rig* rig, int output, double loudest_dbfs) {
 }
 
 void check_channel(int channel, int there, const Device& device, const char* option) {
-  const std::string kind = option[2] == 'i' ? "input" : "output";
-  if (there == 0)
-    exit_with({Errc::OutOfRange, option, fmt::format("'{}' has no {}s", device.id, kind),
-               fmt::format("choose a device that has some with --{}device; see tactus devices",
-                           kind == "input" ? "input-" : "")});
-  if (channel > there)
-    exit_with({Errc::OutOfRange, option, fmt::format("'{}' has no {} {}", device.id, kind, channel),
-               fmt::format("it has channels 1 to {}", there)});
+  if (channel <= there) return;
+  const bool input = option[2] == 'i';
+  exit_with({Errc::OutOfRange, option,
+             fmt::format("'{}' has no {} {}", device.id, input ? "input" : "output", channel),
+             there > 0 ? fmt::format("it has channels 1 to {}", there)
+                       : fmt::format("choose a device that has some with --{}; see tactus devices",
+                                     input ? "input-device" : "device")});
 }
 
 void set_channels(const LoopOptions& options, Loop& loop) {
@@ -147,10 +146,7 @@ Result<Measurement> measure_now(Backend& backend, const MeasureSettings& setting
 
 PathProfile read_profile(const std::string& file, Hertz sample_rate) {
   const auto path = or_exit(read_path(load_graph_leniently(file)), kBadFile);
-  PathProfile profile;
-  profile.sample_rate = sample_rate;
-  profile.taps = taps_at_rate(path.taps, path.rate, sample_rate);
-  return profile;
+  return {sample_rate, taps_at_rate(path.taps, path.rate, sample_rate), {}, {}};
 }
 
 std::string source_text(const MeasureSettings& settings, const StreamGranted& granted) {

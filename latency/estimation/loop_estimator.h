@@ -59,8 +59,6 @@ class LoopEstimator {
   LoopEstimator(const LoopRecording& recorded, const AnalysisSettings& asked, const PlayedBursts& bursts);
 
   LoopEstimate estimate();
-  /// Where the probe is found on every input.
-  std::vector<CoarseDelay> every_channel();
 
   const LoopRecording& recording;
   const AnalysisSettings& settings;
