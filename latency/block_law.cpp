@@ -9,13 +9,6 @@
 namespace tactus {
 namespace {
 
-std::vector<const SettingDelay*> good_ones(const std::vector<SettingDelay>& settings) {
-  std::vector<const SettingDelay*> good;
-  for (const auto& setting : settings)
-    if (setting.good()) good.push_back(&setting);
-  return good;
-}
-
 std::string ms(Seconds time) { return fmt::format("{:.2f} ms", 1e3 * time.value); }
 
 /// The good one with the shortest delay above `least`.
@@ -47,30 +40,31 @@ std::string fault_of(const SettingDelay& setting) {
 }  // namespace
 
 std::optional<BlockLaw> fit_block_law(const std::vector<SettingDelay>& settings) {
-  const auto good = good_ones(settings);
+  auto good = settings;
+  std::erase_if(good, [](const SettingDelay& setting) { return !setting.good(); });
   const auto count = static_cast<double>(good.size());
   double mean_block = 0.0, mean_delay = 0.0;
-  for (const auto* setting : good) {
-    mean_block += setting->block_frames / count;
-    mean_delay += setting->delay_frames / count;
+  for (const auto& setting : good) {
+    mean_block += setting.block_frames / count;
+    mean_delay += setting.delay_frames / count;
   }
   double spread = 0.0, together = 0.0;
-  for (const auto* setting : good) {
-    const double block = setting->block_frames - mean_block;
+  for (const auto& setting : good) {
+    const double block = setting.block_frames - mean_block;
     spread += block * block;
-    together += block * (setting->delay_frames - mean_delay);
+    together += block * (setting.delay_frames - mean_delay);
   }
   if (!(spread > 0.0)) return std::nullopt;
   BlockLaw law;
   law.settings = static_cast<int>(good.size());
-  law.sample_rate = good.front()->sample_rate;
-  law.periods = good.front()->periods;
+  law.sample_rate = good.front().sample_rate;
+  law.periods = good.front().periods;
   law.per_frame = together / spread;
   law.fixed_frames = mean_delay - law.per_frame * mean_block;
   if (good.size() < 3) return law;
   double squares = 0.0;
-  for (const auto* setting : good)
-    squares += std::pow(setting->delay_frames - law.at(setting->block_frames), 2);
+  for (const auto& setting : good)
+    squares += std::pow(setting.delay_frames - law.at(setting.block_frames), 2);
   const double variance = squares / (count - 2);
   law.residual_frames = std::sqrt(variance);
   law.per_frame_standard_error = std::sqrt(variance / spread);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/core/units.h"
-#include "latency/verdict.h"
+#include "latency/estimation/analysis.h"
 
 namespace tactus {
 

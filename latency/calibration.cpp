@@ -11,7 +11,7 @@
 #include "engine/core/index.h"
 #include "latency/estimation/probe_windows.h"
 #include "latency/path/response.h"
-#include "latency/probe/bursts.h"
+#include "latency/probe/probe.h"
 
 namespace tactus {
 namespace {

@@ -6,7 +6,6 @@
 #include "engine/core/error.h"
 #include "latency/estimation/analysis.h"
 #include "latency/estimation/loop_recording.h"
-#include "latency/verdict.h"
 
 namespace tactus {
 

@@ -8,7 +8,6 @@
 #include "backends/backend.h"
 #include "latency/estimation/analysis.h"
 #include "latency/estimation/loop_recording.h"
-#include "latency/verdict.h"
 
 namespace tactus {
 

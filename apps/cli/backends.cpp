@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "backends/find_device.h"
 #include "backends/loop/loop.h"

@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <fstream>
 
-#include "apps/cli/commands.h"
 #include "apps/play/live/controls/keyboard.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/file/read_graph.h"

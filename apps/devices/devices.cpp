@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include "apps/cli/backends.h"
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/cli/json.h"
 #include "latency/measured.h"

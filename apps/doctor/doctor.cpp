@@ -8,7 +8,7 @@
 #include <sstream>
 #include <thread>
 
-#include "apps/cli/commands.h"
+#include "apps/cli/console.h"
 #include "apps/cli/json.h"
 #include "apps/doctor/findings.h"
 #include "backends/realtime_thread.h"
@@ -144,11 +144,11 @@ bool is_realtime(const SystemFiles& system) {
          contains(system.text("proc/version"), "PREEMPT_RT");
 }
 
-/// Of every processor that has such a file.
-template <class Use>
-void for_each_processor(const SystemFiles& system, const std::string& file, Use use) {
-  const std::string all = "sys/devices/system/cpu/";
-  for (const auto& processor : system.names(all)) use(all + processor + "/" + file);
+/// Of every processor.
+std::vector<std::string> processor_files(const SystemFiles& system, const std::string& file) {
+  auto files = system.names("sys/devices/system/cpu/");
+  for (auto& name : files) name = "sys/devices/system/cpu/" + name + "/" + file;
+  return files;
 }
 
 struct Process {
@@ -185,8 +185,8 @@ SystemFinding check_right(const SystemFiles& system, const Status& tried, const 
 
 SystemFinding check_governor(const SystemState& system) {
   std::set<std::string> governors;
-  for_each_processor(system, "cpufreq/scaling_governor",
-                     [&](const std::string& file) { governors.insert(system.line(file)); });
+  for (const auto& file : processor_files(system, "cpufreq/scaling_governor"))
+    governors.insert(system.line(file));
   governors.erase("");
   if (governors.empty()) return unknown("the processor clock cannot be read (a virtual machine?)");
   governors.erase("performance");
@@ -197,11 +197,10 @@ SystemFinding check_governor(const SystemState& system) {
 
 SystemFinding check_idle(const SystemState& system) {
   int longest = -1;
-  for_each_processor(system, "cpuidle", [&](const std::string& folder) {
+  for (const auto& folder : processor_files(system, "cpuidle"))
     for (const auto& state : system.names(folder))
       if (system.line(folder + "/" + state + "/disable") != "1")
         longest = std::max(longest, number_in(system.line(folder + "/" + state + "/latency")).value_or(-1));
-  });
   if (longest < 0) return unknown("idle states cannot be read");
   const auto what = fmt::format("processors wake up within {} us", longest);
   if (longest <= kSlowWake_us) return ok(what);
@@ -340,13 +339,6 @@ constexpr std::pair<const char*, SystemFinding (*)(const SystemState&)> kChecks[
 
 constexpr int kPriority = 70;  // below that of the threads of interrupts, 50 + 40 with rtirq
 
-/// On a thread of its own, which takes its priority with it when it ends.
-Status try_priority() {
-  Status tried;
-  std::thread{[&] { tried = become_realtime(kPriority); }}.join();
-  return tried;
-}
-
 /// The settings of a PipeWire that runs; empty where there is none.
 std::string pipewire_settings([[maybe_unused]] const SystemFiles& system) {
   std::string text;
@@ -378,7 +370,8 @@ struct DoctorOptions {
 
 int run_doctor(const DoctorOptions& options) {
   SystemState system;
-  system.priority = try_priority();
+  // A thread takes its priority with it when it ends.
+  std::thread{[&] { system.priority = become_realtime(kPriority); }}.join();
   system.memory = lock_memory();
   system.pipewire = pipewire_settings(system);
   const auto findings = check_system(system);

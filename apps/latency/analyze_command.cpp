@@ -87,29 +87,22 @@ Capture capture_of(const AnalyzeOptions& options) {
   return {{samples.sample_rate, std::move(played), std::move(channels)}, channel};
 }
 
-LatencyReport report_of(const std::string& source, Capture capture, Analysis analysis) {
-  LatencyReport report;
-  report.source = source;
-  auto& measurement = report.measurement;
-  static_cast<DelayEstimate&>(measurement) = analysis;
-  auto& opening = measurement.openings.emplace_back();
-  opening.finding = analysis.finding;
-  opening.recording = std::move(capture.recording);
-  opening.analysis = std::move(analysis);
-  return report;
-}
-
 int run_latency_analyze(const AnalyzeOptions& options) {
   auto capture = capture_of(options);
   const auto rate = capture.recording.sample_rate;
   AnalysisSettings settings;
   settings.channel = capture.channel;
   if (!options.profile.empty()) settings.profile = read_profile(options.profile, rate);
-  auto analysis = or_exit(analyze(capture.recording, settings), kBadFile);
-  if (analysis.detected && analysis.delay_frames < -0.5)
+  LatencyReport report;
+  report.source = fmt::format("{}, {:g} kHz", options.capture, rate.value / 1e3);
+  auto& opening = report.measurement.openings.emplace_back();
+  opening.analysis = or_exit(analyze(capture.recording, settings), kBadFile);
+  opening.recording = std::move(capture.recording);
+  opening.finding = opening.analysis.finding;
+  static_cast<DelayEstimate&>(report.measurement) = opening.analysis;
+  if (opening.analysis.detected && opening.analysis.delay_frames < -0.5)
     fmt::print(stderr, "note: the recording started after the probe, so this is not the delay of a device\n");
-  const auto source = fmt::format("{}, {:g} kHz", options.capture, rate.value / 1e3);
-  return publish(report_of(source, std::move(capture), std::move(analysis)), options.report);
+  return publish(std::move(report), options.report);
 }
 
 }  // namespace

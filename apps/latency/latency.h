@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "apps/cli/backends.h"
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/cli/json.h"
 #include "engine/plot/plot.h"

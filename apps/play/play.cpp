@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/play/live/plan.h"
 #include "apps/play/play_report.h"

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <utility>
 
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "engine/core/decibels.h"
 #include "engine/core/index.h"

@@ -6,7 +6,6 @@
 #include <functional>
 #include <sstream>
 
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "engine/core/files.h"
 #include "engine/graph/file/error_list.h"

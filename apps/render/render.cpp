@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/study/study.h"
 #include "backends/offline.h"

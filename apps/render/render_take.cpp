@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/cli/take_files.h"
 #include "apps/render/render.h"

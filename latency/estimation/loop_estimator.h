@@ -12,7 +12,7 @@
 #include "latency/estimation/loop_recording.h"
 #include "latency/estimation/probe_windows.h"
 #include "latency/path/path_model.h"
-#include "latency/probe/bursts.h"
+#include "latency/probe/probe.h"
 
 namespace tactus {
 

@@ -113,27 +113,6 @@ Read read_scene(const PerformerSetup& setup) {
   return {std::move(*loaded.scene), std::move(compiled)};
 }
 
-/// The monitor output: channels of the instrument's outputs, or of its inputs.
-struct Monitor {
-  bool sensors = false;
-  std::vector<int> channels;
-};
-
-Monitor monitor_of(const Player& instrument, int speakers) {
-  std::vector<int> audio;
-  int output = 0;
-  for (const auto& channel : instrument.plan().channels) {
-    if (channel.use == OutputUse::Audio) audio.push_back(output);
-    if (channel.use != OutputUse::Tap) ++output;
-  }
-  const bool sensors = audio.empty();
-  if (sensors) audio = channels_of({}, instrument.in_channels());
-  Monitor monitor{sensors, {}};  // one sound comes from every speaker
-  for (std::size_t c = 0; !audio.empty() && c < index(speakers); ++c)
-    monitor.channels.push_back(audio[c % audio.size()]);
-  return monitor;
-}
-
 class LiveWorld final : public Performer, private BlockProcessor {
  public:
   LiveWorld(PerformerSetup setup, Read read)
@@ -144,13 +123,19 @@ class LiveWorld final : public Performer, private BlockProcessor {
         guarded_(*built_.instrument, guarded_channels(built_.instrument->plan(), scene_.drives)),
         loop_(guarded_, *built_.plant, built_.instrument->out_channels(), built_.delay_frames,
               scene_.converters),
-        monitor_(monitor_of(*built_.instrument, setup_.speakers)),
         listener_([this](const ClosedLoop::Block& block) { copy_monitor(block); }) {
     name = scene_.name;
     read_files(scene_);
     const auto& plan = built_.instrument->plan();
-    const auto all = monitor_.sensors ? plan.input_names : output_names(plan);
-    for (const int channel : monitor_.channels) outputs.push_back(all[index(channel)]);
+    auto sounds = sound_names(plan);
+    plays_sensors_ = sounds.empty();
+    const auto all = plays_sensors_ ? plan.input_names : output_names(plan);
+    if (plays_sensors_) sounds = all;
+    // One sound comes from every speaker.
+    for (std::size_t c = 0; !sounds.empty() && c < index(setup_.speakers); ++c) {
+      outputs.push_back(sounds[c % sounds.size()]);
+      monitor_.push_back(static_cast<int>(std::ranges::find(all, outputs.back()) - all.begin()));
+    }
     guards.resize(outputs.size(), {DriveGuard::Kind::Audio, {}});
   }
 
@@ -204,9 +189,9 @@ class LiveWorld final : public Performer, private BlockProcessor {
   }
 
   void copy_monitor(const ClosedLoop::Block& block) noexcept {
-    const auto& from = monitor_.sensors ? block.sensors : block.drives;
-    for (std::size_t c = 0; c < monitor_.channels.size(); ++c)
-      std::copy_n(from[monitor_.channels[c]], block.frames, io_->out[c] + done_);
+    const auto& from = plays_sensors_ ? block.sensors : block.drives;
+    for (std::size_t c = 0; c < monitor_.size(); ++c)
+      std::copy_n(from[monitor_[c]], block.frames, io_->out[c] + done_);
     done_ += block.frames;
     if (watching_.load(std::memory_order_relaxed)) ports_.take(*built_.plant, block.frames);
   }
@@ -218,7 +203,8 @@ class LiveWorld final : public Performer, private BlockProcessor {
   std::atomic<bool> watching_ = true;  ///< its signals lie where they did
   Guarded guarded_;
   ClosedLoop loop_;
-  Monitor monitor_;
+  std::vector<int> monitor_;  ///< channels of the instrument's outputs, or of its inputs, for each speaker
+  bool plays_sensors_ = false;
   ClosedLoop::Listener listener_;
   int max_frames_ = 0;
   const BlockIo* io_ = nullptr;

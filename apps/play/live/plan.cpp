@@ -7,7 +7,6 @@
 #include <iostream>
 #include <thread>
 
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/play/save_rig.h"
 #include "engine/core/decibels.h"

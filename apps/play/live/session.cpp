@@ -7,7 +7,6 @@
 #include <cmath>
 #include <thread>
 
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/cli/take_files.h"
 #include "apps/play/live/controls/status_line.h"

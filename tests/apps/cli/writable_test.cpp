@@ -3,7 +3,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "apps/cli/commands.h"
+#include "apps/cli/console.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace tactus;
