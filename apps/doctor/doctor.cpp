@@ -30,10 +30,13 @@ SystemFinding warn(std::string what, std::string command) {
 SystemFinding unknown(std::string what, std::string command = "") {
   return {SystemFinding::State::Unknown, std::move(what), std::move(command)};
 }
-SystemFinding named(const char* name, SystemFinding finding) {
-  finding.name = name;
-  return finding;
-}
+
+struct Findings : std::vector<SystemFinding> {
+  void add(const char* name, SystemFinding finding) {
+    finding.name = name;
+    push_back(std::move(finding));
+  }
+};
 
 bool contains(const Text& text, const std::string& word) {
   return text && text->find(word) != std::string::npos;
@@ -281,9 +284,8 @@ SystemFinding check_cards(const SystemState& system) {
 }
 
 /// A finding for each sound card on USB, or one that says that there is none.
-void check_usb(const SystemFiles& system, std::vector<SystemFinding>& findings) {
-  const auto add = [&](SystemFinding finding) { findings.push_back(named("USB", std::move(finding))); };
-  bool any = false;
+void check_usb(const SystemFiles& system, Findings& findings) {
+  const auto before = findings.size();
   auto devices = system.names(kUsb);
   std::erase_if(devices, [](const std::string& name) {
     return name.find('-') == std::string::npos || name.find(':') != std::string::npos;
@@ -295,38 +297,37 @@ void check_usb(const SystemFiles& system, std::vector<SystemFinding>& findings) 
       return other != device && !parent.empty() && usb_parent(other) == parent &&
              system.line(kUsb + other + "/bDeviceClass") != "09";
     });
-    any = true;
-    add(system.line(kUsb + device + "/power/control") == "auto"
-            ? warn(name + " may be suspended when idle",
-                   "echo on | sudo tee /sys/bus/usb/devices/" + device + "/power/control")
-        : neighbour != devices.end()
-            ? warn(name + " shares a hub with " + usb_name(system, *neighbour),
-                   "lsusb -t   # shows the ports; connect the card to a port of the computer itself")
-            : ok(name + " is never suspended and does not share a hub"));
+    findings.add("USB",
+                 system.line(kUsb + device + "/power/control") == "auto"
+                     ? warn(name + " may be suspended when idle",
+                            "echo on | sudo tee /sys/bus/usb/devices/" + device + "/power/control")
+                 : neighbour != devices.end()
+                     ? warn(name + " shares a hub with " + usb_name(system, *neighbour),
+                            "lsusb -t   # shows the ports; connect the card to a port of the computer itself")
+                     : ok(name + " is never suspended and does not share a hub"));
   }
-  if (!any)
-    add(devices.empty() ? unknown("USB devices cannot be read") : ok("no sound card is connected by USB"));
+  if (findings.size() == before)
+    findings.add("USB", devices.empty() ? unknown("USB devices cannot be read")
+                                        : ok("no sound card is connected by USB"));
 }
 
 /// The same for sound servers that run.
-void check_servers(const SystemState& system, std::vector<SystemFinding>& findings) {
-  const auto add = [&](const char* name, SystemFinding finding) {
-    findings.push_back(named(name, std::move(finding)));
-  };
+void check_servers(const SystemState& system, Findings& findings) {
   const auto before = findings.size();
   std::set<std::string> seen;
   for (const auto& [name, arguments] : processes_of(system)) {
     const bool first = seen.insert(name).second;
-    if (name == "jackd") add("JACK", check_jack(arguments));
+    if (name == "jackd") findings.add("JACK", check_jack(arguments));
     if (!first) continue;
     if (name == "jackdbus")
-      add("JACK", unknown("jackdbus is running but does not report its settings", "jack_control dp"));
-    if (name == "pipewire") add("PipeWire", check_pipewire(system.pipewire));
+      findings.add("JACK",
+                   unknown("jackdbus is running but does not report its settings", "jack_control dp"));
+    if (name == "pipewire") findings.add("PipeWire", check_pipewire(system.pipewire));
     if (name == "pulseaudio")
-      add("PulseAudio", warn("PulseAudio occupies the sound cards", "pasuspender -- tactus play …"));
+      findings.add("PulseAudio", warn("PulseAudio occupies the sound cards", "pasuspender -- tactus play …"));
   }
   if (findings.size() == before)
-    add("sound server", ok("none is running: Tactus has exclusive access to the cards"));
+    findings.add("sound server", ok("none is running: Tactus has exclusive access to the cards"));
 }
 
 constexpr std::pair<const char*, SystemFinding (*)(const SystemState&)> kChecks[] = {
@@ -388,18 +389,17 @@ int run_doctor(const DoctorOptions& options) {
 }  // namespace
 
 std::vector<SystemFinding> check_system(const SystemState& system) {
-  std::vector<SystemFinding> all{
-      named("real-time priority",
-            check_right(system, system.priority, "rtprio", "this user's threads can use SCHED_FIFO")),
-      named("memory lock", check_right(system, system.memory, "memlock", "the program can lock its memory"))};
+  Findings all;
+  all.add("real-time priority",
+          check_right(system, system.priority, "rtprio", "this user's threads can use SCHED_FIFO"));
+  all.add("memory lock", check_right(system, system.memory, "memlock", "the program can lock its memory"));
   if (!system.exists("proc")) {
-    all.push_back(
-        named("system", unknown("processors, kernel, sound servers and USB can only be checked on Linux")));
+    all.add("system", unknown("processors, kernel, sound servers and USB can only be checked on Linux"));
     return all;
   }
-  for (const auto& [name, check] : kChecks) all.push_back(named(name, check(system)));
+  for (const auto& [name, check] : kChecks) all.add(name, check(system));
   check_servers(system, all);
-  all.push_back(named("sound cards", check_cards(system)));
+  all.add("sound cards", check_cards(system));
   check_usb(system, all);
   return all;
 }

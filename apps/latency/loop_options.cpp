@@ -46,18 +46,14 @@ int first_channel(const Ports& ports) {
   return 1;
 }
 
-/// What is connected to an output, from 1, as far as the rig has it; nullptr: nothing.
-const RigOutput* port_on(const Rig& rig, int channel) {
-  if (const auto* actuator = rig.actuator_on(channel)) return actuator;
-  for (const auto& output : rig.outputs)
-    if (output.uses(channel)) return &output;
-  return nullptr;
-}
-
-/// The guard of the output from the rig; else a cable, with the level as its ceiling.
-GuardedChannel guard_of(const Rig* rig, int output, double loudest_dbfs) {
-  const auto* port = rig == nullptr ? nullptr : port_on(*rig, output);
-  if (port != nullptr) return {DriveGuard::Kind::Drive, port->drive.limits};
+/// What the rig has on the output, from 1; else a cable, with the level as its ceiling.
+GuardedChannel guard_of(const std::optional<Rig>& rig, int output, double loudest_dbfs) {
+  if (rig) {
+    if (const auto* actuator = rig->actuator_on(output))
+      return {DriveGuard::Kind::Drive, actuator->drive.limits};
+    for (const auto& port : rig->outputs)
+      if (port.uses(output)) return {DriveGuard::Kind::Drive, port.drive.limits};
+  }
   GuardedChannel guard{DriveGuard::Kind::Audio, {}};
   guard.limits.ceiling = amplitude_from_db(loudest_dbfs);
   return guard;
@@ -86,7 +82,7 @@ void set_channels(const LoopOptions& options, Loop& loop) {
 void set_level(const LoopOptions& options, Loop& loop) {
   auto& settings = loop.settings;
   if (!options.level.empty()) settings.loudest_dbfs = parse_level(options.level);
-  settings.guard = guard_of(loop.rig ? &*loop.rig : nullptr, settings.output + 1, settings.loudest_dbfs);
+  settings.guard = guard_of(loop.rig, settings.output + 1, settings.loudest_dbfs);
   settings.loudest_dbfs = std::min(settings.loudest_dbfs, amplitude_to_db(settings.guard.limits.ceiling));
   settings.softest_dbfs = std::min(settings.softest_dbfs, settings.loudest_dbfs);
 }

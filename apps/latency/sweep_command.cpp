@@ -32,20 +32,19 @@ std::string note_of(const SweepRow& row) {
 
 std::string line_of(const SweepRow& row) {
   const auto& setting = row.setting;
-  if (row.refused)
-    return fmt::format("{:>8g}  {:>6}  {:>7}  {}\n", setting.sample_rate.value / 1e3, row.asked_block,
-                       periods_text(row.asked_periods.value_or(0)), note_of(row));
-  const auto head = fmt::format("{:>8g}  {:>6}  {:>7}", setting.sample_rate.value / 1e3, setting.block_frames,
-                                periods_text(setting.periods));
-  const bool known = setting.finding.verdict == Verdict::Ok;
   const auto note = note_of(row);
-  return head + fmt::format("  {:>24}  {:>9}  {:>5}  {:>6}  {:>6}{}\n",
+  const auto line = fmt::format("{:>8g}  {:>6}  {:>7}  ", setting.sample_rate.value / 1e3,
+                                row.refused ? row.asked_block : setting.block_frames,
+                                periods_text(row.refused ? row.asked_periods.value_or(0) : setting.periods));
+  if (row.refused) return line + note + "\n";
+  const bool known = setting.finding.verdict == Verdict::Ok;
+  return line + fmt::format("{:>24}  {:>9}  {:>5}  {:>6}  {:>6}{}{}\n",
                             known ? with_error(setting.delay_frames, setting.standard_error_frames)
-                                  : std::string{code(setting.finding.verdict)},
+                                  : code(setting.finding.verdict),
                             known ? fmt::format("{:.3f}", 1e3 * setting.delay().value) : "", row.xruns,
                             row.lost_frames,
                             row.reported_frames ? fmt::format("{:.0f}", *row.reported_frames) : "?",
-                            note.empty() ? "" : "  " + note);
+                            note.empty() ? "" : "  ", note);
 }
 
 /// Settings that the device turned into ones that it has.
