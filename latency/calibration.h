@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include "engine/core/error.h"
 #include "latency/estimation/analysis.h"

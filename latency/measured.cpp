@@ -1,6 +1,5 @@
 #include "latency/measured.h"
 
-#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <system_error>

@@ -354,10 +354,8 @@ std::string text_of(const LatencyReport& report) {
   if (report.live || analysis.detected) add_gaps(report, lines);
   add_path(analysis, lines);
   if (analysis.detected) add_group_delay(analysis, lines);
-  const char* heading = "saved";
-  for (const auto& line : report.saved) lines.add(std::exchange(heading, ""), "{}", line);
-  heading = "written";
-  for (const auto& file : report.written) lines.add(std::exchange(heading, ""), "{}", file);
+  for (auto [heading, texts] : {std::pair{"saved", &report.saved}, {"written", &report.written}})
+    for (const auto& text : *texts) lines.add(std::exchange(heading, ""), "{}", text);
   return lines.take();
 }
 

@@ -56,11 +56,6 @@ struct PlayedScene {
 PlayedScene play_file(const std::filesystem::path& file, const PlayerOptions& options,
                       const std::map<std::string, double>* compared = nullptr);
 
-/// {"events": [{"time_s", "node", "level_db"}]} from taps "node.output" and "node.level".
-Json events_json(const std::vector<std::string>& names, const std::vector<std::vector<double>>& taps,
-                 Hertz sample_rate);
-Json events_of(const SceneRecording& recording);
-
 Json faults_json(const std::vector<FaultCount>& faults);
 /// Numbers of gaps by their causes.
 Json gaps_json(const Health& health);

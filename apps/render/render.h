@@ -1,7 +1,6 @@
 #pragma once
 // Thread: [control]
 
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 #include <span>
-#include <string>
 
 #include "engine/core/decibels.h"
 #include "engine/core/index.h"

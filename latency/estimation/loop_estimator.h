@@ -2,7 +2,6 @@
 // Thread: [control]
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
