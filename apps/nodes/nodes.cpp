@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/cli/json.h"
 #include "apps/nodes/schema.h"
