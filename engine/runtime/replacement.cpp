@@ -38,6 +38,12 @@ Key key_of(const Plan& plan, const Vertex& vertex) {
   return {vertex.kind, vertex.kind == Kind::Operation ? vertex.path : std::string_view{}, vertex.nth};
 }
 
+/// Fills in what `after` takes over from `before`, which may be running meanwhile:
+///  - A node of the same path and made from the same things continues with its state.
+///  - A control keeps its value and its number; one whose value in the file is another moves there.
+///  - A constant that differs at a place that is otherwise the same moves from the old number to the new.
+///  - An output jumps if a step that feeds it, directly or through others, is new, was made anew, or reads
+///    something else. What differs in constants alone does not jump.
 class Planner {
  public:
   Planner(const Running& before, Running& after)
@@ -205,19 +211,6 @@ class Planner {
   std::vector<bool> changed_;             ///< [vertex]
 };
 
-/// Fills in what `after` takes over from `before`, which may be running meanwhile:
-///  - A node of the same path and made from the same things continues with its state.
-///  - A control keeps its value and its number; one whose value in the file is another moves there.
-///  - A constant that differs at a place that is otherwise the same moves from the old number to the new.
-///  - An output jumps if a step that feeds it, directly or through others, is new, was made anew, or reads
-///    something else. What differs in constants alone does not jump.
-/// Errors: BadArgument if sample rate, inputs, outputs or taps are not the same.
-Status plan_handover(const Running& before, Running& after) {
-  if (auto status = same_border(*before.plan, *after.plan); !status) return status;
-  Planner{before, after}.run();
-  return {};
-}
-
 void add_faults(const Running& running, std::map<std::string, std::int64_t>& counts) {
   for (std::size_t v = 0; v < running.faults.size(); ++v)
     if (const auto count = running.faults[v].load(std::memory_order_relaxed); count > 0)
@@ -241,8 +234,9 @@ Status Replacement::offer(std::unique_ptr<Plan> plan, std::int64_t frame, int ma
   collect();
   if (before_ != nullptr)
     return fail(Errc::BadArgument, "", "the previous edit is not in effect yet", "try again after a block");
+  if (auto status = same_border(*newest_->plan, *plan); !status) return status;
   auto next = std::make_unique<Running>(std::move(plan), max_frames);
-  if (auto status = plan_handover(*newest_, *next); !status) return status;
+  Planner{*newest_, *next}.run();
   next->frame = frame;
   before_ = std::move(newest_);
   newest_ = std::move(next);
