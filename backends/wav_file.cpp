@@ -113,8 +113,6 @@ tl::unexpected<Error> cannot_append(const fs::path& path) {
 
 }  // namespace
 
-void CloseSound::operator()(sf_private_tag* file) const { sf_close(file); }
-
 Result<WavReader> WavReader::open(const fs::path& path) {
   std::error_code ignored;
   const auto status = fs::status(path, ignored);
@@ -125,7 +123,7 @@ Result<WavReader> WavReader::open(const fs::path& path) {
 
   SF_INFO info{};
   WavReader reader;
-  reader.sound_.reset(sf_open(path.string().c_str(), SFM_READ, &info));
+  reader.sound_ = {sf_open(path.string().c_str(), SFM_READ, &info), sf_close};
   if (auto length = check_length(path); !length) return tl::unexpected(length.error());
   if (!reader.sound_)
     return fail(Errc::BadFile, path.string(),
@@ -168,7 +166,7 @@ Result<WavWriter> WavWriter::create(const fs::path& path, Hertz sample_rate, int
   writer.path_ = path;
   writer.channels_ = channels;
   writer.encoding_ = encoding;
-  writer.sound_.reset(sf_open(path.string().c_str(), SFM_WRITE, &info));
+  writer.sound_ = {sf_open(path.string().c_str(), SFM_WRITE, &info), sf_close};
   if (!writer.sound_)
     return fail(Errc::BadFile, path.string(), fmt::format("it cannot be written ({})", sf_strerror(nullptr)),
                 "check that the folder exists and is writable");
