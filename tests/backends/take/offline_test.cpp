@@ -1,10 +1,9 @@
-#include "backends/offline.h"
-
 #include <catch2/catch.hpp>
 #include <limits>
 #include <vector>
 
 #include "backends/health.h"
+#include "backends/take/replay.h"
 
 using namespace tactus;
 
