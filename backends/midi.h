@@ -57,7 +57,7 @@ struct RtMidiSettings {
 ///
 /// An id is "api:name" with the name as the system gives it, without the numbers that change from one
 /// plugging in to the next; the second of the same name is "api:name #2".
-std::unique_ptr<MidiInputs> make_rtmidi(const RtMidiSettings& settings = {});
+std::shared_ptr<MidiInputs> make_rtmidi(const RtMidiSettings& settings = {});
 
 /// [any] The message of these bytes, with `time` left open; nothing if it is of no use to us. Source:
 /// MIDI 1.0 Detailed Specification, table 1.

@@ -35,6 +35,6 @@ StreamRequest request_for(const ChosenDevices& devices, const Rig::Device& rig, 
                           std::optional<int> block, std::optional<int> periods);
 
 /// nullptr: this program was built without MIDI. `api`: see RtMidiSettings.
-std::unique_ptr<MidiInputs> make_midi_inputs(const std::string& api);
+std::shared_ptr<MidiInputs> make_midi_inputs(const std::string& api);
 
 }  // namespace tactus::app

@@ -50,7 +50,7 @@ void note_error(RtMidiError::Type type, const std::string&, void* failed) {
 
 /// Looks for ports and keeps them open, on its own thread; the control thread asks it for what came. Whoever
 /// of the two lives longer keeps it.
-class Worker {
+class Worker final : public MidiInputs {
  public:
   explicit Worker(RtMidiSettings settings) : settings_(std::move(settings)) {}
 
@@ -83,14 +83,14 @@ class Worker {
     wake_.wait_for(lock, kPatience, [this] { return stopped_; });
   }
 
-  std::vector<std::string> ports() const {
+  std::vector<std::string> ports() override {
     const std::lock_guard lock{mutex_};
     std::vector<std::string> ids;
     for (const auto& port : ports_) ids.push_back(port.first);
     return ids;
   }
 
-  std::vector<MidiEvent> poll() {
+  std::vector<MidiEvent> poll() override {
     const std::lock_guard lock{mutex_};
     std::vector<MidiEvent> events;
     for (const auto& [id, port] : ports_)
@@ -98,7 +98,7 @@ class Worker {
     return events;
   }
 
-  std::vector<std::string> news() {
+  std::vector<std::string> news() override {
     const std::lock_guard lock{mutex_};
     return std::exchange(news_, {});
   }
@@ -204,27 +204,14 @@ class Worker {
   bool stopped_ = false;
 };
 
-class RtMidiInputs final : public MidiInputs {
- public:
-  explicit RtMidiInputs(const RtMidiSettings& settings) : worker_(std::make_shared<Worker>(settings)) {
-    std::thread{[worker = worker_] { worker->run(); }}.detach();
-  }
-  /// A library that hangs keeps its thread, and what that needs, to itself.
-  ~RtMidiInputs() override { worker_->stop(); }
-
-  std::vector<std::string> ports() override { return worker_->ports(); }
-  std::vector<MidiEvent> poll() override { return worker_->poll(); }
-  std::vector<std::string> news() override { return worker_->news(); }
-
- private:
-  std::shared_ptr<Worker> worker_;
-};
-
 }  // namespace
 
-std::unique_ptr<MidiInputs> make_rtmidi(const RtMidiSettings& settings) {
+// A library that hangs keeps its thread, and what that needs, to itself.
+std::shared_ptr<MidiInputs> make_rtmidi(const RtMidiSettings& settings) {
   silence_library_logs();
-  return std::make_unique<RtMidiInputs>(settings);
+  const auto worker = std::make_shared<Worker>(settings);
+  std::thread{[worker] { worker->run(); }}.detach();
+  return {worker.get(), [worker](MidiInputs*) { worker->stop(); }};
 }
 
 }  // namespace tactus
