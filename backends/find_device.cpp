@@ -122,6 +122,10 @@ Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequ
   auto asked = request;
   asked.sample_rate = request.sample_rate.value_or(output->default_rate);
   if (auto status = fits(asked, *input, *output); !status) return tl::unexpected(status.error());
+  if (input->api != output->api)
+    return fail(Errc::BadArgument, "",
+                "'" + input->id + "' and '" + output->id + "' cannot be opened together",
+                "choose two devices of the same API, or use JACK");
   const auto place = [&](const Device& chosen) {
     return index(std::ranges::find(devices, chosen.id, &Device::id) - devices.begin());
   };
@@ -132,22 +136,13 @@ Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequ
   return choice;
 }
 
-void number_same_ids(std::vector<LibraryDevice>& devices) {
+void number_same_ids(std::vector<Device>& devices) {
   for (auto one = devices.end(); one != devices.begin();) {
     --one;
     const auto before =
-        std::count_if(devices.begin(), one, [&](const LibraryDevice& other) { return other.id == one->id; });
+        std::count_if(devices.begin(), one, [&](const Device& other) { return other.id == one->id; });
     if (before > 0) one->id += " #" + std::to_string(before + 1);
   }
-}
-
-Result<DeviceChoice> choose(const std::vector<LibraryDevice>& found, const StreamRequest& request) {
-  auto choice = choose(std::vector<Device>(found.begin(), found.end()), request);
-  if (!choice || found[choice->input].api == found[choice->output].api) return choice;
-  return fail(
-      Errc::BadArgument, "",
-      "'" + choice->granted.input_device + "' and '" + choice->granted.device + "' cannot be opened together",
-      "choose two devices of the same API, or use JACK");
 }
 
 }  // namespace tactus

@@ -316,10 +316,10 @@ class JackBackend final : public Backend {
  public:
   std::string name() const override { return "jack"; }
   Result<std::vector<Device>> devices() override {
-    return ask_server([]() -> Result<std::vector<Device>> {
-      const auto client = Client::open("tactus-devices");
-      if (!client) return tl::unexpected(client.error());
-      return devices_of(**client, cards(**client));
+    return ask_server([] {
+      return Client::open("tactus-devices").map([](const auto& client) {
+        return devices_of(*client, cards(*client));
+      });
     });
   }
   Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override {
