@@ -7,11 +7,6 @@
 #include "engine/core/index.h"
 
 namespace tactus {
-namespace {
-
-constexpr auto kRelaxed = std::memory_order_relaxed;
-
-}  // namespace
 
 Guarded::Guarded(BlockProcessor& inner, std::vector<GuardedChannel> channels, bool armed)
     : inner_(inner), config_(std::move(channels)), armed_at_start_(armed) {}
@@ -88,7 +83,7 @@ void Guarded::skip_soft_start() noexcept {
 }
 
 void Guarded::process(const BlockIo& io) noexcept {
-  const auto first_frame = frame_.load(kRelaxed);
+  const auto first_frame = frame_.load(std::memory_order_relaxed);
   {
     const NoDenormals no_denormals;
     if (std::exchange(stopped_, false)) {
@@ -97,7 +92,7 @@ void Guarded::process(const BlockIo& io) noexcept {
     }
     inner_.process(io);
     guard_block(io, first_frame);
-    frame_.store(first_frame + io.frames, kRelaxed);
+    frame_.store(first_frame + io.frames, std::memory_order_relaxed);
   }
   // A tap turns samples into floats, and must not lose those that are no denormals as doubles.
   if (tap_ != nullptr) tap_->observe(io, first_frame);
