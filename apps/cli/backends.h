@@ -34,7 +34,7 @@ Result<ChosenDevices> choose_devices(const std::string& backend, const std::stri
 StreamRequest request_for(const ChosenDevices& devices, const Rig::Device& rig, const std::string& rate,
                           std::optional<int> block, std::optional<int> periods);
 
-/// nullptr: this program was built without MIDI. `api`: see RtMidiSettings.
+/// nullptr: this program was built without MIDI. `api`: see make_rtmidi.
 std::shared_ptr<MidiInputs> make_midi_inputs(const std::string& api);
 
 }  // namespace tactus::app
