@@ -126,10 +126,7 @@ Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequ
     return fail(Errc::BadArgument, "",
                 "'" + input->id + "' and '" + output->id + "' cannot be opened together",
                 "choose two devices of the same API, or use JACK");
-  const auto place = [&](const Device& chosen) {
-    return index(std::ranges::find(devices, chosen.id, &Device::id) - devices.begin());
-  };
-  DeviceChoice choice{place(*input), place(*output), {}};
+  DeviceChoice choice{*input, *output, {}};
   choice.granted.device = output->id;
   if (input->id != output->id) choice.granted.input_device = input->id;
   choice.granted.format = {*asked.sample_rate, request.in_channels, request.out_channels, 0};

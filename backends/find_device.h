@@ -25,8 +25,8 @@ Status fits(const StreamRequest& request, const Device& input, const Device& out
 
 /// What a request comes to. Where one direction has no channels, both are the device of the other.
 struct DeviceChoice {
-  std::size_t input = 0, output = 0;  ///< places in the list
-  StreamGranted granted;              ///< without what only the driver reports
+  Device input, output;
+  StreamGranted granted;  ///< without what only the driver reports
 };
 
 /// [any] The devices that `request` means, at the rate it asks for or else at the default one of the outputs.

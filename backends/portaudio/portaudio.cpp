@@ -316,16 +316,14 @@ class PortAudioBackend final : public Backend {
   Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override {
     const auto session = Session::enter(request.client_name);
     if (!session) return tl::unexpected(session.error());
-    const auto found = (*session)->devices();
-    const auto choice = choose(found, request);
+    const auto choice = choose((*session)->devices(), request);
     if (!choice) return tl::unexpected(choice.error());
-    const auto& input = found[choice->input];
-    const auto& output = found[choice->output];
+    const auto& [input, output, chosen] = *choice;
     auto line = std::make_shared<Line>();
     line->session = *session;
     line->jack = output.api == "jack";
     line->own_thread = output.api == "alsa" || output.api == "oss";
-    auto granted = choice->granted;
+    auto granted = chosen;
     auto status = open_line(line, input, output, request, granted);
     if (status) status = processor.prepare(granted.format);
     if (!status) {

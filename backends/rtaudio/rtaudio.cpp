@@ -341,10 +341,11 @@ class RtAudioBackend final : public Backend {
     if (!found) return tl::unexpected(found.error());
     const auto choice = choose(*found, request);
     if (!choice) return tl::unexpected(choice.error());
-    const auto input = (*found)[choice->input], output = (*found)[choice->output];
-    auto line = std::make_shared<Line>(output.api, request);
+    auto line = std::make_shared<Line>(choice->output.api, request);
     const auto granted = std::make_shared<StreamGranted>(choice->granted);
-    auto status = in_time(line, [=](Line& opened) { return opened.open(input, output, request, *granted); });
+    auto status = in_time(line, [=, choice = *choice](Line& opened) {
+      return opened.open(choice.input, choice.output, request, *granted);
+    });
     if (!status) return tl::unexpected(status.error());
     status = processor.prepare(granted->format);
     if (!status) {
