@@ -30,8 +30,8 @@ struct DeviceChoice {
 };
 
 /// [any] The devices that `request` means, at the rate it asks for or else at the default one of the outputs.
-/// Errors: those of `device_with_id` and `fits`; BadArgument when neither inputs nor outputs are asked for, or
-/// devices of two APIs.
+/// Errors: those of `device_with_id` and `fits`; BadArgument when neither inputs nor outputs are asked for,
+/// or devices of two APIs.
 Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequest& request);
 
 /// [any] Adds " #2" to the id of the second device of the same id, and so on.
