@@ -92,29 +92,23 @@ class Planner {
   }
 
   void pair_controls() {
-    std::unordered_map<std::string, int> place_of;
-    for (std::size_t c = 0; c < new_.controls.size(); ++c)
-      place_of.emplace(new_.plan->controls[c].control.name, static_cast<int>(c));
-    std::vector<bool> known(new_.controls.size(), false);
-    new_.control_of.assign(old_.control_of.size(), -1);
+    std::unordered_map<std::string_view, std::size_t> numbers;
+    for (const auto& name : old_.control_names) numbers.emplace(name, numbers.size());
+    new_.control_of.assign(numbers.size(), -1);
     new_.control_names = old_.control_names;
-    for (std::size_t number = 0; number < old_.control_names.size(); ++number) {
-      const auto found = place_of.find(old_.control_names[number]);
-      if (found == place_of.end()) continue;
-      new_.control_of[number] = found->second;
-      known[index(found->second)] = true;
-      if (old_.control_of[number] >= 0) pair_control(old_.control_of[number], found->second);
-    }
-    for (std::size_t c = 0; c < known.size(); ++c) {
-      if (known[c]) continue;
-      new_.control_of.push_back(static_cast<int>(c));
-      new_.control_names.push_back(new_.plan->controls[c].control.name);
+    for (int c = 0; c < static_cast<int>(is_.controls.size()); ++c) {
+      const auto& name = is_.controls[index(c)].control.name;
+      const auto [known, is_new] = numbers.emplace(name, numbers.size());
+      if (is_new) new_.control_names.push_back(name);
+      new_.control_of.resize(new_.control_names.size());
+      new_.control_of[known->second] = c;
+      if (!is_new && old_.control_of[known->second] >= 0) pair_control(old_.control_of[known->second], c);
     }
   }
 
   void pair_control(int from, int to) {
-    const auto& before = old_.plan->controls[index(from)];
-    const auto& after = new_.plan->controls[index(to)];
+    const auto& before = was_.controls[index(from)];
+    const auto& after = is_.controls[index(to)];
     if (after.frozen) return;  // a node was made with the value of the file
     new_.handover.controls.push_back({from, to});
     new_.handover.new_value.push_back(before.control.value != after.control.value);
