@@ -15,19 +15,6 @@ namespace {
 
 using Kind = JournalEntry::Kind;
 
-constexpr int kMaxOfflineBlock = 1 << 20;
-
-Status check(const Samples& input, const std::vector<int>& block_frames) {
-  if (!(input.sample_rate.value > 0.0 && std::isfinite(input.sample_rate.value)))
-    return fail(Errc::BadArgument, "", fmt::format("{} Hz is not a sample rate", input.sample_rate.value),
-                "");
-  const auto fits = [](int frames) { return frames >= 1 && frames <= kMaxOfflineBlock; };
-  if (block_frames.empty() || !std::all_of(block_frames.begin(), block_frames.end(), fits))
-    return fail(Errc::BadArgument, "", "the block size is missing or out of range",
-                fmt::format("give 1 to {} frames", kMaxOfflineBlock));
-  return {};
-}
-
 /// Copies a block of `input`; non-finite samples become 0.
 void copy_block(const Samples& input, std::int64_t at, int frames, const ChannelBuffers& to) {
   for (int c = 0; c < to.size(); ++c)
@@ -169,7 +156,6 @@ Status check(const Take& take, const WavReader& wav, const ReplayHost& host) {
 Status run_offline(Guarded& processor, const Samples& input, int out_channels,
                    const std::vector<int>& block_frames,
                    const std::function<Status(const double* const*, int)>& sink) {
-  if (auto status = check(input, block_frames); !status) return status;
   const int longest = *std::max_element(block_frames.begin(), block_frames.end());
   ChannelBuffers in{static_cast<int>(input.channels.size()), longest}, out{out_channels, longest};
   if (auto status = processor.prepare({input.sample_rate, in.size(), out_channels, longest}); !status)

@@ -130,10 +130,6 @@ void TakeWriter::drain_events() {
     else if (error_.empty())
       journal_ << entry_line(*entry);
   }
-  match_edits();
-}
-
-void TakeWriter::match_edits() {
   while (!replaced_.empty() && !edits_.empty()) {
     edits_.front().frame = replaced_.front();
     if (error_.empty()) journal_ << edit_line(edits_.front());
@@ -164,14 +160,10 @@ Status TakeWriter::write_samples(std::int64_t written) {
   return {};
 }
 
-void TakeWriter::note_progress() {
+void TakeWriter::settle() {
   progress_.complete = replaced_.empty() ? wav_.frames() : std::min(wav_.frames(), replaced_.front());
   progress_.lost_entries = ring_->lost_entries();
   progress_.rounded_sensors = ring_->rounded_sensors();
-}
-
-void TakeWriter::settle() {
-  note_progress();
   journal_ << progress_line(progress_) << std::flush;
   if (!journal_) return fail_with(why_not_written());
   if (const auto status = wav_.settle(); !status) return fail_with(status.error().what);

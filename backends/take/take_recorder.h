@@ -101,11 +101,9 @@ class TakeWriter {
   TakeWriter(GrowingWav wav, std::filesystem::path journal, const TakeHeader& header, TakeRing& ring);
 
   void drain_events();
-  void match_edits();
   void write_gap(const TakeGap& gap);
   Status write_samples(std::int64_t written);
   void settle();
-  void note_progress();
   void fail_with(const std::string& what);
 
   GrowingWav wav_;
