@@ -14,6 +14,12 @@ namespace {
 
 constexpr int kMaxBlock = 8192;
 
+std::string lower_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
 std::string listed(const std::vector<Device>& devices) {
   std::string text;
   for (const auto& device : devices) text += (text.empty() ? "'" : ", '") + device.id + "'";
@@ -53,12 +59,6 @@ Status fits(const StreamRequest& request, const Device& device) {
 }
 
 }  // namespace
-
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 int channels_to_open(int channels, const std::vector<int>& map) {
   return map.empty() ? channels : *std::max_element(map.begin(), map.end()) + 1;

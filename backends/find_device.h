@@ -7,9 +7,6 @@
 
 namespace tactus {
 
-/// [any] `text` without capital letters.
-std::string lower_case(std::string text);
-
 /// [any] The device with this id, or the default one where it is empty. Errors: UnknownName, listing what
 /// there is.
 Result<Device> device_with_id(const std::vector<Device>& devices, const std::string& id);
