@@ -88,11 +88,9 @@ StreamRequest request_for(const ChosenDevices& devices, const Rig::Device& rig, 
   return request;
 }
 
-std::unique_ptr<MidiInputs> make_midi_inputs([[maybe_unused]] const std::string& api) {
+std::shared_ptr<MidiInputs> make_midi_inputs([[maybe_unused]] const std::string& api) {
 #if defined(TACTUS_HAS_RTMIDI)
-  RtMidiSettings settings;
-  settings.api = api;
-  return make_rtmidi(settings);
+  return make_rtmidi(api);
 #else
   return nullptr;
 #endif

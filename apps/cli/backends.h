@@ -46,7 +46,7 @@ ChosenDevices choose_devices(const DeviceOptions& options, const Rig::Device& ri
 StreamRequest request_for(const ChosenDevices& devices, const Rig::Device& rig, const std::string& rate,
                           std::optional<int> block, std::optional<int> periods);
 
-/// nullptr: this program was built without MIDI. `api`: see RtMidiSettings.
-std::unique_ptr<MidiInputs> make_midi_inputs(const std::string& api);
+/// nullptr: this program was built without MIDI. `api`: see make_rtmidi.
+std::shared_ptr<MidiInputs> make_midi_inputs(const std::string& api);
 
 }  // namespace tactus::app

@@ -7,7 +7,7 @@
 
 #include "apps/cli/console.h"
 #include "apps/study/study.h"
-#include "backends/offline.h"
+#include "backends/take/replay.h"
 #include "engine/core/decibels.h"
 #include "engine/core/index.h"
 #include "engine/dsp/delays/resample.h"

@@ -142,7 +142,7 @@ class LivePlay {
   Keyboard keyboard_;
   std::string midi_api_;
   MidiMap midi_map_;
-  std::unique_ptr<MidiInputs> midi_;  ///< opened when something is bound or MIDI learn is on
+  std::shared_ptr<MidiInputs> midi_;  ///< opened when something is bound or MIDI learn is on
   std::size_t selected_ = 0;
 };
 
