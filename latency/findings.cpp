@@ -201,12 +201,10 @@ Finding not_flat(const Analysis& analysis, const Evidence& evidence) {
 
 }  // namespace
 
-Finding too_few_probes() {
-  return {Verdict::NoSignal, "fewer than three probes were recorded completely",
-          "start the recording before the probe and end it after"};
-}
-
-Finding not_detected(const std::vector<CoarseDelay>& channels, int channel) {
+Finding not_detected(const std::vector<CoarseDelay>& channels, int channel, bool cut_short) {
+  if (cut_short)
+    return {Verdict::NoSignal, "fewer than three probes were recorded completely",
+            "start the recording before the probe and end it after"};
   int loudest = -1;
   double prominence = CoarseDelay::kNothing * 1.5;
   for (int c = 0; c < static_cast<int>(channels.size()); ++c) {

@@ -62,6 +62,21 @@ Result<ChosenDevices> choose_devices(const std::string& backend, const std::stri
               reasons);
 }
 
+void add_device_options(CLI::App& command, DeviceOptions& options, const char* rig_help) {
+  command.add_option("--rig", options.rig, rig_help);
+  command.add_option("--backend", options.backend,
+                     fmt::format("audio backend: {}; see tactus devices", fmt::join(card_backends(), ", ")));
+  command.add_option("--device", options.device, "id of a device, or part of its name");
+  command.add_option("--input-device", options.input_device, "input device, if different from --device");
+}
+
+ChosenDevices choose_devices(const DeviceOptions& options, const Rig::Device& rig) {
+  if (!options.backend.empty()) or_exit(backends_called(options.backend), kUsage);
+  return or_exit(choose_devices(options.backend, options.device.empty() ? rig.output : options.device,
+                                options.input_device.empty() ? rig.input : options.input_device),
+                 kDevice);
+}
+
 StreamRequest request_for(const ChosenDevices& devices, const Rig::Device& rig, const std::string& rate,
                           std::optional<int> block, std::optional<int> periods) {
   StreamRequest request;
@@ -73,11 +88,9 @@ StreamRequest request_for(const ChosenDevices& devices, const Rig::Device& rig, 
   return request;
 }
 
-std::unique_ptr<MidiInputs> make_midi_inputs([[maybe_unused]] const std::string& api) {
+std::shared_ptr<MidiInputs> make_midi_inputs([[maybe_unused]] const std::string& api) {
 #if defined(TACTUS_HAS_RTMIDI)
-  RtMidiSettings settings;
-  settings.api = api;
-  return make_rtmidi(settings);
+  return make_rtmidi(api);
 #else
   return nullptr;
 #endif

@@ -1,13 +1,18 @@
 #include <fmt/format.h>
 
 #include "apps/cli/backends.h"
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/cli/json.h"
 #include "latency/measured.h"
 
 namespace tactus::app {
 namespace {
+
+/// In whatever setting.
+const MeasuredDelay* newest_of(const Device& device, const MeasuredDelays& delays) {
+  return delays.newest(
+      [&](const DelayKey& key) { return key.input == device.id && key.output == device.id; });
+}
 
 Json device_json(const Device& device, const MeasuredDelays& delays) {
   Json json{{"id", device.id},
@@ -20,7 +25,7 @@ Json device_json(const Device& device, const MeasuredDelays& delays) {
   if (device.block_frames) json["block_frames"] = *device.block_frames;
   if (device.input_latency_frames) json["driver_input_latency_frames"] = *device.input_latency_frames;
   if (device.output_latency_frames) json["driver_output_latency_frames"] = *device.output_latency_frames;
-  if (const auto* measured = delays.newest(device.id, device.id)) {
+  if (const auto* measured = newest_of(device, delays)) {
     json["measured_delay_s"] = measured->delay.value;
     json["measured_at"] = measured->when;
   }
@@ -41,7 +46,7 @@ void print(const Device& device, const MeasuredDelays& delays) {
   if (device.input_latency_frames || device.output_latency_frames)
     fmt::print(", driver reports {} ms in, {} ms out", ms(device.input_latency_frames),
                ms(device.output_latency_frames));
-  if (const auto* measured = delays.newest(device.id, device.id))
+  if (const auto* measured = newest_of(device, delays))
     fmt::print("\n      measured on this machine: {:.3f} ms, block {} frames, {:g} kHz, {}",
                1e3 * measured->delay.value, measured->key.block_frames, measured->key.sample_rate.value / 1e3,
                measured->when);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/cli/json.h"
 #include "engine/core/channels.h"

@@ -1,7 +1,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include <chrono>
+#include <ctime>
 
 #include "apps/latency/latency.h"
 #include "apps/play/save_rig.h"
@@ -20,16 +20,12 @@ Seconds in_seconds(double frames, const StreamGranted& granted) {
   return Seconds{frames / granted.format.sample_rate.value};
 }
 
-std::string now() {
-  const auto seconds = std::chrono::time_point_cast<std::chrono::seconds>(std::chrono::system_clock::now());
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)));
-}
-
 /// Writes a measured delay where `tactus devices` and `tactus play` look for it. Errors: BadFile.
 Status save_on_machine(const Measurement& measurement) {
   const auto& granted = measurement.openings.front().granted;
   return MeasuredDelays::load().save({key_of(granted), in_seconds(measurement.delay_frames, granted),
-                                      in_seconds(measurement.spread_frames, granted), now()});
+                                      in_seconds(measurement.spread_frames, granted),
+                                      fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))});
 }
 
 /// The same into a rig; what the file was stays beside it with a "~". The setting that was left to the card
@@ -70,7 +66,7 @@ int run_latency_measure(const MeasureOptions& options) {
   LatencyReport found;
   found.live = true;
   found.measurement = std::move(*measured);
-  if (const auto* shown = found.shown()) found.source = source_text(loop.settings, shown->granted);
+  found.source = source_text(loop.settings, found.measurement.shown().granted);
   const int saved = save(found, loop, options);
   const int published = publish(std::move(found), options.report);
   return published != kDone ? published : saved;
@@ -85,15 +81,9 @@ void add_latency_measure(CLI::App& latency, int& exit_code) {
   auto& loop = options.loop;
   add_loop_options(command, loop);
   add_setting_options(command, loop);
-  command.add_option("--profile", loop.profile,
-                     "profile of the actuator and sensor in the loop, saved by tactus latency calibrate; "
-                     "default: none (a cable)");
+  add_profile_option(command, loop.profile);
   add_repetition_options(command, loop);
-  add_report_options(command, options.report);
-  command
-      .add_option("--wav", options.report.sound,
-                  "write the played and the captured signal to this WAV file, for tactus latency analyze")
-      ->check(writable_file());
+  add_report_options(command, options.report, true, true);
   command.add_flag("--no-keep", options.no_keep, "do not save the measured delay");
   command.footer(
       "Examples:\n  tactus latency measure --device jack:system\n  tactus latency measure --device USB --in "

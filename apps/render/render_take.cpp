@@ -1,12 +1,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <memory>
 #include <optional>
 
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/cli/take_files.h"
 #include "apps/render/render.h"
@@ -34,31 +32,23 @@ Rig leaving_out(const std::vector<std::string>& ports) {
 
 }  // namespace
 
-TakeCompiler::TakeCompiler(const TakeHeader& header) : header_(header) {
-  static std::atomic<int> count{0};
-  const auto ticks = std::chrono::steady_clock::now().time_since_epoch().count();
-  folder_ = fs::temp_directory_path() / fmt::format("tactus_replay_{}_{}", ticks, count++);
-}
-
-Checked<std::unique_ptr<Plan>> TakeCompiler::compile(const TakeFiles& files,
-                                                     const std::map<std::string, double>& settings) const {
+Checked<std::unique_ptr<Plan>> compile_take(const TakeHeader& header, const TakeFiles& files,
+                                            const std::map<std::string, double>& settings) {
   // All versions in one place: a node that plays a sound file is another one if the path is another one.
-  clear();
-  const auto file = unpack(files, folder_);
-  if (!file) return tl::unexpected(std::vector{file.error()});
-  auto loaded = load_graph_leniently(*file, folder_);
-  if (loaded.spec == nullptr) return tl::unexpected(loaded.errors);
-  loaded.spec = without_left_out(leaving_out(header_.left_out), loaded.spec);
-  return tactus::compile(loaded, standard_nodes(),
-                         {.sample_rate = header_.sample_rate,
-                          .system_delay = header_.system_delay,
-                          .controls = {settings.begin(), settings.end()},
-                          .taps = header_.taps});
-}
-
-void TakeCompiler::clear() const {
+  static const auto ticks = std::chrono::steady_clock::now().time_since_epoch().count();
+  const auto folder = fs::temp_directory_path() / fmt::format("tactus_replay_{}", ticks);
   std::error_code ignored;
-  fs::remove_all(folder_, ignored);
+  const std::shared_ptr<void> at_end{nullptr, [&](void*) { fs::remove_all(folder, ignored); }};
+  const auto file = unpack(files, folder);
+  if (!file) return tl::unexpected(std::vector{file.error()});
+  auto loaded = load_graph_leniently(*file, folder);
+  if (loaded.spec == nullptr) return tl::unexpected(loaded.errors);
+  loaded.spec = without_left_out(leaving_out(header.left_out), loaded.spec);
+  return compile(loaded, standard_nodes(),
+                 {.sample_rate = header.sample_rate,
+                  .system_delay = header.system_delay,
+                  .controls = {settings.begin(), settings.end()},
+                  .taps = header.taps});
 }
 
 std::vector<JournalEntry> journal_for(const Take& take, const Player& engine) {
@@ -161,13 +151,12 @@ void report(const RenderOptions& options, const OpenTake& open, const std::strin
 
 int render_recorded(const RenderOptions& options, OpenTake& open) {
   const auto& header = open.take.header;
-  const TakeCompiler compiler{header};
-  Player engine{or_exit(compiler.compile(header.files, header.settings))};
+  Player engine{or_exit(compile_take(header, header.files, header.settings))};
   engine.set_journal(open.take.engine);
   RigInputs rig{engine, header.input_scales, header.padding_frames};
   Guarded guarded{rig, header.guard, header.armed};
   const auto replace = [&](const TakeEdit& edit) -> Status {
-    auto plan = compiler.compile(edit.files, edit.settings);
+    auto plan = compile_take(header, edit.files, edit.settings);
     if (!plan) return tl::unexpected(plan.error().front());
     return engine.replace(std::move(*plan));
   };

@@ -217,12 +217,6 @@ std::span<const double> LoopEstimator::profile_taps() const {
   return settings.profile ? std::span<const double>{settings.profile->taps} : std::span<const double>{};
 }
 
-std::vector<CoarseDelay> LoopEstimator::every_channel() {
-  std::vector<CoarseDelay> all;
-  for (const auto& channel : recording.captured) all.push_back(search.find(channel));
-  return all;
-}
-
 LoopEstimate LoopEstimator::estimate() {
   LoopEstimate loop;
   locate(loop);

@@ -2,7 +2,6 @@
 // Thread: [control]
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,7 +11,7 @@
 #include "latency/estimation/loop_recording.h"
 #include "latency/estimation/probe_windows.h"
 #include "latency/path/path_model.h"
-#include "latency/probe/bursts.h"
+#include "latency/probe/probe.h"
 
 namespace tactus {
 
@@ -59,8 +58,6 @@ class LoopEstimator {
   LoopEstimator(const LoopRecording& recorded, const AnalysisSettings& asked, const PlayedBursts& bursts);
 
   LoopEstimate estimate();
-  /// Where the probe is found on every input.
-  std::vector<CoarseDelay> every_channel();
 
   const LoopRecording& recording;
   const AnalysisSettings& settings;

@@ -330,7 +330,7 @@ class SceneReader {
   }
 
   void read_times(const Value::Table& table) {
-    FieldReader fields{table, scene_fields(), errors_, FieldReader::kKeysChecked};
+    FieldReader fields{table, scene_fields().fields, errors_, FieldReader::kKeysChecked};
     if (const auto seed = fields.number("seed")) scene_.seed = static_cast<std::uint64_t>(*seed);
     if (const auto rate = fields.number("rate")) scene_.rate = Hertz{*rate};
     if (const auto delay = fields.number("delay")) scene_.delay = Seconds{*delay};

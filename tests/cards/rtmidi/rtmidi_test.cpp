@@ -49,13 +49,7 @@ class Keyboard {
   jack_port_t* port_ = nullptr;
 };
 
-RtMidiSettings quick(const std::string& only) {
-  RtMidiSettings settings;
-  settings.api = "jack";
-  settings.only = only;
-  settings.look_every = 20ms;
-  return settings;
-}
+std::shared_ptr<MidiInputs> jack_inputs() { return make_rtmidi("jack", 20ms); }
 
 bool opens(MidiInputs& inputs, const std::string& id) {
   return test::wait_until([&] {
@@ -89,7 +83,7 @@ bool is_heard(MidiInputs& inputs, Keyboard& keyboard) {
 TEST_CASE("rtmidi: every message of a keyboard comes in order, by the id of its port", "[cards]") {
   const auto server = test::start_sound_server();
   Keyboard keyboard{"tactus_keys"};
-  const auto inputs = make_rtmidi(quick("tactus_keys"));
+  const auto inputs = jack_inputs();
   REQUIRE(opens(*inputs, "jack:tactus_keys:keys"));
   for (std::uint8_t value = 0; value < 100; ++value) keyboard.play({0xb4, 7, value});
   keyboard.play({0x90, 36, 100});
@@ -110,7 +104,7 @@ TEST_CASE("rtmidi: every message of a keyboard comes in order, by the id of its 
 TEST_CASE("rtmidi: a keyboard that is unplugged and plugged in again is heard again under the same id",
           "[cards]") {
   const auto server = test::start_sound_server();
-  const auto inputs = make_rtmidi(quick("tactus_keys"));
+  const auto inputs = jack_inputs();
   for (int time = 0; time < 3; ++time) {
     Keyboard keyboard{"tactus_keys"};
     REQUIRE(opens(*inputs, "jack:tactus_keys:keys"));
@@ -125,7 +119,7 @@ TEST_CASE("rtmidi: a keyboard that is unplugged and plugged in again is heard ag
 
 TEST_CASE("rtmidi: lives on when its server is killed, and hears again when there is a new one", "[cards]") {
   const auto server = test::start_sound_server();
-  const auto inputs = make_rtmidi(quick("tactus_keys"));
+  const auto inputs = jack_inputs();
   auto keyboard = std::make_unique<Keyboard>("tactus_keys");
   REQUIRE(opens(*inputs, "jack:tactus_keys:keys"));
   server->kill();
@@ -141,7 +135,7 @@ TEST_CASE("rtmidi: lives on when its server is killed, and hears again when ther
 TEST_CASE("rtmidi: a server that hangs holds up nobody, not even the end", "[cards]") {
   const auto server = test::start_sound_server();
   Keyboard keyboard{"tactus_keys"};
-  auto inputs = make_rtmidi(quick("tactus_keys"));
+  auto inputs = jack_inputs();
   REQUIRE(opens(*inputs, "jack:tactus_keys:keys"));
   server->stop_answering();
   CHECK(inputs->poll().empty());
@@ -152,12 +146,10 @@ TEST_CASE("rtmidi: a server that hangs holds up nobody, not even the end", "[car
 
 TEST_CASE("rtmidi: without a server there are no ports, and no complaint of an API that is not there is lost",
           "[cards]") {
-  const auto none = make_rtmidi(quick(""));
+  const auto none = jack_inputs();
   CHECK(none->ports().empty());
   CHECK(none->poll().empty());
-  auto settings = quick("");
-  settings.api = "telegraph";
-  const auto wrong = make_rtmidi(settings);
+  const auto wrong = make_rtmidi("telegraph");
   std::vector<std::string> news;
   REQUIRE(test::wait_until([&] {
     for (auto& text : wrong->news()) news.push_back(text);
