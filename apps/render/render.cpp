@@ -36,10 +36,11 @@ Samples read_input(const RenderOptions& options) {
 
 /// A recording must not be lost to its own rendering.
 void check_overwriting(const RenderOptions& options) {
+  const auto& input = options.replay.empty() ? options.in : options.replay;
   std::error_code none;
   for (const auto& [option, written] :
        {std::pair{"--out ", &options.out}, {"--sound ", &options.sound}, {"--events ", &options.events}})
-    if (!written->empty() && !options.in.empty() && std::filesystem::equivalent(*written, options.in, none))
+    if (!written->empty() && !input.empty() && std::filesystem::equivalent(*written, input, none))
       exit_with(
           {Errc::BadArgument, option + *written, "would overwrite the input file", "choose another name"});
 }
@@ -153,7 +154,6 @@ void print(const RenderOptions& options, const std::string& name, const Samples&
 }
 
 int render_instrument(const RenderOptions& options, const std::filesystem::path& file) {
-  check_overwriting(options);
   const auto loaded = load_graph_leniently(file, root_of(file));
   if (loaded.spec == nullptr) throw CommandError{loaded.errors};
   const auto input = read_input(options);
@@ -230,6 +230,7 @@ int report_accuracy(const RenderOptions& options, const std::filesystem::path& f
 }
 
 int run_render(const RenderOptions& options) {
+  check_overwriting(options);
   if (!options.replay.empty()) return render_take(options);
   if (options.target.empty())
     exit_with({Errc::Missing, "", "there is nothing to render", "name an instrument, a scene or a take"});

@@ -1,4 +1,3 @@
-
 #include "engine/graph/file/read_graph.h"
 #include "engine/rig/profile.h"
 #include "engine/scene/file/scene_spec.h"
