@@ -35,23 +35,22 @@ Result<ChosenDevices> choose_devices(const std::string& backend, const std::stri
   const auto backends = backends_called(backend.empty() && has_prefix ? prefix : backend);
   if (!backends) return tl::unexpected(backends.error());
   std::vector<Device> others;
-  std::string reasons;
+  std::vector<std::string> reasons;
   for (const auto& called : *backends) {
     auto made = called.make();
     // A simulated card is made from its description.
     if (auto* loop = dynamic_cast<LoopBackend*>(made.get())) (void)loop->add(wanted);
     const auto devices = made->devices();
     if (!devices || devices->empty()) {
-      reasons += fmt::format("{}{}: {}", reasons.empty() ? "" : "; ", called.name,
-                             devices ? "no device" : to_string(devices.error()));
+      reasons.push_back(called.name + ": " + (devices ? "no device" : to_string(devices.error())));
       continue;
     }
     auto out = find_device(*devices, wanted);
-    if (!out && out.error().code != Errc::UnknownName) return tl::unexpected(out.error());
-    if (!out) {
+    if (!out && out.error().code == Errc::UnknownName) {
       others.insert(others.end(), devices->begin(), devices->end());
       continue;
     }
+    if (!out) return tl::unexpected(out.error());
     auto in = input.empty() ? out : find_device(*devices, input);
     if (!in) return tl::unexpected(in.error());
     return ChosenDevices{std::move(made), std::move(*out), std::move(*in)};
@@ -59,7 +58,7 @@ Result<ChosenDevices> choose_devices(const std::string& backend, const std::stri
   if (const auto missing = find_device(others, wanted); !others.empty() && !missing)
     return tl::unexpected(missing.error());
   return fail(Errc::Device, "", wanted.empty() ? "no sound device" : "there is no device '" + wanted + "'",
-              reasons);
+              fmt::format("{}", fmt::join(reasons, "; ")));
 }
 
 void add_device_options(CLI::App& command, DeviceOptions& options, const char* rig_help) {

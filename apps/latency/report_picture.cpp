@@ -14,7 +14,6 @@ constexpr double kBefore_s = 0.001, kAfter_s = 0.004;  // that the impulse respo
 constexpr double kRinging_s = 0.06;                    // and of an actuator, after the drive
 constexpr double kFloor_db = -120.0;
 
-/// The part of the response that is shown.
 PlotSeries around_delay(const Analysis& analysis, double after_s) {
   const double rate = analysis.sample_rate.value;
   PlotSeries shown;

@@ -20,7 +20,6 @@ std::string rate_text(Hertz rate, int periods) {
   return periods > 0 ? text + fmt::format(", {} periods", periods) : text;
 }
 
-/// The note behind a row.
 std::string note_of(const SweepRow& row) {
   if (row.refused) return "refused: " + row.refused->what;
   std::string note;

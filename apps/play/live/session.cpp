@@ -209,7 +209,6 @@ void Session::end_take() {
   recorder_.reset();
 }
 
-/// An edit took effect.
 void Session::note_edit() {
   if (recorder_ == nullptr) return;
   TakeHeader now;
