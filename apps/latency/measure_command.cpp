@@ -74,10 +74,8 @@ void add_latency_measure(CLI::App& latency, int& exit_code) {
       add_command(latency, "measure", "Measure the round-trip latency of a card with a loopback cable",
                   exit_code, run_latency_measure);
   auto& loop = options.loop;
-  add_loop_options(command, loop);
-  add_setting_options(command, loop);
+  add_loop_options(command, loop, true, true);
   add_profile_option(command, loop.profile);
-  add_repetition_options(command, loop);
   add_report_options(command, options.report, true, true);
   command.add_flag("--no-keep", options.no_keep, "do not save the measured delay");
   command.footer(

@@ -104,12 +104,8 @@ Read read_scene(const PerformerSetup& setup) {
   auto loaded = load_scene_leniently(setup.file, setup.root);
   if (!loaded.scene) throw CommandError{std::move(loaded.errors)};
   loaded.scene->drives = apply(setup.guard, std::move(loaded.scene->drives), setup.root);
-  SceneOptions options;
-  options.rate = setup.rate;
-  options.delay = setup.delay;
-  options.set = setup.controls;
-  options.by_hand = true;
-  auto compiled = or_exit(compile_scene(loaded, standard_nodes(), options));
+  auto compiled = or_exit(
+      compile_scene(loaded, standard_nodes(), {setup.delay, setup.rate, setup.controls, /*by_hand=*/true}));
   return {std::move(*loaded.scene), std::move(compiled)};
 }
 

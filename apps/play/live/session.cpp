@@ -214,11 +214,8 @@ void Session::note_edit() {
   TakeHeader now;
   performer_.describe(now);
   const auto& instrument = performer_.instrument();
-  TakeEdit edit;
-  edit.files = std::move(now.files);
-  edit.settings = take_settings(instrument.plan());
-  edit.controls = instrument.control_names();
-  recorder_->note_edit(std::move(edit));
+  recorder_->note_edit(
+      {0, std::move(now.files), take_settings(instrument.plan()), instrument.control_names()});
 }
 
 void Session::report_recording() {
