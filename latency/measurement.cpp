@@ -256,7 +256,6 @@ class Session {
     return {};
   }
 
-  /// Opens the stream, plays, and analyses the recording.
   Result<Opening> open(const StreamRequest& request) {
     const double most = loudest(settings_, *request.sample_rate);
     player_.set_script({input_,

@@ -11,16 +11,15 @@
 
 namespace tactus::app {
 
-std::vector<std::string> card_backends() { return names_of(sound_backends()); }
-
 Result<std::vector<SoundBackend>> backends_called(const std::string& name) {
   std::vector<SoundBackend> found;
   if (name == "loop") found = {{name, [] { return std::unique_ptr<Backend>{new LoopBackend}; }}};
   for (const auto& backend : sound_backends())
     if (name.empty() || name == backend.name) found.push_back(backend);
   if (!found.empty()) return found;
-  const auto remedy = sound_backends().empty() ? "install JACK, RtAudio or PortAudio and build again"
-                                               : fmt::format("it has {}", fmt::join(card_backends(), ", "));
+  const auto remedy = sound_backends().empty()
+                          ? "install JACK, RtAudio or PortAudio and build again"
+                          : fmt::format("it has {}", fmt::join(names_of(sound_backends()), ", "));
   if (!name.empty())
     return fail(Errc::UnknownName, "--backend", "this program was built without the backend '" + name + "'",
                 remedy);
@@ -63,8 +62,9 @@ Result<ChosenDevices> choose_devices(const std::string& backend, const std::stri
 
 void add_device_options(CLI::App& command, DeviceOptions& options, const char* rig_help) {
   command.add_option("--rig", options.rig, rig_help);
-  command.add_option("--backend", options.backend,
-                     fmt::format("audio backend: {}; see tactus devices", fmt::join(card_backends(), ", ")));
+  command.add_option(
+      "--backend", options.backend,
+      fmt::format("audio backend: {}; see tactus devices", fmt::join(names_of(sound_backends()), ", ")));
   command.add_option("--device", options.device, "id of a device, or part of its name");
   command.add_option("--input-device", options.input_device, "input device, if different from --device");
 }

@@ -141,12 +141,6 @@ Plot probes_plot(const LatencyReport& report) {
   return plot;
 }
 
-std::string headline(const LatencyReport& report) {
-  const auto& measurement = report.measurement;
-  return report.ok() ? "Delay " + delay_text(measurement, report.sample_rate())
-                     : fmt::format("No delay: {}", code(measurement.finding.verdict));
-}
-
 std::string describe_analysis(const LatencyReport& report, const Analysis& analysis) {
   auto text = report.source;
   if (!report.ok()) text += ". Cause: " + report.measurement.finding.what;
@@ -165,7 +159,8 @@ std::vector<Plot> picture_of(const LatencyReport& report) {
   auto page = analysis.detected ? std::vector{response_plot(analysis, report.ok(), kAfter_s),
                                               spectrum_plot(analysis), probes_plot(report)}
                                 : std::vector{Plot{}};
-  page.front().title = headline(report);
+  page.front().title = report.ok() ? "Delay " + delay_text(report.measurement, report.sample_rate())
+                                   : fmt::format("No delay: {}", code(report.measurement.finding.verdict));
   page.front().subtitle = describe_analysis(report, analysis);
   return page;
 }

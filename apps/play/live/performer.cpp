@@ -20,7 +20,6 @@
 namespace tactus::app {
 namespace {
 
-/// Appends the files of a graph and its parts.
 void add_files(const GraphSpec& graph, std::vector<std::filesystem::path>& files) {
   if (graph.file.file) files.emplace_back(*graph.file.file);
   for (const auto& [use, part] : graph.parts)
@@ -91,10 +90,8 @@ class LiveInstrument final : public Performer {
   std::optional<RigInputs> rig_inputs_;
 };
 
-/// How long the key that strikes is down.
-constexpr double kStrikeSeconds = 0.01;
+constexpr double kStrikeSeconds = 0.01;  // that the key is down
 
-/// A scene of its files, compiled.
 struct Read {
   SceneSpec scene;
   CompiledScene compiled;
