@@ -209,17 +209,13 @@ void Session::end_take() {
   recorder_.reset();
 }
 
-/// An edit took effect.
 void Session::note_edit() {
   if (recorder_ == nullptr) return;
   TakeHeader now;
   performer_.describe(now);
   const auto& instrument = performer_.instrument();
-  TakeEdit edit;
-  edit.files = std::move(now.files);
-  edit.settings = take_settings(instrument.plan());
-  edit.controls = instrument.control_names();
-  recorder_->note_edit(std::move(edit));
+  recorder_->note_edit(
+      {0, std::move(now.files), take_settings(instrument.plan()), instrument.control_names()});
 }
 
 void Session::report_recording() {
