@@ -36,8 +36,8 @@ void TakeRing::observe(const BlockIo& io, std::int64_t first_frame) noexcept {
   if (first_frame < next_frame_) restarted_.store(true, kRelaxed);
   if (restarted()) return;
   if (gap_.frames == 0) gap_ = {next_frame_, first_frame - next_frame_};  // not there from the beginning
-  if (has_room(io.frames) && close_gap()) {
-    const auto at = written_.load(kRelaxed);
+  const auto at = written_.load(kRelaxed);
+  if (at - read_.load(std::memory_order_acquire) + io.frames <= capacity_ && close_gap()) {
     copy(io, at);
     written_.store(at + io.frames, std::memory_order_release);
   } else {
@@ -45,10 +45,6 @@ void TakeRing::observe(const BlockIo& io, std::int64_t first_frame) noexcept {
     dropped_.fetch_add(io.frames, kRelaxed);
   }
   next_frame_ = first_frame + io.frames;
-}
-
-bool TakeRing::has_room(int frames) noexcept {
-  return written_.load(kRelaxed) - read_.load(std::memory_order_acquire) + frames <= capacity_;
 }
 
 /// A gap must be known before what follows it.

@@ -32,7 +32,6 @@ inline constexpr std::size_t kGuardStages = 6;
 struct GuardCounts {
   std::array<StageCount, kGuardStages> stages{};
 
-  StageCount& operator[](GuardStage stage) noexcept { return stages[static_cast<std::size_t>(stage)]; }
   const StageCount& operator[](GuardStage stage) const noexcept {
     return stages[static_cast<std::size_t>(stage)];
   }

@@ -35,7 +35,7 @@ bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
 /// The count of a stage, after a look that no other one had anything to do.
 StageCount only(const DriveGuard& guard, GuardStage stage) {
   auto rest = guard.counts();
-  rest[stage] = {};
+  rest.stages[static_cast<std::size_t>(stage)] = {};
   CHECK(rest == GuardCounts{});
   return guard.counts()[stage];
 }
