@@ -120,7 +120,7 @@ class LiveWorld final : public Performer, private BlockProcessor {
     name = scene_.name;
     read_files(scene_);
     const auto& plan = built_.instrument->plan();
-    auto sounds = sound_names(plan);
+    auto sounds = sound_names(plan, scene_.roles);
     plays_sensors_ = sounds.empty();
     const auto all = plays_sensors_ ? plan.input_names : output_names(plan);
     if (plays_sensors_) sounds = all;
