@@ -268,8 +268,8 @@ SessionView Session::view() {
   for (std::size_t c = 0; c < guards_.size(); ++c) {
     const auto counts = guarded_.counts(static_cast<int>(c));
     for (std::size_t s = 0; s < kGuardStages; ++s)
-      if (counts.stages[s].frames > seen_guards_[c].stages[s].frames)
-        view.guard.push_back(outputs[c] + " " + name_of(static_cast<GuardStage>(s)));
+      if (counts[s].frames > seen_guards_[c][s].frames)
+        view.guard.push_back(outputs[c] + " " + name_of(GuardStage::Index{s}));
     seen_guards_[c] = counts;
   }
   for (const auto& [path, count] : fault_counts_) view.faults += count;
