@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/dsp/curves/quantise_kernel.h"
-#include "engine/dsp/envelopes/time_constant_kernel.h"
+#include "engine/dsp/curves/curve_kernel.h"
+#include "engine/dsp/envelopes/envelope_kernel.h"
 
 namespace tactus {
 namespace {
@@ -54,10 +54,9 @@ void set_taps(double fraction, Taps& taps) noexcept {
 }
 
 /// 1 - H of the low-pass.
-FilterCoefficients<1> high_pass(double radians) {
-  FilterCoefficients<1> filter{tactus_one_pole(radians)};
-  filter.b = {1.0 - filter.b[0], -filter.a[0] - filter.b[1]};
-  return filter;
+tactus_filter_design high_pass(double radians) {
+  const auto low = tactus_one_pole(radians);
+  return tactus_filter_order_1(1.0 - low.b[0], -low.a[0] - low.b[1], low.a[0]);
 }
 
 std::int64_t line_frames(const LoopTiming& timing) {

@@ -17,12 +17,12 @@ namespace {
 
 void read_values(const Value::Table& profile, const FieldType& section, ActuatorProfile& values,
                  ErrorList& errors) {
-  const auto* table = read_section(profile, section.key, errors);
+  const auto* table = read_section(profile, section.name, errors);
   if (table == nullptr) return;
-  FieldReader fields{*table, *section.inside, errors, "[" + section.key + "]",
-                     find(profile, section.key)->at};
+  FieldReader fields{*table, *section.inside, errors, "[" + section.name + "]",
+                     find(profile, section.name)->at};
   for (const auto& field : section.inside->fields)
-    if (const auto number = fields.number(field.key)) values[section.key + "." + field.key] = *number;
+    if (const auto number = fields.number(field.name)) values[section.name + "." + field.name] = *number;
 }
 
 Checked<ActuatorProfile> read(const Result<Value::Table>& table, const std::string& file) {

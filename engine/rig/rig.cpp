@@ -198,7 +198,7 @@ class RigReader {
 /// format, name and about.
 std::vector<FieldType> rig_heading() {
   auto fields = heading_fields();
-  std::erase_if(fields, [](const FieldType& field) { return field.key == "source"; });
+  std::erase_if(fields, [](const FieldType& field) { return field.name == "source"; });
   return fields;
 }
 
