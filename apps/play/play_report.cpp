@@ -105,9 +105,9 @@ Json guard_json(const GuardReport& report, Hertz sample_rate) {
   const auto output_json = [&](const GuardedOutput& output) {
     Json stages = Json::object();
     for (std::size_t s = 0; s < kGuardStages; ++s) {
-      const auto& count = output.counts.stages[s];
+      const auto& count = output.counts[s];
       if (count.frames == 0) continue;
-      stages[name_of(static_cast<GuardStage>(s))] = {
+      stages[name_of(GuardStage::Index{s})] = {
           {"frames", count.frames},
           {"seconds", static_cast<double>(count.frames) / sample_rate.value},
           {"most_full_scale", count.most}};

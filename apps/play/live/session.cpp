@@ -239,8 +239,8 @@ const SessionView& Session::view() {
   for (std::size_t c = 0; c < seen_guards_.size(); ++c) {
     const auto counts = guarded_.counts(static_cast<int>(c));
     for (std::size_t s = 0; s < kGuardStages; ++s)
-      if (counts.stages[s].frames > seen_guards_[c].stages[s].frames)
-        view_.guard.push_back(view_.outputs[c].name + " " + name_of(static_cast<GuardStage>(s)));
+      if (counts[s].frames > seen_guards_[c][s].frames)
+        view_.guard.push_back(view_.outputs[c].name + " " + name_of(GuardStage::Index{s}));
     seen_guards_[c] = counts;
   }
   view_.faults = 0;

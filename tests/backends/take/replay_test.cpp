@@ -165,7 +165,7 @@ TEST_CASE("takes: one with a gap is played, but not called the same", "[take]") 
   Performance performance{folder.write("test.toml", kBusyGraph + kOutputs), wav, 4};
   performance.play(5000);
   CHECK(performance.finish().empty());
-  std::ofstream{journal_path(wav), std::ios::app} << gap_line({4999, 1});
+  std::ofstream{journal_path(wav), std::ios::app} << journal_line(TakeGap{4999, 1});
   const auto again = replay_of(wav, {64});
   CHECK(again.replayed.frames == 5000);
   CHECK_FALSE(again.same());

@@ -33,9 +33,9 @@ bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 /// The count of a stage, after a look that no other one had anything to do.
-StageCount only(const DriveGuard& guard, GuardStage stage) {
+StageCount only(const DriveGuard& guard, GuardStage::Index stage) {
   auto rest = guard.counts();
-  rest.stages[static_cast<std::size_t>(stage)] = {};
+  rest[stage] = {};
   CHECK(rest == GuardCounts{});
   return guard.counts()[stage];
 }
