@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "tests/support/error_summary.h"
+
 // With a backend that fails when it is told to.
 
 using namespace tactus;
@@ -252,5 +254,5 @@ TEST_CASE("kept stream: an error of the first opening is the caller's", "[backen
   request.device = "fake:one";
   const auto stream = ReconnectingStream::open(backend, request, guarded);
   REQUIRE_FALSE(stream);
-  CHECK(to_string(stream.error()) == "there is no device 'fake:one'");
+  CHECK(test::summary(stream) == "UnknownName 'fake:one'");
 }

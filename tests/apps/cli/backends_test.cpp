@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "tests/support/error_summary.h"
+
 using namespace tactus;
 using namespace tactus::app;
 
@@ -26,5 +28,5 @@ TEST_CASE("app backends: an id that says what a simulated card is makes one", "[
   CHECK(choose_devices("loop", "echo", "")->output.id == "loop:echo_cancel");
   const auto unknown = choose_devices("", "loop:nothing", "");
   REQUIRE_FALSE(unknown);
-  CHECK(to_string(unknown.error()).find("'loop:nothing'") != std::string::npos);
+  CHECK(test::summary(unknown).find("'loop:nothing'") != std::string::npos);
 }

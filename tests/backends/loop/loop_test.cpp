@@ -8,6 +8,7 @@
 
 #include "engine/core/units.h"
 #include "engine/dsp/generators/counter_noise.h"
+#include "tests/support/error_summary.h"
 #include "tests/support/wait_until.h"
 
 using namespace tactus;
@@ -270,7 +271,7 @@ TEST_CASE("loop: a delay that cannot be is refused, a block longer than the dela
   request.in_channels = request.out_channels = 1;
   const auto refused = backend.open(request, guarded);
   REQUIRE_FALSE(refused);
-  CHECK(to_string(refused.error()) ==
+  CHECK(test::summary(refused) ==
         "a delay of 10.5 frames is too short for a simulated card; give a whole number of frames, or more "
         "than 48");
 }

@@ -230,8 +230,7 @@ TEST_CASE("part rate: holding and taking are no delay that closes a loop", "[run
   CHECK(graphs.mistakes("[inputs]\nx = {}\n[nodes]\nsum = \"x + 0.1 * part\"\n"
                         "part = { use = \"part.toml\", x = \"sum\", rate = \"1/16\" }\n"
                         "[outputs]\ny = { from = \"sum\" }\n") ==
-        "part.toml:3:1: part.x -> part.y -> sum -> part.x contains no delay; insert a 'delay' node in one of "
-        "these connections");
+        "part.toml:3:1 Cycle part.x -> part.y -> sum -> part.x 'delay'");
 }
 
 TEST_CASE("part rate: blocks change no bit, whatever is in the part and around it", "[runtime]") {

@@ -8,16 +8,16 @@
 #include "engine/graph/plan/compile.h"
 #include "engine/nodes/table.h"
 #include "engine/runtime/player.h"
-#include "tests/support/messages.h"
+#include "tests/support/error_summary.h"
 
 namespace tactus::test {
 
 using Channels = std::vector<std::vector<double>>;
 
 /// Every mistake of a graph text as one string, one a line; "" if there is none.
-inline Messages mistakes(const std::string& text, CompileOptions options = {}) {
+inline std::string mistakes(const std::string& text, CompileOptions options = {}) {
   const auto schedule = compile(parse_graph_leniently(text, "test.toml"), standard_nodes(), options);
-  return schedule ? "" : to_string(schedule.error());
+  return summary(schedule);
 }
 
 /// A graph text, compiled and ready to run. Throws what is wrong with the text.

@@ -45,8 +45,6 @@ TEST_CASE("modal_body: it says what does not fit", "[nodes]") {
   const auto said = [](std::map<std::string, std::string> settings) {
     return refusal(test::node_type("modal_body"), {{"wave", 0.0}, {"impedance", 1.0}}, settings);
   };
-  CHECK(said({{"frequencies", "[100, 200]"}, {"masses", "[1, 0]"}}) ==
-        "one of 'masses' is not above 0; omit the modes that do not move at the point of contact");
-  CHECK(said({{"frequencies", "[100, 200]"}, {"masses", "[1, 2, 3]"}}) ==
-        "'masses' has 3 numbers for 2 modes; give one number for all modes, or one for each");
+  CHECK(said({{"frequencies", "[100, 200]"}, {"masses", "[1, 0]"}}) == "OutOfRange 'masses' 0");
+  CHECK(said({{"frequencies", "[100, 200]"}, {"masses", "[1, 2, 3]"}}) == "OutOfRange 'masses' 3 2");
 }

@@ -6,6 +6,7 @@
 #include "engine/dsp/delays/resample.h"
 #include "engine/nodes/table.h"
 #include "engine/scene/play_scene.h"
+#include "tests/support/error_summary.h"
 #include "tests/support/graphs/node_runner.h"
 #include "tests/support/temporary_folder.h"
 
@@ -43,7 +44,7 @@ std::string mistakes(const std::string& from, const std::string& to) {
   const auto at = text.find(from);
   REQUIRE(at != std::string::npos);
   const auto path = read_path(parse_graph_leniently(text.replace(at, from.size(), to), "path.toml"));
-  return path ? "" : to_string(path.error());
+  return test::summary(path);
 }
 
 /// A scene with this path between the woofer and the microphone, and beside it what the path is given.
@@ -131,23 +132,17 @@ TEST_CASE("path file: a scene at another rate hears the same path", "[scene]") {
 }
 
 TEST_CASE("path file: what is no measured path is told with its place", "[scene]") {
-  const std::string form =
-      "; a measured path must have one input, one fir node 'path' and one output with from = \"path\"";
+  const std::string form = " 'path' from \"path\"";
   CHECK(mistakes("type = \"fir\"\nin = \"drive\"\nrate = \"48 kHz\"\ntaps = [1, 0.5]",
                  "type = \"clip\"\nin = \"drive\"") ==
-        "path.toml:1:1: there is no fir node called 'path'" + form +
-            "\npath.toml:6:8: 'path' is not part of a measured path" + form);
-  CHECK(mistakes("drive = {}", "drive = {}\nother = {}") ==
-        "path.toml:1:1: there are 2 inputs and 1 outputs" + form);
-  CHECK(mistakes("\"path\"", "\"0.5 * path\"") == "path.toml:5:19: 'from' is not \"path\" alone" + form);
-  CHECK(mistakes("in = \"drive\"", "in = \"-drive\"") == "path.toml:8:6: 'in' is not \"drive\" alone" + form);
+        "path.toml:1:1 BadFile 'path'" + form + "\npath.toml:6:8 BadFile 'path'" + form);
+  CHECK(mistakes("drive = {}", "drive = {}\nother = {}") == "path.toml:1:1 BadFile 2 1" + form);
+  CHECK(mistakes("\"path\"", "\"0.5 * path\"") == "path.toml:5:19 BadFile 'from' \"path\"" + form);
+  CHECK(mistakes("in = \"drive\"", "in = \"-drive\"") == "path.toml:8:6 BadFile 'in' \"drive\"" + form);
   CHECK(mistakes("[nodes.path]", "[nodes]\nmore = \"2 * path\"\n[nodes.path]") ==
-        "path.toml:7:1: 'more' is not part of a measured path" + form);
-  CHECK(mistakes("rate = \"48 kHz\"\n", "") ==
-        "path.toml:6:8: fir 'path' lacks 'rate'; give the sample rate of its taps, as in "
-        "rate = "
-        "\"48 kHz\"");
-  CHECK(mistakes("48 kHz", "48 Hz").find("path.toml:9:8: 'rate' of fir 'path' is out of range") == 0);
+        "path.toml:7:1 BadFile 'more'" + form);
+  CHECK(mistakes("rate = \"48 kHz\"\n", "") == R"(path.toml:6:8 Missing 'path' 'rate' rate "48 kHz")");
+  CHECK(mistakes("48 kHz", "48 Hz") == "path.toml:9:8 OutOfRange 'rate' 'path' 1 1000");
   CHECK(mistakes("0.5]", "\"0.5 m\"]").find("path.toml:10:12") != std::string::npos);
   CHECK(mistakes("taps = [1, 0.5]", "taps = [").find("path.toml:") != std::string::npos);
   CHECK(!read_path(load_graph_leniently("/nowhere/path.toml")));

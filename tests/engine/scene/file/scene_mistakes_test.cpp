@@ -2,7 +2,7 @@
 
 #include "engine/nodes/table.h"
 #include "engine/scene/build_scene.h"
-#include "tests/support/messages.h"
+#include "tests/support/error_summary.h"
 #include "tests/support/scene_folder.h"
 
 using namespace tactus;
@@ -10,10 +10,10 @@ using namespace tactus;
 namespace {
 
 struct Folder : test::SceneFolder {
-  test::Messages mistakes(const std::string& text) const {
+  std::string mistakes(const std::string& text) const {
     const auto file = (path() / "scene.toml").string();
     const auto built = build_scene(parse_scene_leniently(text, file, path()), standard_nodes());
-    return built ? "" : strip(to_string(built.error()));
+    return strip(test::summary(built));
   }
 };
 
@@ -57,26 +57,25 @@ name = "softer"
 strengt = 0
 drum.gain = 1
 )") ==
-        R"(scene.toml:2:12: '1 m' is in m, but 'duration' is in s; give "15 ms"
-scene.toml:4:1: input 'pedal' of the instrument is not connected; give its source, as in pedal = "plant.pedal"
-scene.toml:4:48: there is no 'plant.mik'; did you mean 'plant.mic'?
-scene.toml:4:60: the instrument has no input or control 'strenght'; did you mean 'strength'?
-scene.toml:4:85: control 'strength' has the unit of 0.5, but gesture 'hand' has the unit of 10 mm; give the points of the gesture the unit of the control
-scene.toml:5:40: 'drive' is a plain number, but this is in m; divide by a quantity in m
-scene.toml:5:55: there is no 'heigth'; did you mean 'height'?
-scene.toml:10:20: 'measure' cannot be 'peek'; did you mean 'peak'?
-scene.toml:11:35: no signal 'instrument.hti' is recorded; did you mean 'instrument.hit'?
-scene.toml:12:1: 'missed' needs a signal with the role 'contact'; give one under [roles], as in contact = "plant.contact"
-scene.toml:13:1: 'rms' needs an 'of'; give a signal, as in of = "plant.stick"
-scene.toml:14:1: 'rate' is in Hz, but it is compared with 15 ms; give it in Hz
-scene.toml:17:1: part 'instrument' has no control 'strengt'; did you mean 'strength'?
-scene.toml:18:6: there is no part 'drum'; see [parts])");
+        R"(scene.toml:2:12 UnitMismatch '1 m' 'duration' "15 ms"
+scene.toml:4:1 Missing 'pedal' pedal "plant.pedal"
+scene.toml:4:48 UnknownName 'plant.mik' 'plant.mic'
+scene.toml:4:60 UnknownName 'strenght' 'strength'
+scene.toml:4:85 UnitMismatch 'strength' 0.5 'hand' 10
+scene.toml:5:40 UnitMismatch 'drive'
+scene.toml:5:55 UnknownName 'heigth' 'height'
+scene.toml:10:20 UnknownName 'measure' 'peek' 'peak'
+scene.toml:11:35 UnknownName 'instrument.hti' 'instrument.hit'
+scene.toml:12:1 Missing 'missed' 'contact' [roles] contact "plant.contact"
+scene.toml:13:1 Missing 'rms' 'of' of "plant.stick"
+scene.toml:14:1 UnitMismatch 'rate' 15
+scene.toml:17:1 UnknownName 'instrument' 'strengt' 'strength'
+scene.toml:18:6 UnknownName 'drum' [parts])");
 }
 
 TEST_CASE("scene: controls take values and gestures within their range", "[scene]") {
   const Folder folder;
-  CHECK(
-      folder.mistakes(R"(format = 1
+  CHECK(folder.mistakes(R"(format = 1
 duration = "1 s"
 [parts]
 instrument = { use = "instrument.toml", mic = 0, pedal = 0, strength = "rise" }
@@ -84,16 +83,14 @@ plant = { use = "plant.toml", drive = 0, lift = "1 s" }
 [gestures]
 rise = { points = [["0 s", 0], ["1 s", 2]] }
 )") ==
-      R"(scene.toml:4:72: gesture 'rise' sets control 'strength' to 2, which is outside its range; it runs from 0 to 1
-scene.toml:5:50: 'lift' is in m, but this is in s; give a quantity in m)");
-  CHECK(
-      folder.mistakes(R"(format = 1
+        R"(scene.toml:4:72 OutOfRange 'rise' 'strength' 2 0 1
+scene.toml:5:50 UnitMismatch 'lift')");
+  CHECK(folder.mistakes(R"(format = 1
 duration = "1 s"
 [parts]
 instrument = { use = "instrument.toml", mic = 0, pedal = 0, strength = "plant.mic" }
 plant = { use = "plant.toml", drive = 0, lift = "1 mm" }
-)") ==
-      R"(scene.toml:4:72: 'plant.mic' is neither a value for control 'strength' nor a gesture; give a number or a quantity, or the name of a gesture)");
+)") == "scene.toml:4:72 WrongType 'plant.mic' 'strength'");
 }
 
 TEST_CASE("scene: a file that cannot be read hides what would be in it", "[scene]") {
@@ -107,8 +104,8 @@ plant = { use = "plant.toml", drive = "instrument.anything", lift = "1 s" }
 [expect]
 some = { measure = "count", of = "instrument.anything", max = 3 }
 )") ==
-        R"(scene.toml:5:70: 'lift' is in m, but this is in s; give a quantity in m
-broken.toml:2:8: in this table header: expected ']', saw '\n'; fix this to see further errors)");
+        R"(scene.toml:5:70 UnitMismatch 'lift'
+broken.toml:2:8 Syntax ']' '\n')");
   CHECK(folder.mistakes(R"(format = 1
 duration = "1 s"
 [parts]
@@ -116,5 +113,5 @@ instrument = { use = "instrument.toml", mic = "plant.mic", pedal = 0 }
 plant = { use = "plant.toml", drive = "tap", lift = "tap" }
 [gesture]
 tap = { points = [["0 s", "0 m"]] }
-)") == R"(scene.toml:6:2: unknown key 'gesture'; did you mean 'gestures'?)");
+)") == "scene.toml:6:2 UnknownName 'gesture' 'gestures'");
 }

@@ -9,6 +9,7 @@
 
 #include "engine/nodes/table.h"
 #include "engine/study/sweep/scene_variants.h"
+#include "tests/support/error_summary.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace tactus;
@@ -116,7 +117,8 @@ TEST_CASE("work and precision: a scene that compares nothing is told so", "[anal
   scene.accuracy.clear();
   const auto study = study_work_precision(scene, standard_nodes());
   REQUIRE_FALSE(study);
-  CHECK(study.error().front().what == "the scene does not list the measures to compare");
+  CHECK(test::summary(study.error().front().at("")) ==
+        R"(Missing [accuracy] path measure "position" of "plant.stick")");
 }
 
 TEST_CASE("work and precision: the solver is set in parts of parts, and not in the instrument",

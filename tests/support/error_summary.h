@@ -1,0 +1,61 @@
+#pragma once
+
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "engine/core/error.h"
+
+namespace tactus::test {
+
+/// What tests compare of a text for people: file places, quoted names, sections, options, keys before "=", paths
+/// of nodes and numbers, in their order. The prose between them may change.
+inline std::string names_in(std::string text) {
+  static const std::regex possessive{R"((\w)'s\b)"};
+  static const std::regex kept{
+      R"re([\w./-]+\.(toml|wav|jsonl)(:\d+)*|'[^'\n]*'|"[^"\n]*"|`[^`\n]*`|\[\w+\]|--[\w-]+|[\w.]+( -> [\w.]+)+|\w+(?= =)|-?\d[\w.+/^-]*)re"};
+  text = std::regex_replace(text, possessive, "$1s");
+  std::string found;
+  for (std::sregex_iterator it{text.begin(), text.end(), kept}, end; it != end; ++it)
+    found += (found.empty() ? "" : " ") + it->str();
+  return found;
+}
+
+inline const char* code_name(Errc code) {
+  switch (code) {
+    case Errc::BadArgument: return "BadArgument";
+    case Errc::BadFile: return "BadFile";
+    case Errc::Syntax: return "Syntax";
+    case Errc::UnknownName: return "UnknownName";
+    case Errc::WrongType: return "WrongType";
+    case Errc::UnitMismatch: return "UnitMismatch";
+    case Errc::OutOfRange: return "OutOfRange";
+    case Errc::Duplicate: return "Duplicate";
+    case Errc::Missing: return "Missing";
+    case Errc::Cycle: return "Cycle";
+    case Errc::Device: return "Device";
+  }
+  return "no code";
+}
+
+/// What tests compare of an error: its place, code and names: "wall.toml:12:8 Cycle coil -> wall -> coil 'delay'".
+inline std::string summary(const Error& error) {
+  const auto names = names_in(tactus::to_string(error.at("")));
+  return error.where + (error.where.empty() ? "" : " ") + code_name(error.code) + (names.empty() ? "" : " ") +
+         names;
+}
+
+/// One error a line.
+inline std::string summary(const std::vector<Error>& errors) {
+  std::string lines;
+  for (const auto& error : errors) lines += (lines.empty() ? "" : "\n") + summary(error);
+  return lines;
+}
+
+/// Of what went wrong, or "".
+template <class T, class E>
+std::string summary(const tl::expected<T, E>& result) {
+  return result ? "" : summary(result.error());
+}
+
+}  // namespace tactus::test
