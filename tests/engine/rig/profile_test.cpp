@@ -39,15 +39,15 @@ level = "2 V"
 time = "5 s"
 )";
 
-std::string mistakes(std::string text, const std::string& from, const std::string& to) {
+std::string errors_of(std::string text, const std::string& from, const std::string& to) {
   const auto at = text.find(from);
   REQUIRE(at != std::string::npos);
   const auto profile = parse_profile(text.replace(at, from.size(), to), "shaker.toml");
   return test::summary(profile);
 }
 
-/// The mistakes of a scene of the haptic drum with this [drives].
-std::string drives_mistakes(const std::string& drives) {
+/// The errors of a scene of the haptic drum with this [drives].
+std::string drive_errors(const std::string& drives) {
   const auto scene =
       parse_scene_leniently(R"(format = 1
 duration = "1 s"
@@ -86,16 +86,16 @@ TEST_CASE("profile: volts, newtons and grams become limits at full scale", "[sce
   CHECK(check(limits).has_value());
 }
 
-TEST_CASE("profile: mistakes are told with their place", "[scene]") {
-  CHECK(mistakes(kActuator, "\"5 ohm\"", "\"5 V\"") ==
+TEST_CASE("profile: errors are told with their place", "[scene]") {
+  CHECK(errors_of(kActuator, "\"5 ohm\"", "\"5 V\"") ==
         R"(shaker.toml:4:14 UnitMismatch '5 V' 'resistance' "6 ohm")");
-  CHECK(mistakes(kActuator, "peak = \"8 V\"\n", "") == "shaker.toml:3:1 Missing [drive] 'peak' 'peak'");
-  CHECK(mistakes(kActuator, "peak", "peek") ==
+  CHECK(errors_of(kActuator, "peak = \"8 V\"\n", "") == "shaker.toml:3:1 Missing [drive] 'peak' 'peak'");
+  CHECK(errors_of(kActuator, "peak", "peek") ==
         R"(shaker.toml:3:1 Missing [drive] 'peak' 'peak'
 shaker.toml:5:1 UnknownName 'peek' 'peak')");
-  CHECK(mistakes(kActuator, "0.6", "1.5") == "shaker.toml:13:14 OutOfRange 'coil_share' 1.5 0.01 0.99");
-  CHECK(mistakes(kActuator, "[heat]", "[hat]") == "shaker.toml:9:2 UnknownName 'hat' 'heat'");
-  CHECK(mistakes("format = 1\nname = \"x\"\n", "x", "y") == "shaker.toml:1:1 Missing [drive] [drive]");
+  CHECK(errors_of(kActuator, "0.6", "1.5") == "shaker.toml:13:14 OutOfRange 'coil_share' 1.5 0.01 0.99");
+  CHECK(errors_of(kActuator, "[heat]", "[hat]") == "shaker.toml:9:2 UnknownName 'hat' 'heat'");
+  CHECK(errors_of("format = 1\nname = \"x\"\n", "x", "y") == "shaker.toml:1:1 Missing [drive] [drive]");
 }
 
 TEST_CASE("profile: every shipped one can be read, says where its figures are from, and makes sense",
@@ -134,17 +134,17 @@ TEST_CASE("profile: only the command line raises a limit, and only up", "[scene]
 }
 
 TEST_CASE("profile: a scene says what its drives move, may ask for less, and not for more", "[scene]") {
-  CHECK(drives_mistakes(R"(woofer = { profile = "woofer", volts_per_full_scale = "10 V", ceiling = 0.7 })") ==
+  CHECK(drive_errors(R"(woofer = { profile = "woofer", volts_per_full_scale = "10 V", ceiling = 0.7 })") ==
         "");
-  CHECK(drives_mistakes("woofer = { ceiling = 0.3 }") == "");
-  CHECK(drives_mistakes("woofer = { ceiling = 0.8 }") ==
+  CHECK(drive_errors("woofer = { ceiling = 0.3 }") == "");
+  CHECK(drive_errors("woofer = { ceiling = 0.8 }") ==
         "test.toml:4:22 OutOfRange 'woofer' 0.5 --raise-limit 0.8");
-  CHECK(drives_mistakes(R"(woofer = { profile = "wofer", volts_per_full_scale = "10 V" })") ==
+  CHECK(drive_errors(R"(woofer = { profile = "wofer", volts_per_full_scale = "10 V" })") ==
         "test.toml:4:22 UnknownName 'wofer' 'woofer'");
-  CHECK(drives_mistakes(R"(woofer = { profile = "woofer" })") ==
+  CHECK(drive_errors(R"(woofer = { profile = "woofer" })") ==
         "test.toml:4:1 Missing 'woofer' 'volts_per_full_scale' 'profile' 'volts_per_full_scale'");
-  CHECK(drives_mistakes("wofer = { ceiling = 0.3 }") == "test.toml:4:1 UnknownName 'wofer' 'woofer'");
-  CHECK(drives_mistakes("sound = { ceiling = 0.3 }") == "test.toml:4:1 UnknownName 'sound' 'woofer'");
+  CHECK(drive_errors("wofer = { ceiling = 0.3 }") == "test.toml:4:1 UnknownName 'wofer' 'woofer'");
+  CHECK(drive_errors("sound = { ceiling = 0.3 }") == "test.toml:4:1 UnknownName 'sound' 'woofer'");
 }
 
 TEST_CASE("profile: no shipped scene needs its guard but the one that explodes, and none fades", "[scene]") {

@@ -47,7 +47,7 @@ Rig rig_of(const std::string& text) {
 }
 
 /// With the least that a rig must say before them.
-std::string mistakes(const std::string& lines) {
+std::string errors_of(const std::string& lines) {
   const auto rig = parse_rig("format = 1\n[device]\noutput = \"x\"\n" + lines, "rig.toml", kRoot);
   return test::summary(rig);
 }
@@ -132,8 +132,8 @@ TEST_CASE("rig: sensitivities of every dimension read back the same", "[rig]") {
   CHECK(again.inputs[0].sensitivity->unit.dimension == quantity->unit.dimension);
 }
 
-TEST_CASE("rig: all mistakes of a rig come in one go", "[rig]") {
-  CHECK(mistakes(R"([inputs]
+TEST_CASE("rig: all errors of a rig come in one go", "[rig]") {
+  CHECK(errors_of(R"([inputs]
 microphone = { chanel = 1 }
 piezo = { channel = 0, volts_per_full_scale = "1 V" }
 [outputs]
@@ -157,18 +157,18 @@ rig.toml:12:12 UnitMismatch '12 mm' 'measured' "15 ms")");
 }
 
 TEST_CASE("rig: two outputs never share a channel, nor has a channel two actuators", "[rig]") {
-  CHECK(mistakes("[outputs]\na = { channel = [1, 2] }\nb = { channel = 2 }\n") ==
+  CHECK(errors_of("[outputs]\na = { channel = [1, 2] }\nb = { channel = 2 }\n") ==
         "rig.toml:6:1 Duplicate 'b' 'a' 2");
-  CHECK(mistakes(R"([outputs]
+  CHECK(errors_of(R"([outputs]
 a = { channel = 2, profile = "woofer", volts_per_full_scale = "10 V" }
 [actuators]
 cone = { channel = 2 }
 )") == "rig.toml:5:1 Duplicate 'a' 'cone' [actuators]");
-  CHECK(mistakes("[actuators]\ncone = { channel = \"none\" }\n") == "rig.toml:5:1 Missing 'cone'");
+  CHECK(errors_of("[actuators]\ncone = { channel = \"none\" }\n") == "rig.toml:5:1 Missing 'cone'");
 }
 
 TEST_CASE("rig: a file may lower the ceiling of an actuator and never raise it", "[rig]") {
-  CHECK(mistakes("[outputs]\na = { channel = 2, ceiling = 0.9 }\n") ==
+  CHECK(errors_of("[outputs]\na = { channel = 2, ceiling = 0.9 }\n") ==
         "rig.toml:5:30 OutOfRange 'a' 0.5 --raise-limit 0.9");
 }
 

@@ -227,9 +227,9 @@ y = { from = "late" }
 
 TEST_CASE("part rate: holding and taking are no delay that closes a loop", "[runtime]") {
   const PartGraphs graphs{kPlain};
-  CHECK(graphs.mistakes("[inputs]\nx = {}\n[nodes]\nsum = \"x + 0.1 * part\"\n"
-                        "part = { use = \"part.toml\", x = \"sum\", rate = \"1/16\" }\n"
-                        "[outputs]\ny = { from = \"sum\" }\n") ==
+  CHECK(graphs.errors_of("[inputs]\nx = {}\n[nodes]\nsum = \"x + 0.1 * part\"\n"
+                         "part = { use = \"part.toml\", x = \"sum\", rate = \"1/16\" }\n"
+                         "[outputs]\ny = { from = \"sum\" }\n") ==
         "part.toml:3:1 Cycle part.x -> part.y -> sum -> part.x 'delay'");
 }
 

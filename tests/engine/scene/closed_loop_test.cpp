@@ -99,14 +99,14 @@ TEST_CASE("ClosedLoop: a plant that feels the drive in its sensor at once needs 
           "[scene]") {
   const auto feedthrough = graph("[inputs]\ndrive = {}\n[outputs]\nsensor = { from = \"0.5 * drive\" }\n");
   CompileOptions options;
-  CHECK(test::mistakes(feedthrough, options) == "");
+  CHECK(test::errors_of(feedthrough, options) == "");
   options.closed_outside = true;
-  CHECK(test::mistakes(feedthrough, options) == "test.toml:4:1 Cycle drive -> sensor -> drive");
+  CHECK(test::errors_of(feedthrough, options) == "test.toml:4:1 Cycle drive -> sensor -> drive");
   // A tap may: nobody outside answers it.
   options.taps = {"felt"};
-  CHECK(test::mistakes(graph("[inputs]\ndrive = {}\n[nodes]\nfelt = \"0.5 * drive\"\n"
-                             "[outputs]\nsensor = { from = \"1\" }\n"),
-                       options) == "");
+  CHECK(test::errors_of(graph("[inputs]\ndrive = {}\n[nodes]\nfelt = \"0.5 * drive\"\n"
+                              "[outputs]\nsensor = { from = \"1\" }\n"),
+                        options) == "");
 }
 
 TEST_CASE("ClosedLoop: a plant that breaks without delay drops no frame of the instrument", "[scene]") {

@@ -206,22 +206,22 @@ start = { measure = "energy_given", of = "arm", to = "0.05 s", max = "1 mJ" })")
 
 TEST_CASE("energy_watch: what is wrong with a port is told before anything plays", "[scene]") {
   const SpringScene scene;
-  const auto mistakes = [&](const std::string& ports, const std::string& expect = "") {
+  const auto errors_of = [&](const std::string& ports, const std::string& expect = "") {
     const auto built = scene.build(scene.text("0 ms", ports, expect));
     return scene.strip(test::summary(built));
   };
-  CHECK(mistakes(kArm) == "");
-  CHECK(mistakes(R"(a = { force = "plant.forse", position = "plant.arm", active_up_to = "1 mJ" })") ==
+  CHECK(errors_of(kArm) == "");
+  CHECK(errors_of(R"(a = { force = "plant.forse", position = "plant.arm", active_up_to = "1 mJ" })") ==
         "scene.toml:12:15 UnknownName 'plant.forse' 'plant.force'");
-  CHECK(mistakes(R"(a = { force = "plant.force", position = "plant.speed", active_up_to = "1 mJ" })") ==
+  CHECK(errors_of(R"(a = { force = "plant.force", position = "plant.speed", active_up_to = "1 mJ" })") ==
         "scene.toml:12:1 UnitMismatch 'plant.force' 'plant.speed'");
-  CHECK(mistakes(R"(a = { force = "plant.force", position = "plant.arm" })") ==
+  CHECK(errors_of(R"(a = { force = "plant.force", position = "plant.arm" })") ==
         "scene.toml:12:1 Missing 'a' 'active_up_to' 'active_up_to'");
-  CHECK(mistakes(R"(a = { force = "plant.force", active_up_to = "1 N" })") ==
+  CHECK(errors_of(R"(a = { force = "plant.force", active_up_to = "1 N" })") ==
         R"(scene.toml:12:1 Missing 'a' 'position' 'position' "plant.arm"
 scene.toml:12:45 UnitMismatch '1 N' 'active_up_to')");
-  CHECK(mistakes(kArm, R"(e = { measure = "energy_given", of = "arn", max = 1 })") ==
+  CHECK(errors_of(kArm, R"(e = { measure = "energy_given", of = "arn", max = 1 })") ==
         "scene.toml:14:38 UnknownName 'arn' 'arm'");
-  CHECK(mistakes("", R"(e = { measure = "energy_given", of = "arm", max = 1 })") ==
+  CHECK(errors_of("", R"(e = { measure = "energy_given", of = "arm", max = 1 })") ==
         "scene.toml:14:38 UnknownName 'arm' [ports]");
 }

@@ -34,7 +34,7 @@ class PartGraphs {
     return std::make_unique<Player>(right(text, table, options));
   }
   /// "" if there is none.
-  std::string mistakes(const std::string& text, const CompileOptions& options = {}) const {
+  std::string errors_of(const std::string& text, const CompileOptions& options = {}) const {
     const auto made = schedule(text, standard_nodes(), options);
     return folder_.strip(summary(made));
   }

@@ -6,7 +6,7 @@
 #include "tests/support/graphs/graph_runner.h"
 #include "tests/support/temporary_folder.h"
 
-// Files that were not written by a person who made a mistake.
+// Files that were not written by a person.
 
 using namespace tactus;
 using test::TemporaryFolder;
@@ -57,35 +57,35 @@ TEST_CASE("hostile files: nesting 100000 deep is refused before the parser recur
   for (const std::string open : {"[", "{ a = ", "a.", "[[", "[{ a = "}) {
     INFO(open);
     const auto text = (open == "a." ? "" : "x = ") + repeated(open, 100000);
-    CHECK(test::mistakes(text).ends_with(" Syntax 64"));
+    CHECK(test::errors_of(text).ends_with(" Syntax 64"));
   }
-  CHECK(test::mistakes("[" + repeated("a.", 100000) + "b]\n").ends_with(" Syntax 64"));
+  CHECK(test::errors_of("[" + repeated("a.", 100000) + "b]\n").ends_with(" Syntax 64"));
 }
 
 TEST_CASE("hostile files: 10000 nodes or masses load, more values than a parser stands do not", "[graph]") {
   CHECK(
-      test::mistakes("format = 1\n[inputs]\nx = {}\n[nodes]\nn0 = { type = \"low_pass\", in = \"x\", cutoff "
-                     "= \"1 kHz\" }\n" +
-                     lines(10000, "m# = { type = \"clip\", in = \"0.5 * n0\" }\n") +
-                     "[outputs]\ny = { from = \"m9999\" }\n") == "");
-  CHECK(test::mistakes("format = 1\n[networks.star]\nsolver = \"explicit\"\n" +
-                       lines(10000, "m# = { type = \"mass\", mass = \"1 g\" }\n") +
-                       lines(9999,
-                             "s# = { type = \"spring\", between = [\"m#\", \"m9999\"], stiffness = "
-                             "\"1 N/m\" }\n") +
-                       "[outputs]\ny = { from = \"star.m9999.position\", unit = \"m\" }\n") == "");
-  CHECK(test::mistakes("format = 1\n[nodes]\n" + lines(260000, "n# = 1\n")) ==
+      test::errors_of("format = 1\n[inputs]\nx = {}\n[nodes]\nn0 = { type = \"low_pass\", in = \"x\", cutoff "
+                      "= \"1 kHz\" }\n" +
+                      lines(10000, "m# = { type = \"clip\", in = \"0.5 * n0\" }\n") +
+                      "[outputs]\ny = { from = \"m9999\" }\n") == "");
+  CHECK(test::errors_of("format = 1\n[networks.star]\nsolver = \"explicit\"\n" +
+                        lines(10000, "m# = { type = \"mass\", mass = \"1 g\" }\n") +
+                        lines(9999,
+                              "s# = { type = \"spring\", between = [\"m#\", \"m9999\"], stiffness = "
+                              "\"1 N/m\" }\n") +
+                        "[outputs]\ny = { from = \"star.m9999.position\", unit = \"m\" }\n") == "");
+  CHECK(test::errors_of("format = 1\n[nodes]\n" + lines(260000, "n# = 1\n")) ==
         "test.toml:250001:9 Syntax 250000");
   // 10^7 of them are more than 16 MB.
-  CHECK(test::mistakes(repeated("a=\n", 10'000'000)) == "test.toml Syntax 16");
+  CHECK(test::errors_of(repeated("a=\n", 10'000'000)) == "test.toml Syntax 16");
 }
 
 TEST_CASE("hostile files: a long chain of names, written backwards, and as many wrong ones", "[graph]") {
   std::string chain = "format = 1\n[nodes]\n";
   for (int i = 20000; i > 0; --i)
     chain += "n" + std::to_string(i) + " = \"n" + std::to_string(i - 1) + "\"\n";
-  CHECK(test::mistakes(chain + "n0 = \"1 N\"\n[outputs]\ny = { from = \"n20000\", unit = \"N\" }\n") == "");
-  const auto many = test::mistakes("format = 1\n[nodes]\n" + lines(20000, "n# = \"wrong#\"\n"));
+  CHECK(test::errors_of(chain + "n0 = \"1 N\"\n[outputs]\ny = { from = \"n20000\", unit = \"N\" }\n") == "");
+  const auto many = test::errors_of("format = 1\n[nodes]\n" + lines(20000, "n# = \"wrong#\"\n"));
   CHECK(std::count(many.begin(), many.end(), '\n') == 19999);
 }
 
@@ -103,10 +103,10 @@ TEST_CASE("hostile files: parts of parts that double are refused", "[graph]") {
 }
 
 TEST_CASE("hostile files: neither lanes nor delays can ask for more than there is", "[graph]") {
-  CHECK(test::mistakes("format = 1\n[inputs]\nx = { lanes = 1024 }\n[nodes]\n" +
-                       lines(3, "n# = \"x" + repeated(" + x", 99) + "\"\n")) ==
+  CHECK(test::errors_of("format = 1\n[inputs]\nx = { lanes = 1024 }\n[nodes]\n" +
+                        lines(3, "n# = \"x" + repeated(" + x", 99) + "\"\n")) ==
         "test.toml OutOfRange 250000");
-  const auto delays = test::mistakes(
+  const auto delays = test::errors_of(
       "format = 1\n[inputs]\nx = {}\n[nodes]\na = { type = \"delay\", in = \"x\", time = \"10 s\", voices = "
       "1024 }\nb = { type = \"mix\", in = \"a\" }\n[outputs]\ny = { from = \"b\" }\n");
   CHECK(delays == "test.toml:5:1 OutOfRange 'a' 512");
@@ -130,8 +130,8 @@ TEST_CASE("hostile files: a file of a node does not lead out of its folder eithe
 }
 
 TEST_CASE("hostile files: no character of a file reaches the terminal as a command", "[graph]") {
-  CHECK(test::mistakes("format = 1\n[nodes]\na = { type = \"\\u001b[31mclip\\nall is well\" }\n") ==
+  CHECK(test::errors_of("format = 1\n[nodes]\na = { type = \"\\u001b[31mclip\\nall is well\" }\n") ==
         "test.toml:3:14 UnknownName '?[31mclip?all is well' `tactus nodes`");
-  CHECK(test::mistakes("format = 1\n[nodes]\na = { type = \"\xC2\x9B"
-                       "31mclip\" }\n") == "test.toml:3:14 UnknownName '?31mclip' `tactus nodes`");
+  CHECK(test::errors_of("format = 1\n[nodes]\na = { type = \"\xC2\x9B"
+                        "31mclip\" }\n") == "test.toml:3:14 UnknownName '?31mclip' `tactus nodes`");
 }

@@ -10,7 +10,7 @@ using tactus::test::parse_graph;
 
 namespace {
 
-std::string mistakes(std::string_view text) {
+std::string errors_of(std::string_view text) {
   const auto spec = parse_graph(text, "drum.toml");
   return test::summary(spec);
 }
@@ -97,8 +97,8 @@ between = ["stick", "ground"]
   CHECK(drum.elements[1].fields.size() == 1);
 }
 
-TEST_CASE("graph: all mistakes come in one go, in file order", "[graph]") {
-  CHECK(mistakes(R"(name = 5
+TEST_CASE("graph: all errors come in one go, in file order", "[graph]") {
+  CHECK(errors_of(R"(name = 5
 [nods]
 [nodes]
 Hit = { type = "onset" }
@@ -140,7 +140,7 @@ drum.toml:21:2 UnknownName 'gestures')");
 }
 
 TEST_CASE("graph: sections must be tables, and the format must be known", "[graph]") {
-  CHECK(mistakes("format = 2\nnodes = 3\ninputs = \"mic\"\nxyz = 1") ==
+  CHECK(errors_of("format = 2\nnodes = 3\ninputs = \"mic\"\nxyz = 1") ==
         R"(drum.toml:1:10 OutOfRange format 1
 drum.toml:2:9 WrongType 'nodes' [nodes]
 drum.toml:3:10 WrongType 'inputs' [inputs]
@@ -149,9 +149,9 @@ drum.toml:4:1 UnknownName 'xyz' 'format' 'name' 'about' 'source' 'inputs' 'contr
 
 TEST_CASE("graph: one letter may name a node although it is a unit, and an output may be called like a node",
           "[graph]") {
-  CHECK(mistakes("format = 1\n[nodes]\ns = 1\ng = \"s\"\nm_2 = 3\n[outputs]\ns = { from = \"s\" }\n") == "");
+  CHECK(errors_of("format = 1\n[nodes]\ns = 1\ng = \"s\"\nm_2 = 3\n[outputs]\ns = { from = \"s\" }\n") == "");
 }
 
 TEST_CASE("graph: a syntax error comes alone", "[graph]") {
-  CHECK(mistakes("[nods]\nx = 12 ms") == R"(drum.toml:2:5 Syntax '12 ms' "12 ms")");
+  CHECK(errors_of("[nods]\nx = 12 ms") == R"(drum.toml:2:5 Syntax '12 ms' "12 ms")");
 }

@@ -6,7 +6,7 @@
 
 using namespace tactus;
 using test::engine_of;
-using test::mistakes;
+using test::errors_of;
 
 namespace {
 
@@ -32,8 +32,8 @@ y = { from = "sum" }
   CHECK(out[0][2] == Approx(0.25 + 1.0).epsilon(1e-6));
 }
 
-TEST_CASE("compile: every mistake of a file in one go, in file order", "[graph]") {
-  CHECK(mistakes(graph(R"([inputs]
+TEST_CASE("compile: every error of a file in one go, in file order", "[graph]") {
+  CHECK(errors_of(graph(R"([inputs]
 x = { unit = "m" }
 [nodes]
 a = { type = "sprign", in = "x" }
@@ -79,7 +79,7 @@ y = { from = "two * x + 0 * muted" }
 }
 
 TEST_CASE("compile: a loop without delay is named edge by edge", "[graph]") {
-  CHECK(mistakes(graph(R"([inputs]
+  CHECK(errors_of(graph(R"([inputs]
 x = {}
 [nodes]
 a = { type = "clip", in = "x + b" }
@@ -111,7 +111,7 @@ six  = { from = "all" }
   CHECK(out[1][0] == 3.5);
   CHECK(out[2][0] == 6.5);
   CHECK(out[3][0] == Approx(0.6));
-  CHECK(mistakes(graph(R"([inputs]
+  CHECK(errors_of(graph(R"([inputs]
 x = { lanes = 2 }
 [nodes]
 bad = "x + y"

@@ -6,7 +6,7 @@
 #include "tests/support/temporary_folder.h"
 
 using namespace tactus;
-using test::mistakes;
+using test::errors_of;
 
 namespace {
 
@@ -15,7 +15,7 @@ std::string graph(const std::string& body) { return "format = 1\nname = \"test\"
 }  // namespace
 
 TEST_CASE("order: two loops without delay are both named", "[graph]") {
-  CHECK(mistakes(graph(R"([inputs]
+  CHECK(errors_of(graph(R"([inputs]
 x = {}
 [nodes]
 a = { type = "clip", in = "x + b" }
@@ -29,7 +29,7 @@ test.toml:8:1 Cycle c -> d -> c 'delay')");
 }
 
 TEST_CASE("order: what only hangs on a loop without delay is not blamed", "[graph]") {
-  CHECK(mistakes(graph(R"([inputs]
+  CHECK(errors_of(graph(R"([inputs]
 x = {}
 [nodes]
 tail = { type = "clip", in = "a" }
@@ -43,14 +43,14 @@ y = { from = "end" }
 }
 
 TEST_CASE("order: names that only name each other are a loop", "[graph]") {
-  CHECK(mistakes(graph(R"([nodes]
+  CHECK(errors_of(graph(R"([nodes]
 x = "a"
 a = "b"
 b = "a"
 [outputs]
 y = { from = "x" }
 )")) == "test.toml:5:1 Cycle a -> b -> a 'delay'");
-  CHECK(mistakes(graph("[nodes]\na = \"1 * a\"\n[outputs]\ny = { from = \"a\" }\n")) ==
+  CHECK(errors_of(graph("[nodes]\na = \"1 * a\"\n[outputs]\ny = { from = \"a\" }\n")) ==
         "test.toml:4:8 Cycle a -> a 'delay'");
 }
 
@@ -62,8 +62,8 @@ TEST_CASE("order: a delay that can be shorter than a frame closes no loop, and t
         "[nodes]\ny = { type = \"delay\", in = \"x + 0.5 * y\", " +
         time + " }\n[outputs]\ny = { from = \"y\" }\n");
   };
-  CHECK(mistakes(loop("time = \"t\"")) == "test.toml:8:1 Cycle y -> y 'y' 'min'");
-  CHECK(mistakes(loop("time = \"t\", min = \"0.1 ms\"")) == "");
+  CHECK(errors_of(loop("time = \"t\"")) == "test.toml:8:1 Cycle y -> y 'y' 'min'");
+  CHECK(errors_of(loop("time = \"t\", min = \"0.1 ms\"")) == "");
 }
 
 TEST_CASE("order: a loop without delay inside a part is named with its path", "[graph]") {
@@ -96,9 +96,9 @@ TEST_CASE("order: a network answers a frame later, so that its forces may depend
         "force = \"" +
         force + "\" }\n[nodes]\n" + nodes + "[outputs]\nx = { from = \"n.m.position\", unit = \"m\" }\n");
   };
-  CHECK(mistakes(network("s = { type = \"spring\", in = \"n.m.position\", stiffness = \"100 N/m\" }\n",
-                         "s")) == "");
+  CHECK(errors_of(network("s = { type = \"spring\", in = \"n.m.position\", stiffness = \"100 N/m\" }\n",
+                          "s")) == "");
   // ... but what it drives may be a loop of its own.
-  CHECK(mistakes(network("a = \"n.m.position * 1 N/m + b\"\nb = \"0.5 * a\"\n", "b")) ==
+  CHECK(errors_of(network("a = \"n.m.position * 1 N/m + b\"\nb = \"0.5 * a\"\n", "b")) ==
         "test.toml:7:27 Cycle a -> b -> a 'delay'");
 }

@@ -15,9 +15,9 @@ std::string told(const std::string& words, Hertz rate = 48_kHz) {
   const PartGraphs graphs{kPlain};
   CompileOptions options;
   options.sample_rate = rate;
-  return graphs.mistakes("[inputs]\nx = {}\n[nodes]\n" + ("p = { use = \"part.toml\", x = \"x\", " + words) +
-                             " }\n[outputs]\ny = { from = \"p\" }\n",
-                         options);
+  return graphs.errors_of("[inputs]\nx = {}\n[nodes]\n" + ("p = { use = \"part.toml\", x = \"x\", " + words) +
+                              " }\n[outputs]\ny = { from = \"p\" }\n",
+                          options);
 }
 
 }  // namespace
@@ -59,16 +59,16 @@ TEST_CASE("part rate: a part in a part divides the rate that is around it", "[gr
   graphs.write("middle.toml", middle("1/4"));
   CHECK(graphs.right(top)->divisors == std::vector<int>{1, 4, 16});
   graphs.write("middle.toml", middle("16 kHz"));
-  CHECK(graphs.mistakes(top) == "middle.toml:5:42 OutOfRange 'rate' 'q' 16 12");
+  CHECK(graphs.errors_of(top) == "middle.toml:5:42 OutOfRange 'rate' 'q' 16 12");
   graphs.write("middle.toml", middle("8 kHz"));
-  CHECK(graphs.mistakes(top) == R"(middle.toml:5:42 OutOfRange 'rate' 'q' 12 "1/1" 12 "1/2" 6)");
+  CHECK(graphs.errors_of(top) == R"(middle.toml:5:42 OutOfRange 'rate' 'q' 12 "1/1" 12 "1/2" 6)");
 }
 
 TEST_CASE("part rate: a control that is called so is the part's own", "[graph]") {
   PartGraphs graphs{
       "[controls]\nrate = { value = \"2 Hz\", range = [\"0 Hz\", \"9 Hz\"] }\n"
       "[nodes]\ns = { type = \"sine\", frequency = \"rate\" }\n[outputs]\ny = { from = \"s\" }\n"};
-  CHECK(graphs.mistakes(
+  CHECK(graphs.errors_of(
             "[nodes]\np = { use = \"part.toml\", rate = \"3 Hz\" }\n[outputs]\ny = { from = \"p\" }\n") ==
         "");
 }

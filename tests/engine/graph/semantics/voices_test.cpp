@@ -18,9 +18,9 @@ std::vector<double> lanes_of(const std::string& nodes) {
   return lanes;
 }
 
-std::string mistakes_in(const std::string& nodes) {
-  return test::mistakes("format = 1\n[inputs]\nx = {}\n[nodes]\n" + nodes +
-                        "[outputs]\ny = { from = \"y\" }\n");
+std::string node_errors(const std::string& nodes) {
+  return test::errors_of("format = 1\n[inputs]\nx = {}\n[nodes]\n" + nodes +
+                         "[outputs]\ny = { from = \"y\" }\n");
 }
 
 /// A part that gives `gain * x` and, as `all`, the mix of it over its voices.
@@ -90,10 +90,10 @@ TEST_CASE("voices: a mix adds the lanes that there are, in a part with voices to
 }
 
 TEST_CASE("voices: several lanes into one, or into another number, need a mix", "[graph]") {
-  CHECK(mistakes_in("a = [1, 2]\nb = [1, 2, 3]\ny = \"x * a + b\"\n") ==
+  CHECK(node_errors("a = [1, 2]\nb = [1, 2, 3]\ny = \"x * a + b\"\n") ==
         "test.toml:7:8 OutOfRange 2 3 'mix'");
-  CHECK(mistakes_in("a = [1, 2]\nb = [1, 2, 3]\ny = { type = \"mix\", in = \"a + b\" }\n") ==
+  CHECK(node_errors("a = [1, 2]\nb = [1, 2, 3]\ny = { type = \"mix\", in = \"a + b\" }\n") ==
         "test.toml:7:27 OutOfRange 2 3 'mix'");
-  CHECK(mistakes_in("a = [1, 2]\ny = { type = \"clip\", in = [\"x\", \"a\"] }\n") ==
+  CHECK(node_errors("a = [1, 2]\ny = { type = \"clip\", in = [\"x\", \"a\"] }\n") ==
         "test.toml:6:34 OutOfRange 2 'mix'");
 }

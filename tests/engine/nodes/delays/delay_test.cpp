@@ -142,7 +142,7 @@ TEST_CASE("delay: min and max bound what the graph does not", "[nodes]") {
   CHECK(runner.node().delay(0, 0).most == 960);
 }
 
-TEST_CASE("delay: mistakes are explained", "[nodes]") {
+TEST_CASE("delay: errors are explained", "[nodes]") {
   const auto error = [](std::map<std::string, std::string> settings, Interval range) {
     return NodeRunner{test::node_type("delay"),
                       {{"in", 0.0}, {"time", 0.1}},

@@ -37,7 +37,9 @@ double period(const Samples& x) {
   return (passages.back() - passages.front()) / static_cast<double>(passages.size() - 1);
 }
 
-std::string mistakes_of(const std::string& elements) { return mistakes(graph(elements, "n.energy / 1 J")); }
+std::string element_errors(const std::string& elements) {
+  return errors_of(graph(elements, "n.energy / 1 J"));
+}
 
 }  // namespace
 
@@ -199,26 +201,26 @@ TEST_CASE("network elements: nothing is allocated while any solver runs", "[phys
 }
 
 TEST_CASE("network elements: what is wrong with them is told with its place and remedy", "[physics]") {
-  CHECK(mistakes_of("o = { type = \"oscillator\", mass = \"1 g\" }") ==
+  CHECK(element_errors("o = { type = \"oscillator\", mass = \"1 g\" }") ==
         "test.toml:4:1 Missing 'o' 'stiffness' 'frequency'");
-  CHECK(mistakes_of("o = { type = \"oscillator\", mass = \"1 g\", stiffness = 1, frequency = 2 }") ==
+  CHECK(element_errors("o = { type = \"oscillator\", mass = \"1 g\", stiffness = 1, frequency = 2 }") ==
         "test.toml:4:69 Duplicate 'o' 'stiffness' 'frequency'");
   CHECK(
-      mistakes_of(
+      element_errors(
           "c = { type = \"chain\", masses = 3, mass = \"1 g\", stiffness = 1 }\np = { type = \"probe\", on = "
           "\"c.4\" }") == "test.toml:5:28 OutOfRange 'c.4' 'c' 'c.3'");
   CHECK(
-      mistakes_of(
+      element_errors(
           "c = { type = \"chain\", masses = 3, mass = \"1 g\", stiffness = 1 }\np = { type = \"probe\", on = "
           "\"c\" }") == R"(test.toml:5:28 WrongType 'c' 'c' "c.1")");
-  CHECK(mistakes_of("m = { type = \"mass\", mass = \"1 g\" }\np = { type = \"probe\", on = \"m.1\" }") ==
+  CHECK(element_errors("m = { type = \"mass\", mass = \"1 g\" }\np = { type = \"probe\", on = \"m.1\" }") ==
         R"(test.toml:5:28 WrongType 'm' 'm.1' "m")");
-  CHECK(mistakes_of("c = { type = \"chain\", mass = \"1 g\", stiffness = 1 }") ==
+  CHECK(element_errors("c = { type = \"chain\", mass = \"1 g\", stiffness = 1 }") ==
         "test.toml:4:1 Missing 'c' 'masses' masses");
-  CHECK(
-      mistakes_of("c = { type = \"chain\", masses = 3, ends = \"loose\", mass = \"1 g\", stiffness = 1 }") ==
-      "test.toml:4:42 UnknownName 'ends' 'c' 'loose' 'fixed' 'free'");
-  CHECK(mistakes_of("solver = \"exat\"\nm = { type = \"mass\", mass = \"1 g\" }") ==
+  CHECK(element_errors(
+            "c = { type = \"chain\", masses = 3, ends = \"loose\", mass = \"1 g\", stiffness = 1 }") ==
+        "test.toml:4:42 UnknownName 'ends' 'c' 'loose' 'fixed' 'free'");
+  CHECK(element_errors("solver = \"exat\"\nm = { type = \"mass\", mass = \"1 g\" }") ==
         "test.toml:4:10 UnknownName 'solver' 'exat' 'exact'");
 }
 

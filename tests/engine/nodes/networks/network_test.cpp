@@ -147,8 +147,8 @@ TEST_CASE("network node: signals are late, answers come one frame later, numbers
   CHECK(find_named(type->outputs, "frame") == nullptr);
 }
 
-TEST_CASE("network node: every mistake in its structure is reported in one go", "[physics]") {
-  CHECK(mistakes(of_network(R"(solver = "pasive"
+TEST_CASE("network node: every error in its structure is reported in one go", "[physics]") {
+  CHECK(errors_of(of_network(R"(solver = "pasive"
 oversample = 0
 energy = { type = "mass", mass = "1 g" }
 a = { type = "mas", mass = "1 g" }
@@ -180,7 +180,7 @@ TEST_CASE("network node: wrong units and missing numbers are found by the compil
   const auto wrong = of_network(R"(a = { type = "mass" }
 b = { type = "ground", at = "1 N" }
 c = { type = "contact", between = ["a", "b"], stiffness = "1 N/m^1.5", exponent = 2 })");
-  CHECK(mistakes(wrong) == "TODO1");
+  CHECK(errors_of(wrong) == "TODO1");
   const auto compiled = compile(parse_graph_leniently(wrong, "test.toml"), standard_nodes(), {});
   REQUIRE_FALSE(compiled);
   CHECK(to_string(compiled.error()).find("N/m^2") != std::string::npos);

@@ -39,7 +39,7 @@ taps = [1, 0.5]
 )";
 
 /// What is wrong with kSmall when `from` is `to`.
-std::string mistakes(const std::string& from, const std::string& to) {
+std::string errors_of(const std::string& from, const std::string& to) {
   std::string text = kSmall;
   const auto at = text.find(from);
   REQUIRE(at != std::string::npos);
@@ -133,17 +133,17 @@ TEST_CASE("path file: a scene at another rate hears the same path", "[scene]") {
 
 TEST_CASE("path file: what is no measured path is told with its place", "[scene]") {
   const std::string form = " 'path' from \"path\"";
-  CHECK(mistakes("type = \"fir\"\nin = \"drive\"\nrate = \"48 kHz\"\ntaps = [1, 0.5]",
-                 "type = \"clip\"\nin = \"drive\"") ==
+  CHECK(errors_of("type = \"fir\"\nin = \"drive\"\nrate = \"48 kHz\"\ntaps = [1, 0.5]",
+                  "type = \"clip\"\nin = \"drive\"") ==
         "path.toml:1:1 BadFile 'path'" + form + "\npath.toml:6:8 BadFile 'path'" + form);
-  CHECK(mistakes("drive = {}", "drive = {}\nother = {}") == "path.toml:1:1 BadFile 2 1" + form);
-  CHECK(mistakes("\"path\"", "\"0.5 * path\"") == "path.toml:5:19 BadFile 'from' \"path\"" + form);
-  CHECK(mistakes("in = \"drive\"", "in = \"-drive\"") == "path.toml:8:6 BadFile 'in' \"drive\"" + form);
-  CHECK(mistakes("[nodes.path]", "[nodes]\nmore = \"2 * path\"\n[nodes.path]") ==
+  CHECK(errors_of("drive = {}", "drive = {}\nother = {}") == "path.toml:1:1 BadFile 2 1" + form);
+  CHECK(errors_of("\"path\"", "\"0.5 * path\"") == "path.toml:5:19 BadFile 'from' \"path\"" + form);
+  CHECK(errors_of("in = \"drive\"", "in = \"-drive\"") == "path.toml:8:6 BadFile 'in' \"drive\"" + form);
+  CHECK(errors_of("[nodes.path]", "[nodes]\nmore = \"2 * path\"\n[nodes.path]") ==
         "path.toml:7:1 BadFile 'more'" + form);
-  CHECK(mistakes("rate = \"48 kHz\"\n", "") == R"(path.toml:6:8 Missing 'path' 'rate' rate "48 kHz")");
-  CHECK(mistakes("48 kHz", "48 Hz") == "path.toml:9:8 OutOfRange 'rate' 'path' 1 1000");
-  CHECK(mistakes("0.5]", "\"0.5 m\"]").find("path.toml:10:12") != std::string::npos);
-  CHECK(mistakes("taps = [1, 0.5]", "taps = [").find("path.toml:") != std::string::npos);
+  CHECK(errors_of("rate = \"48 kHz\"\n", "") == R"(path.toml:6:8 Missing 'path' 'rate' rate "48 kHz")");
+  CHECK(errors_of("48 kHz", "48 Hz") == "path.toml:9:8 OutOfRange 'rate' 'path' 1 1000");
+  CHECK(errors_of("0.5]", "\"0.5 m\"]").find("path.toml:10:12") != std::string::npos);
+  CHECK(errors_of("taps = [1, 0.5]", "taps = [").find("path.toml:") != std::string::npos);
   CHECK(!read_path(load_graph_leniently("/nowhere/path.toml")));
 }

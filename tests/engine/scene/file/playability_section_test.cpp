@@ -19,7 +19,7 @@ struct Folder : test::SceneFolder {
         section;
     return parse_scene_leniently(text, (path() / "scene.toml").string(), path());
   }
-  std::string mistakes(const std::string& section) const {
+  std::string errors_of(const std::string& section) const {
     const auto built = build_scene(load(section), standard_nodes());
     return strip(test::summary(built));
   }
@@ -39,7 +39,7 @@ TEST_CASE("playability section: what is left out has its usual value", "[scene]"
   CHECK(playability.fewest == 10);
   CHECK(playability.from_s == 1);
   CHECK_FALSE(playability.to_s);
-  CHECK(folder.mistakes("kind = \"roll\"\ncontact = \"plant.stick\"\n") == "");
+  CHECK(folder.errors_of("kind = \"roll\"\ncontact = \"plant.stick\"\n") == "");
 }
 
 TEST_CASE("playability section: a tone has a pitch, a beginning and an end", "[scene]") {
@@ -70,32 +70,32 @@ note = { from = "110 Hz", unit = "Hz" }
   const auto loaded = folder.load(tone + "pitch = \"plant.note\"\n");
   REQUIRE(loaded.scene->playability);
   CHECK(loaded.scene->playability->pitch.name == "plant.note");
-  CHECK(folder.mistakes(tone + "pitch = \"plant.note\"\n") == "");
-  CHECK(folder.mistakes(tone + "pitch = \"plant.not\"\n") ==
+  CHECK(folder.errors_of(tone + "pitch = \"plant.note\"\n") == "");
+  CHECK(folder.errors_of(tone + "pitch = \"plant.not\"\n") ==
         "scene.toml:10:9 UnknownName 'plant.not' 'plant.note'");
-  CHECK(folder.mistakes(tone + "pitch = \"plant.stick\"\n") ==
+  CHECK(folder.errors_of(tone + "pitch = \"plant.stick\"\n") ==
         "scene.toml:10:9 UnitMismatch 'plant.stick' 'pitch'");
-  CHECK(folder.mistakes(tone + "pitch = \"plant.mic\"\n") ==
+  CHECK(folder.errors_of(tone + "pitch = \"plant.mic\"\n") ==
         "scene.toml:10:9 UnitMismatch 'plant.mic' 'pitch'");
 }
 
-TEST_CASE("playability section: its mistakes come with line and column", "[scene]") {
+TEST_CASE("playability section: its errors come with line and column", "[scene]") {
   const Folder folder;
-  CHECK(folder.mistakes("from = \"1 s\"\n") ==
+  CHECK(folder.errors_of("from = \"1 s\"\n") ==
         "scene.toml:7:1 Missing [playability] 'kind' 'kind' 'roll' 'tone'");
-  CHECK(folder.mistakes("kind = \"rol\"\n") == "scene.toml:8:8 UnknownName 'kind' 'rol' 'roll'");
-  CHECK(folder.mistakes("kind = \"roll\"\ncontact = \"plant.stick\"\npitch = \"110 Hz\"\n") ==
+  CHECK(folder.errors_of("kind = \"rol\"\n") == "scene.toml:8:8 UnknownName 'kind' 'rol' 'roll'");
+  CHECK(folder.errors_of("kind = \"roll\"\ncontact = \"plant.stick\"\npitch = \"110 Hz\"\n") ==
         "scene.toml:10:1 UnknownName 'pitch' 'kind' 'from' 'to' 'hits' 'contact' 'fewest' 'about'");
-  CHECK(folder.mistakes("kind = \"roll\"\n") ==
+  CHECK(folder.errors_of("kind = \"roll\"\n") ==
         R"(scene.toml:7:1 Missing '[playability]' 'contact' [roles] contact "plant.contact")");
-  CHECK(folder.mistakes("kind = \"roll\"\ncontact = \"plant.stik\"\n") ==
+  CHECK(folder.errors_of("kind = \"roll\"\ncontact = \"plant.stik\"\n") ==
         "scene.toml:9:11 UnknownName '[playability]' 'plant.stik' 'plant.stick'");
-  CHECK(folder.mistakes("kind = \"tone\"\nsound = \"plant.mic\"\n") ==
+  CHECK(folder.errors_of("kind = \"tone\"\nsound = \"plant.mic\"\n") ==
         R"(scene.toml:7:1 Missing 'pitch' pitch "110 Hz" "wanted.pitch")");
-  CHECK(folder.mistakes("kind = \"tone\"\nsound = \"plant.mic\"\npitch = \"1 s\"\n") ==
+  CHECK(folder.errors_of("kind = \"tone\"\nsound = \"plant.mic\"\npitch = \"1 s\"\n") ==
         R"(scene.toml:10:9 UnitMismatch '1 s' 'pitch' "440 Hz")");
-  CHECK(folder.mistakes("kind = \"roll\"\ncontact = \"plant.stick\"\nfrom = \"3.5 s\"\n") ==
+  CHECK(folder.errors_of("kind = \"roll\"\ncontact = \"plant.stick\"\nfrom = \"3.5 s\"\n") ==
         "scene.toml:10:8 OutOfRange 'from' 'to' 'duration'");
-  CHECK(folder.mistakes("kind = \"tone\"\nsound = \"plant.mic\"\npitch = \"110 Hz\"\nbegin = \"2 s\"\n") ==
+  CHECK(folder.errors_of("kind = \"tone\"\nsound = \"plant.mic\"\npitch = \"110 Hz\"\nbegin = \"2 s\"\n") ==
         "scene.toml:11:9 OutOfRange 'begin' 'from' 'from' 1");
 }

@@ -22,7 +22,7 @@ struct Folder : TemporaryFolder {
   Checked<SceneSpec> read(std::string_view text) const {
     return test::parse_scene(text, (path() / "scene.toml").string());
   }
-  std::string mistakes(std::string_view text) const {
+  std::string errors_of(std::string_view text) const {
     const auto scene = read(text);
     return strip(test::summary(scene));
   }
@@ -106,10 +106,10 @@ TEST_CASE("scene: what may be left out has the value that the manual says", "[sc
   CHECK_FALSE(off->converters.on);
 }
 
-TEST_CASE("scene: all mistakes come in one go, those of its parts too", "[scene]") {
+TEST_CASE("scene: all errors come in one go, those of its parts too", "[scene]") {
   const Folder folder;
   folder.write("plant.toml", "format = 1\nnods = 1\n");
-  CHECK(folder.mistakes(R"(rate = 48
+  CHECK(folder.errors_of(R"(rate = 48
 delay = "12 mm"
 sead = 3
 seed = 1.5
@@ -162,19 +162,19 @@ plant.toml:2:1 UnknownName 'nods' 'nodes')");
 
 TEST_CASE("scene: a plant is required, and so is a duration", "[scene]") {
   const Folder folder;
-  CHECK(folder.mistakes("format = 1\n") ==
+  CHECK(folder.errors_of("format = 1\n") ==
         R"(scene.toml:1:1 Missing 'duration' duration "6 s"
 scene.toml:1:1 Missing 'plant' [parts] plant use "plant.toml")");
 }
 
 TEST_CASE("scene: nothing is measured after its end", "[scene]") {
   const Folder folder;
-  CHECK(folder.mistakes(std::string{"format = 1\nduration = \"6 s\"\n"} + kParts +
-                        "[expect]\na = { measure = \"peak\", from = \"7 s\", max = 1 }\n") ==
+  CHECK(folder.errors_of(std::string{"format = 1\nduration = \"6 s\"\n"} + kParts +
+                         "[expect]\na = { measure = \"peak\", from = \"7 s\", max = 1 }\n") ==
         "scene.toml:7:32 OutOfRange 'from' 7 0 6");
 }
 
-TEST_CASE("scene: parts stay below the root, and mistakes that two parts share are told once", "[scene]") {
+TEST_CASE("scene: parts stay below the root, and errors that two parts share are told once", "[scene]") {
   const Folder folder;
   folder.write("shared/bad.toml", "nods = 1");
   const auto part = "format = 1\n[nodes]\nx = { use = \"../shared/bad.toml\" }\n";

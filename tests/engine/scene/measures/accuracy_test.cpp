@@ -11,7 +11,7 @@ using namespace tactus::test;
 namespace {
 
 /// All that is wrong with a scene of this [accuracy].
-std::string mistakes(const std::string& lines) {
+std::string errors_of(const std::string& lines) {
   const SceneFolder folder;
   folder.write("scene.toml",
                "format = 1\nduration = \"1 s\"\n[parts]\n"
@@ -24,22 +24,22 @@ std::string mistakes(const std::string& lines) {
 }  // namespace
 
 TEST_CASE("accuracy: a scene of a plant alone says what must come out right", "[scene]") {
-  CHECK(mistakes("a = { measure = \"position\", of = \"plant.stick\", to = \"0.5 s\", scale = \"1 mm\" }\n"
-                 "b = { measure = \"frequency\", of = \"plant.stick\", exact = \"110 Hz\" }\n") == "");
+  CHECK(errors_of("a = { measure = \"position\", of = \"plant.stick\", to = \"0.5 s\", scale = \"1 mm\" }\n"
+                  "b = { measure = \"frequency\", of = \"plant.stick\", exact = \"110 Hz\" }\n") == "");
 }
 
-TEST_CASE("accuracy: mistakes are told by their place", "[scene]") {
-  CHECK(mistakes("a = { of = \"plant.stick\" }\n") == "scene.toml:6:1 Missing 'a' 'measure' 'measure'");
-  CHECK(mistakes("a = { measure = \"positon\", of = \"plant.stick\" }\n") ==
+TEST_CASE("accuracy: errors are told by their place", "[scene]") {
+  CHECK(errors_of("a = { of = \"plant.stick\" }\n") == "scene.toml:6:1 Missing 'a' 'measure' 'measure'");
+  CHECK(errors_of("a = { measure = \"positon\", of = \"plant.stick\" }\n") ==
         "scene.toml:6:17 UnknownName 'measure' 'positon' 'position'");
-  CHECK(mistakes("a = { measure = \"position\" }\n") ==
+  CHECK(errors_of("a = { measure = \"position\" }\n") ==
         R"(scene.toml:6:1 Missing 'a' 'of' 'of' "plant.tip")");
-  CHECK(mistakes("a = { measure = \"position\", of = \"plant.stik\" }\n") ==
+  CHECK(errors_of("a = { measure = \"position\", of = \"plant.stik\" }\n") ==
         "scene.toml:6:34 UnknownName 'plant.stik' 'plant.stick'");
-  CHECK(mistakes("a = { measure = \"position\", of = \"plant.stick\", exact = 1 }\n") ==
+  CHECK(errors_of("a = { measure = \"position\", of = \"plant.stick\", exact = 1 }\n") ==
         "scene.toml:6:57 BadArgument 'position' 'exact'");
-  CHECK(mistakes("a = { measure = \"frequency\", of = \"plant.stick\", exact = \"1 m\" }\n") ==
+  CHECK(errors_of("a = { measure = \"frequency\", of = \"plant.stick\", exact = \"1 m\" }\n") ==
         "scene.toml:6:1 UnitMismatch 'frequency' 1");
-  CHECK(mistakes("a = { measure = \"position\", of = \"plant.stick\", scale = 0 }\n") ==
+  CHECK(errors_of("a = { measure = \"position\", of = \"plant.stick\", scale = 0 }\n") ==
         "scene.toml:6:57 OutOfRange 'scale' 0 1");
 }

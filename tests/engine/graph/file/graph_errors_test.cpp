@@ -5,17 +5,17 @@
 #include "tests/support/temporary_folder.h"
 
 using namespace tactus;
-using test::mistakes;
+using test::errors_of;
 using test::TemporaryFolder;
 
 namespace {
 
 /// Line 1 is the format; line 2 is the first of `text`.
-std::string told(const std::string& text) { return mistakes("format = 1\n" + text); }
+std::string told(const std::string& text) { return errors_of("format = 1\n" + text); }
 
 }  // namespace
 
-TEST_CASE("mistakes: those of the text and those of its meaning come together, in file order", "[graph]") {
+TEST_CASE("errors: those of the text and those of its meaning come together, in file order", "[graph]") {
   CHECK(told(R"([inputs]
 x = { unit = "m" }
 [nodes]
@@ -34,7 +34,7 @@ test.toml:9:28 UnknownName 'nowhere'
 test.toml:11:1 UnitMismatch 'y' unit "m")");
 }
 
-TEST_CASE("mistakes: what was told already raises no second error", "[graph]") {
+TEST_CASE("errors: what was told already raises no second error", "[graph]") {
   CHECK(told(R"([inputs]
 i = 3
 j = { unit = "furlong" }
@@ -62,7 +62,7 @@ test.toml:12:1 Duplicate 'j' 4
 test.toml:14:1 Missing 'mass_' 'net' 'type' type "mass")");
 }
 
-TEST_CASE("mistakes: in a section with a wrong name, nothing is missed", "[graph]") {
+TEST_CASE("errors: in a section with a wrong name, nothing is missed", "[graph]") {
   CHECK(told(R"([nods]
 a = { type = "clip", in = "x" }
 [outputs]
@@ -72,7 +72,7 @@ y = { from = "a + b + 3 m" }
 test.toml:5:1 UnitMismatch 'y' unit "m")");
 }
 
-TEST_CASE("mistakes: units that meet in an expression", "[graph]") {
+TEST_CASE("errors: units that meet in an expression", "[graph]") {
   CHECK(told(R"toml([inputs]
 x = { unit = "m" }
 f = { unit = "N" }
@@ -95,7 +95,7 @@ test.toml:12:1 UnitMismatch 'y' 'from' 'unit'
 test.toml:13:26 UnknownName 'parsec' "m/s" "N/m" "ms" "dB" "full scale")");
 }
 
-TEST_CASE("mistakes: types, ports and settings", "[graph]") {
+TEST_CASE("errors: types, ports and settings", "[graph]") {
   CHECK(told(R"([nodes]
 a = { type = "lowpas", in = 1 }
 b = { type = "delay", in = 1, time = "1 ms", interpolation = "cubik" }
@@ -126,7 +126,7 @@ test.toml:12:7 UnknownName 'y' 'form' 'from'
 test.toml:12:26 UnknownName 'kind' 'y' 'sound' 'drive' 'audio')");
 }
 
-TEST_CASE("mistakes: lanes", "[graph]") {
+TEST_CASE("errors: lanes", "[graph]") {
   CHECK(told(R"([inputs]
 x = { lanes = 2 }
 many = { lanes = 0 }
@@ -148,7 +148,7 @@ test.toml:10:48 UnitMismatch
 test.toml:11:27 OutOfRange 0)");
 }
 
-TEST_CASE("mistakes: controls", "[graph]") {
+TEST_CASE("errors: controls", "[graph]") {
   CHECK(told(R"([controls]
 a = { value = 2, range = [0, 1] }
 b = { value = "-70 dB", range = ["-60 dB", "0 dB"] }
@@ -173,13 +173,13 @@ test.toml:10:18 UnknownName 'h' 'rnage' 'range'
 test.toml:12:20 UnitMismatch '0 m' 'tested' "15 ms")");
   CompileOptions options;
   options.controls = {{"gain", 3.0}, {"loudness", 1.0}};
-  CHECK(
-      mistakes("format = 1\n[controls]\ngain = { value = \"1 V\", range = [\"0 V\", \"2 V\"] }\n", options) ==
-      R"(OutOfRange 'gain' 3 0 2
+  CHECK(errors_of("format = 1\n[controls]\ngain = { value = \"1 V\", range = [\"0 V\", \"2 V\"] }\n",
+                  options) ==
+        R"(OutOfRange 'gain' 3 0 2
 UnknownName 'loudness' 'gain')");
 }
 
-TEST_CASE("mistakes: networks", "[graph]") {
+TEST_CASE("errors: networks", "[graph]") {
   CHECK(
       told(R"([networks.drum]
 solver = "fast"
@@ -202,7 +202,7 @@ test.toml:11:6 UnknownName 'wall.stick.colour' 'wall.stick.velocity'
 test.toml:12:10 UnknownName 'wall' 'wall.stick.position')");
 }
 
-TEST_CASE("mistakes: delays without bounds, changing fixed ports and loops come together", "[graph]") {
+TEST_CASE("errors: delays without bounds, changing fixed ports and loops come together", "[graph]") {
   CHECK(told(R"([inputs]
 x = {}
 [controls]
@@ -222,7 +222,7 @@ test.toml:9:1 Cycle p -> q -> p 'delay'
 test.toml:11:1 Cycle r -> r 'delay')");
 }
 
-TEST_CASE("mistakes: what is compensated for must be a node with a type", "[graph]") {
+TEST_CASE("errors: what is compensated for must be a node with a type", "[graph]") {
   CHECK(told(R"([inputs]
 x = {}
 [nodes]
@@ -237,7 +237,7 @@ test.toml:6:61 UnknownName 's'
 test.toml:7:62 WrongType 'compensate' 'c' "node" "node")");
 }
 
-TEST_CASE("mistakes: what is compensated for is a filter, and named once", "[graph]") {
+TEST_CASE("errors: what is compensated for is a filter, and named once", "[graph]") {
   CHECK(told(R"([inputs]
 x = {}
 [nodes]
@@ -261,7 +261,7 @@ y = { from = "pad" }
 )") == R"(test.toml:5:1 OutOfRange 'pad' 41.6667 period "1 / pitch")");
 }
 
-TEST_CASE("mistakes: what is in a part that is used twice is told once, and a loop through it by its path",
+TEST_CASE("errors: what is in a part that is used twice is told once, and a loop through it by its path",
           "[graph]") {
   const TemporaryFolder folder;
   folder.write("part.toml", "format = 1\n[inputs]\nin = {}\n[outputs]\nout = { from = \"2 * in\" }\n");
@@ -277,7 +277,7 @@ y = { from = "a" }
   CHECK(folder.strip(test::summary(schedule)) == "part.toml:5:19 Cycle a.out -> b.out -> a.out 'delay'");
 }
 
-TEST_CASE("mistakes: parts", "[graph]") {
+TEST_CASE("errors: parts", "[graph]") {
   const TemporaryFolder folder;
   folder.write("part.toml", R"(format = 1
 [inputs]
@@ -319,7 +319,7 @@ whole.toml:10:13 Cycle whole.toml whole.toml
 part.toml:8:15 UnitMismatch)");
 }
 
-TEST_CASE("mistakes: a part does not leave the folder of its instrument", "[graph]") {
+TEST_CASE("errors: a part does not leave the folder of its instrument", "[graph]") {
   const TemporaryFolder folder;
   folder.write("part.toml", "format = 1\n");
   folder.write("drum/whole.toml", "format = 1\n[nodes]\nd = { use = \"../part.toml\", in = \"x\" }\n");

@@ -10,7 +10,7 @@ using namespace tactus;
 namespace {
 
 struct Folder : test::SceneFolder {
-  std::string mistakes(const std::string& text) const {
+  std::string errors_of(const std::string& text) const {
     const auto file = (path() / "scene.toml").string();
     const auto built = build_scene(parse_scene_leniently(text, file, path()), standard_nodes());
     return strip(test::summary(built));
@@ -19,9 +19,9 @@ struct Folder : test::SceneFolder {
 
 }  // namespace
 
-TEST_CASE("scene: a scene without mistakes builds, and bare gestures fit any unit", "[scene]") {
+TEST_CASE("scene: a scene without errors builds, and bare gestures fit any unit", "[scene]") {
   const Folder folder;
-  CHECK(folder.mistakes(R"(format = 1
+  CHECK(folder.errors_of(R"(format = 1
 delay = "1 ms"
 duration = "1 s"
 [parts]
@@ -36,9 +36,9 @@ heard = { measure = "count", of = "instrument.hit", max = 3 }
 )") == "");
 }
 
-TEST_CASE("scene: the mistakes of text, wires, gestures and measures come together", "[scene]") {
+TEST_CASE("scene: the errors of text, wires, gestures and measures come together", "[scene]") {
   const Folder folder;
-  CHECK(folder.mistakes(R"(format = 1
+  CHECK(folder.errors_of(R"(format = 1
 duration = "1 m"
 [parts]
 instrument = { use = "instrument.toml", mic = "plant.mik", strenght = 1, strength = "hand" }
@@ -75,7 +75,7 @@ scene.toml:18:6 UnknownName 'drum' [parts])");
 
 TEST_CASE("scene: controls take values and gestures within their range", "[scene]") {
   const Folder folder;
-  CHECK(folder.mistakes(R"(format = 1
+  CHECK(folder.errors_of(R"(format = 1
 duration = "1 s"
 [parts]
 instrument = { use = "instrument.toml", mic = 0, pedal = 0, strength = "rise" }
@@ -85,7 +85,7 @@ rise = { points = [["0 s", 0], ["1 s", 2]] }
 )") ==
         R"(scene.toml:4:72 OutOfRange 'rise' 'strength' 2 0 1
 scene.toml:5:50 UnitMismatch 'lift')");
-  CHECK(folder.mistakes(R"(format = 1
+  CHECK(folder.errors_of(R"(format = 1
 duration = "1 s"
 [parts]
 instrument = { use = "instrument.toml", mic = 0, pedal = 0, strength = "plant.mic" }
@@ -96,7 +96,7 @@ plant = { use = "plant.toml", drive = 0, lift = "1 mm" }
 TEST_CASE("scene: a file that cannot be read hides what would be in it", "[scene]") {
   const Folder folder;
   folder.write("broken.toml", "format = 1\n[inputs\n");
-  CHECK(folder.mistakes(R"(format = 1
+  CHECK(folder.errors_of(R"(format = 1
 duration = "1 s"
 [parts]
 instrument = { use = "broken.toml", mic = "plant.mic + 1 m", anything = 1 }
@@ -106,7 +106,7 @@ some = { measure = "count", of = "instrument.anything", max = 3 }
 )") ==
         R"(scene.toml:5:70 UnitMismatch 'lift'
 broken.toml:2:8 Syntax ']' '\n')");
-  CHECK(folder.mistakes(R"(format = 1
+  CHECK(folder.errors_of(R"(format = 1
 duration = "1 s"
 [parts]
 instrument = { use = "instrument.toml", mic = "plant.mic", pedal = 0 }
