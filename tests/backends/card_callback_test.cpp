@@ -149,7 +149,7 @@ TEST_CASE("card callback: the last block is zeros without the processor, and sil
   CHECK(card.callback->health().blocks == static_cast<std::int64_t>(played));
 }
 
-TEST_CASE("card callback: whoever waits for the last block of a dead device is told that none came",
+TEST_CASE("card callback: whoever waits for the last block of a dead device is notified that none came",
           "[backends]") {
   Card card{1, 1, 16};
   CHECK(card.callback->finish());  // nothing played, so nothing must end

@@ -242,7 +242,7 @@ TEST_CASE("cellomobo: without alignment the bow's direction decides what sounds"
   CHECK(std::abs(cents(heard[0], heard[1])) > 20);
 }
 
-TEST_CASE("carrier_sensor: told its reading at full, it is right whatever the card's gain", "[instruments]") {
+TEST_CASE("carrier_sensor: given its value at full, it is right whatever the card's gain", "[instruments]") {
   // 3 % less would be 345 mm read as 334.65 mm: 52 cents flat.
   SceneOptions options;
   options.set["ribbon.gain"] = 0.97;

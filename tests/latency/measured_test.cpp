@@ -58,7 +58,7 @@ TEST_CASE("measured: the newest takes the place of the last, and what others wro
   CHECK(std::distance(std::filesystem::directory_iterator{folder.path()}, {}) == 1);  // nothing lies about
 }
 
-TEST_CASE("measured: a broken file is told and kept aside, each one", "[latency]") {
+TEST_CASE("measured: a broken file is reported and kept aside, each one", "[latency]") {
   const test::TemporaryFolder folder;
   const auto* text = GENERATE("{", "[]", R"({"format": 2, "delays": []})", R"({"format": 1, "delays": [{}]})",
                               R"({"format": 1, "delays": 7})", "");

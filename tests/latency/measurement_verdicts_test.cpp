@@ -53,14 +53,14 @@ TEST_CASE("measurement: gaps before the sweeps are none", "[latency][measurement
 
 TEST_CASE("measurement: one opening of five may lose frames, two of four may not", "[latency][measurement]") {
   const auto good = named("20ms"), bad = named("drops");
-  const auto told = measured({good, bad, good, good}, on_a_wire(4));
-  CHECK(code(told.finding.verdict) == std::string{"ok"});
-  CHECK(test::names_in(told.finding.what) == "1 4");
-  CHECK(told.delay_frames == Approx(960.0).epsilon(0).margin(1e-3));
+  const auto one_bad = measured({good, bad, good, good}, on_a_wire(4));
+  CHECK(code(one_bad.finding.verdict) == std::string{"ok"});
+  CHECK(test::names_in(one_bad.finding.what) == "1 4");
+  CHECK(one_bad.delay_frames == Approx(960.0).epsilon(0).margin(1e-3));
   expect(measured({good, bad, bad, good}, on_a_wire(4)), Verdict::LostFrames);
 }
 
-TEST_CASE("measurement: a start that is unstable is told with every delay", "[latency][measurement]") {
+TEST_CASE("measurement: a start that is unstable is reported with every delay", "[latency][measurement]") {
   auto card = named("20ms");
   auto later = card;
   later.delay_frames = 0.6;

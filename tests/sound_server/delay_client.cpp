@@ -1,5 +1,5 @@
 // A JACK client for tests, in a process of its own (see tests/support/sound_server.h).
-//   delay_client --hand NAME                                              does to others what it is told
+//   delay_client --hand NAME                                              changes other clients as asked
 //   delay_client --card NAME CHANNELS DELAY GAIN NOISE IN_LATENCY OUT_LATENCY    a sound card of known delay
 // It says "ready" once the server answers, then answers each line of stdin until that ends.
 #include <jack/jack.h>

@@ -167,7 +167,7 @@ TEST_CASE("latency analyze: a file with what was played in its first channel nee
   check_exit(desk.run("latency analyze raw.wav --channel 4"), 2, "'raw.wav' 4 2 3");
 }
 
-TEST_CASE("latency analyze: files that cannot be are told one by one, with exit code 3", "[latency]") {
+TEST_CASE("latency analyze: invalid files are reported one by one, with exit code 3", "[latency]") {
   const Desk desk;
   const auto probe = desk.probe();
   desk.capture("capture.wav", later(probe, 960, 0.5));
@@ -190,7 +190,7 @@ TEST_CASE("latency analyze: files that cannot be are told one by one, with exit 
   CHECK(analyze("capture.wav --probe noise.wav").exit == 3);
 }
 
-TEST_CASE("latency: wrong usage is told, with exit code 2", "[latency]") {
+TEST_CASE("latency: wrong usage is reported, with exit code 2", "[latency]") {
   const Desk desk;
   desk.capture("capture.wav", later(desk.probe(), 960, 0.5));
   check_exit(desk.run("latency analyze capture.wav --probe probe.wav --channel 2"), 2, "'capture.wav' 2 1");
@@ -325,7 +325,7 @@ TEST_CASE("latency measure: a rig says what to measure, and keeps the delay besi
   CHECK(rig->device.rate == 48_kHz);
 }
 
-TEST_CASE("latency sweep: blocks on the way and what no block takes away are told apart", "[latency]") {
+TEST_CASE("latency sweep: delay per block and fixed delay are separated", "[latency]") {
   const Desk desk;
   const auto ran = desk.run(
       "latency sweep --device loop:delay=100,blocks=2 --blocks 64,128,256 --openings 1 --sweeps 2 --json "

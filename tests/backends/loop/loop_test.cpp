@@ -125,16 +125,16 @@ TEST_CASE("loop: a clock that is faster makes the delay grow by so much a frame"
   }
 }
 
-TEST_CASE("loop: lost frames shorten the delay, repeated ones lengthen it, and are counted when told",
+TEST_CASE("loop: lost frames shorten the delay, repeated ones lengthen it, and are counted when reported",
           "[loop]") {
   auto card = delayed(300.0);
-  const bool told = GENERATE(true, false);
-  card.drops_reported = told;
+  const bool reported = GENERATE(true, false);
+  card.drops_reported = reported;
   card.drops = {{Seconds{0.01}, Seconds{0.0}, 20}, {Seconds{0.02}, Seconds{0.0}, -50}};
   const auto played = run(card, impulse_at(250, 2000));
   CHECK(played.heard[0][250 + 280] == 0.5);  // after the first at 480, before the second at 960
-  CHECK(played.health.xruns == (told ? 2 : 0));
-  CHECK(played.health.lost_frames == (told ? 20 : 0));
+  CHECK(played.health.xruns == (reported ? 2 : 0));
+  CHECK(played.health.lost_frames == (reported ? 20 : 0));
   const auto later = run(card, impulse_at(1000, 2000));
   CHECK(later.heard[0][1000 + 330] == 0.5);
 }

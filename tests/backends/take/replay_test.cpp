@@ -317,7 +317,7 @@ TEST_CASE("takes: a take that would write outside of its folder is refused", "[t
   CHECK_FALSE(std::filesystem::exists(folder.path() / "b.toml"));
 }
 
-TEST_CASE("takes: a sound file that changed is told", "[take]") {
+TEST_CASE("takes: a sound file that changed is an error", "[take]") {
   const TemporaryFolder folder;
   folder.write("hit.wav", "old");
   const auto graph = folder.write("test.toml",

@@ -92,7 +92,7 @@ TEST_CASE("take: a disk that stands still drops whole blocks, tells where, and k
   }
 }
 
-TEST_CASE("take: a gap at the end is told too", "[take]") {
+TEST_CASE("take: a gap at the end is recorded too", "[take]") {
   const TemporaryFolder folder;
   const auto path = folder.path() / "take.wav";
   TakeRing ring{1, 1, 2 * kFrames};

@@ -86,7 +86,7 @@ TEST_CASE("profile: volts, newtons and grams become limits at full scale", "[sce
   CHECK(check(limits).has_value());
 }
 
-TEST_CASE("profile: errors are told with their place", "[scene]") {
+TEST_CASE("profile: errors have their place", "[scene]") {
   CHECK(errors_of(kActuator, "\"5 ohm\"", "\"5 V\"") ==
         R"(shaker.toml:4:14 UnitMismatch '5 V' 'resistance' "6 ohm")");
   CHECK(errors_of(kActuator, "peak = \"8 V\"\n", "") == "shaker.toml:3:1 Missing [drive] 'peak' 'peak'");

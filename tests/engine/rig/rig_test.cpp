@@ -172,7 +172,7 @@ TEST_CASE("rig: a file may lower the ceiling of an actuator and never raise it",
         "rig.toml:5:30 OutOfRange 'a' 0.5 --raise-limit 0.9");
 }
 
-TEST_CASE("rig: what fits the drum is found good, lacking ports and wrong names are told", "[rig]") {
+TEST_CASE("rig: what fits the drum passes, lacking ports and wrong names are errors", "[rig]") {
   CHECK(to_string(check_rig(rig_of(kDesk), *drum())).empty());
   CHECK(misfits(R"([inputs]
 microfone = { channel = 1 }
@@ -210,7 +210,7 @@ out = { from = "force / 1 N" }
 )",
                                  "i.toml");
   REQUIRE(graph);
-  const auto told = [&](const std::string& force) {
+  const auto unit_errors = [&](const std::string& force) {
     return test::summary(
         check_rig(rig_of("format = 1\n[device]\noutput = \"x\"\n[inputs]\npair = { channel = [3, 4] "
                          "}\nforce = { channel = 1" +
@@ -218,9 +218,9 @@ out = { from = "force / 1 N" }
                   **graph));
   };
   const std::string volts = ", volts_per_full_scale = \"2 V\", sensitivity = ";
-  CHECK(told(volts + "\"50 mV/N\"").empty());
-  CHECK(told(volts + "\"50 mV\"") == R"(rig.toml:6:68 UnitMismatch 'force' 1 "2 V/N")");
-  CHECK(told("") == R"(rig.toml:6:1 Missing 'force' 1 "2 V/N")");
+  CHECK(unit_errors(volts + "\"50 mV/N\"").empty());
+  CHECK(unit_errors(volts + "\"50 mV\"") == R"(rig.toml:6:68 UnitMismatch 'force' 1 "2 V/N")");
+  CHECK(unit_errors("") == R"(rig.toml:6:1 Missing 'force' 1 "2 V/N")");
 }
 
 TEST_CASE("rig: an instrument's channels lie on those of the card that the rig names", "[rig]") {

@@ -320,7 +320,7 @@ TEST_CASE("part rate: a part at a sixteenth runs a sixteenth of the frames", "[r
   }
 }
 
-TEST_CASE("Player: every file that asks for the system delay is told the same", "[runtime]") {
+TEST_CASE("Player: every file that asks for the system delay receives the same", "[runtime]") {
   const PartGraphs graphs{"[outputs]\ny = { from = \"system.delay / 1 s\" }\n"};
   CompileOptions options;
   options.system_delay = 20_ms;

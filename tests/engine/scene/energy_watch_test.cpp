@@ -204,7 +204,7 @@ start = { measure = "energy_given", of = "arm", to = "0.05 s", max = "1 mJ" })")
   CHECK((*outcomes)[1].holds);
 }
 
-TEST_CASE("energy_watch: what is wrong with a port is told before anything plays", "[scene]") {
+TEST_CASE("energy_watch: errors of a port are reported before anything plays", "[scene]") {
   const SpringScene scene;
   const auto errors_of = [&](const std::string& ports, const std::string& expect = "") {
     const auto built = scene.build(scene.text("0 ms", ports, expect));

@@ -10,7 +10,7 @@ namespace {
 struct BadFile {
   const char* what;
   std::string text;
-  std::string told;
+  std::string expected;
 };
 
 // clang-format off
@@ -540,6 +540,6 @@ tested = ["40 ms", "0 ms"]
 TEST_CASE("bad files: a graph that is wrong says where, what, and what to do", "[graph]") {
   for (const auto& file : kBadFiles) {
     INFO(file.what);
-    CHECK(test::errors_of(file.text) == file.told);
+    CHECK(test::errors_of(file.text) == file.expected);
   }
 }

@@ -11,12 +11,12 @@ using test::TemporaryFolder;
 namespace {
 
 /// Line 1 is the format; line 2 is the first of `text`.
-std::string told(const std::string& text) { return errors_of("format = 1\n" + text); }
+std::string body_errors(const std::string& text) { return errors_of("format = 1\n" + text); }
 
 }  // namespace
 
 TEST_CASE("errors: those of the text and those of its meaning come together, in file order", "[graph]") {
-  CHECK(told(R"([inputs]
+  CHECK(body_errors(R"([inputs]
 x = { unit = "m" }
 [nodes]
 Hit = { type = "clip", in = "x" }
@@ -34,8 +34,8 @@ test.toml:9:28 UnknownName 'nowhere'
 test.toml:11:1 UnitMismatch 'y' unit "m")");
 }
 
-TEST_CASE("errors: what was told already raises no second error", "[graph]") {
-  CHECK(told(R"([inputs]
+TEST_CASE("errors: what was reported already raises no second error", "[graph]") {
+  CHECK(body_errors(R"([inputs]
 i = 3
 j = { unit = "furlong" }
 [controls]
@@ -63,7 +63,7 @@ test.toml:14:1 Missing 'mass_' 'net' 'type' type "mass")");
 }
 
 TEST_CASE("errors: in a section with a wrong name, nothing is missed", "[graph]") {
-  CHECK(told(R"([nods]
+  CHECK(body_errors(R"([nods]
 a = { type = "clip", in = "x" }
 [outputs]
 y = { from = "a + b + 3 m" }
@@ -73,7 +73,7 @@ test.toml:5:1 UnitMismatch 'y' unit "m")");
 }
 
 TEST_CASE("errors: units that meet in an expression", "[graph]") {
-  CHECK(told(R"toml([inputs]
+  CHECK(body_errors(R"toml([inputs]
 x = { unit = "m" }
 f = { unit = "N" }
 [nodes]
@@ -96,7 +96,7 @@ test.toml:13:26 UnknownName 'parsec' "m/s" "N/m" "ms" "dB" "full scale")");
 }
 
 TEST_CASE("errors: types, ports and settings", "[graph]") {
-  CHECK(told(R"([nodes]
+  CHECK(body_errors(R"([nodes]
 a = { type = "lowpas", in = 1 }
 b = { type = "delay", in = 1, time = "1 ms", interpolation = "cubik" }
 c = { type = "delay", inn = 1, time = true }
@@ -127,7 +127,7 @@ test.toml:12:26 UnknownName 'kind' 'y' 'sound' 'drive' 'audio')");
 }
 
 TEST_CASE("errors: lanes", "[graph]") {
-  CHECK(told(R"([inputs]
+  CHECK(body_errors(R"([inputs]
 x = { lanes = 2 }
 many = { lanes = 0 }
 [nodes]
@@ -149,7 +149,7 @@ test.toml:11:27 OutOfRange 0)");
 }
 
 TEST_CASE("errors: controls", "[graph]") {
-  CHECK(told(R"([controls]
+  CHECK(body_errors(R"([controls]
 a = { value = 2, range = [0, 1] }
 b = { value = "-70 dB", range = ["-60 dB", "0 dB"] }
 c = { value = 0.5, range = [1, 0] }
@@ -181,7 +181,7 @@ UnknownName 'loudness' 'gain')");
 
 TEST_CASE("errors: networks", "[graph]") {
   CHECK(
-      told(R"([networks.drum]
+      body_errors(R"([networks.drum]
 solver = "fast"
 stick = { type = "mass", mass = "3 m" }
 ball  = { type = "mas", mass = "3 kg" }
@@ -203,7 +203,7 @@ test.toml:12:10 UnknownName 'wall' 'wall.stick.position')");
 }
 
 TEST_CASE("errors: delays without bounds, changing fixed ports and loops come together", "[graph]") {
-  CHECK(told(R"([inputs]
+  CHECK(body_errors(R"([inputs]
 x = {}
 [controls]
 late = { value = "1 ms" }
@@ -223,7 +223,7 @@ test.toml:11:1 Cycle r -> r 'delay')");
 }
 
 TEST_CASE("errors: what is compensated for must be a node with a type", "[graph]") {
-  CHECK(told(R"([inputs]
+  CHECK(body_errors(R"([inputs]
 x = {}
 [nodes]
 s = "1 * x"
@@ -238,7 +238,7 @@ test.toml:7:62 WrongType 'compensate' 'c' "node" "node")");
 }
 
 TEST_CASE("errors: what is compensated for is a filter, and named once", "[graph]") {
-  CHECK(told(R"([inputs]
+  CHECK(body_errors(R"([inputs]
 x = {}
 [nodes]
 tone   = { type = "low_pass", in = "x", cutoff = "200 Hz" }
@@ -252,7 +252,7 @@ y = { from = "a + b + c + string" }
         R"(test.toml:7:82 BadArgument 'tone'
 test.toml:8:82 BadArgument 'string'
 test.toml:9:82 BadArgument 'c')");
-  CHECK(told(R"([inputs]
+  CHECK(body_errors(R"([inputs]
 x = {}
 [nodes]
 pad = { type = "align", in = "x", period = "0 s", delay = "9 ms" }
@@ -261,7 +261,7 @@ y = { from = "pad" }
 )") == R"(test.toml:5:1 OutOfRange 'pad' 41.6667 period "1 / pitch")");
 }
 
-TEST_CASE("errors: what is in a part that is used twice is told once, and a loop through it by its path",
+TEST_CASE("errors: what is in a part that is used twice is reported once, and a loop through it by its path",
           "[graph]") {
   const TemporaryFolder folder;
   folder.write("part.toml", "format = 1\n[inputs]\nin = {}\n[outputs]\nout = { from = \"2 * in\" }\n");

@@ -15,7 +15,7 @@ namespace {
 
 constexpr auto kFormat = "format = 1\n";
 
-std::string told(const TemporaryFolder& folder, const std::filesystem::path& file) {
+std::string file_errors(const TemporaryFolder& folder, const std::filesystem::path& file) {
   const auto schedule = compile(load_graph_leniently(file), standard_nodes(), {});
   return folder.strip(test::summary(schedule));
 }
@@ -38,19 +38,19 @@ std::string lines(int count, const std::string& line) {
 
 TEST_CASE("hostile files: no file, a folder, nothing, bytes, a gigabyte", "[graph]") {
   const TemporaryFolder folder;
-  CHECK(told(folder, folder.path() / "none.toml") == "none.toml BadFile");
+  CHECK(file_errors(folder, folder.path() / "none.toml") == "none.toml BadFile");
   std::filesystem::create_directory(folder.path() / "folder.toml");
-  CHECK(told(folder, folder.path() / "folder.toml") == "folder.toml BadFile");
-  CHECK(told(folder, folder.write("empty.toml", "")) == "empty.toml:1:1 Missing 'format' format 1");
-  CHECK(told(folder, folder.write("binary.toml", std::string("\x7f"
-                                                             "ELF\x02\x01\x01\x00\x00\xff\xfe",
-                                                             11))) == "binary.toml:1:10 Syntax -8 -8");
-  const auto zeros = told(folder, folder.write("zeros.toml", std::string(64, '\0')));
+  CHECK(file_errors(folder, folder.path() / "folder.toml") == "folder.toml BadFile");
+  CHECK(file_errors(folder, folder.write("empty.toml", "")) == "empty.toml:1:1 Missing 'format' format 1");
+  CHECK(file_errors(folder, folder.write("binary.toml", std::string("\x7f"
+                                                                    "ELF\x02\x01\x01\x00\x00\xff\xfe",
+                                                                    11))) == "binary.toml:1:10 Syntax -8 -8");
+  const auto zeros = file_errors(folder, folder.write("zeros.toml", std::string(64, '\0')));
   CHECK(zeros.starts_with("zeros.toml:1:1 Syntax"));
   CHECK(zeros.find('\0') == std::string::npos);
   const auto huge = folder.write("huge.toml", kFormat);
   std::filesystem::resize_file(huge, 1u << 30);
-  CHECK(told(folder, huge) == "huge.toml Syntax 16");
+  CHECK(file_errors(folder, huge) == "huge.toml Syntax 16");
 }
 
 TEST_CASE("hostile files: nesting 100000 deep is refused before the parser recurses", "[graph]") {
@@ -97,7 +97,7 @@ TEST_CASE("hostile files: parts of parts that double are refused", "[graph]") {
                  kFormat + ("[nodes]\na = { use = " + next + " }\nb = { use = " + next + " }\n"));
   }
   folder.write("p30.toml", std::string{kFormat} + "[nodes]\na = \"1\"\n");
-  const auto doubled = told(folder, folder.path() / "p0.toml");
+  const auto doubled = file_errors(folder, folder.path() / "p0.toml");
   CHECK(doubled.ends_with(" OutOfRange 250000"));
   CHECK(std::count(doubled.begin(), doubled.end(), '\n') == 0);
 }
@@ -116,10 +116,10 @@ TEST_CASE("hostile files: a file of a node does not lead out of its folder eithe
   const TemporaryFolder folder;
   folder.write("secret.wav", "RIFF");
   const auto with = [&](const std::string& name) {
-    return told(folder, folder.write("drum/a.toml",
-                                     "format = 1\n[nodes]\na = { type = \"sample\", trigger = 1, "
-                                     "file = \"" +
-                                         name + "\" }\n"));
+    return file_errors(folder, folder.write("drum/a.toml",
+                                            "format = 1\n[nodes]\na = { type = \"sample\", trigger = 1, "
+                                            "file = \"" +
+                                                name + "\" }\n"));
   };
   CHECK(with("../secret.wav") == "drum/a.toml:3:44 OutOfRange '../secret.wav' 'drum'");
   CHECK(with("/etc/passwd") == "drum/a.toml:3:44 OutOfRange '/etc/passwd'");

@@ -10,12 +10,12 @@ namespace {
 
 const std::string kPlain = "[inputs]\nx = {}\n[outputs]\ny = { from = \"x\" }\n";
 
-/// What is told about a part with these words.
-std::string told(const std::string& words, Hertz rate = 48_kHz) {
+/// Errors of a part with these keys.
+std::string rate_errors(const std::string& keys, Hertz rate = 48_kHz) {
   const PartGraphs graphs{kPlain};
   CompileOptions options;
   options.sample_rate = rate;
-  return graphs.errors_of("[inputs]\nx = {}\n[nodes]\n" + ("p = { use = \"part.toml\", x = \"x\", " + words) +
+  return graphs.errors_of("[inputs]\nx = {}\n[nodes]\n" + ("p = { use = \"part.toml\", x = \"x\", " + keys) +
                               " }\n[outputs]\ny = { from = \"p\" }\n",
                           options);
 }
@@ -23,26 +23,28 @@ std::string told(const std::string& words, Hertz rate = 48_kHz) {
 }  // namespace
 
 TEST_CASE("part rate: a fraction, or a rate that divides the one around it", "[graph]") {
-  for (const auto* words : {"rate = \"1/16\"", "rate = \"1 / 3\"", "rate = \"3 kHz\"", "rate = \"48 kHz\"",
-                            "rate = \"1/1024\", take = \"mean\", between = \"line\""})
-    CHECK(told(words) == "");
-  CHECK(told("rate = \"14.7 kHz\"", 44100_Hz) == "");
+  for (const auto* keys : {"rate = \"1/16\"", "rate = \"1 / 3\"", "rate = \"3 kHz\"", "rate = \"48 kHz\"",
+                           "rate = \"1/1024\", take = \"mean\", between = \"line\""})
+    CHECK(rate_errors(keys) == "");
+  CHECK(rate_errors("rate = \"14.7 kHz\"", 44100_Hz) == "");
 }
 
-TEST_CASE("part rate: what is no such rate is told with those nearby", "[graph]") {
-  CHECK(told("rate = \"5 kHz\"") == R"(test.toml:5:42 OutOfRange 'rate' 'p' 48 "1/9" 5.33333 "1/10" 4.8)");
-  CHECK(told("rate = \"1/2.5\"") == R"(test.toml:5:42 OutOfRange 'rate' 'p' 48 "1/2" 24 "1/3" 16)");
-  CHECK(told("rate = \"3 kHz\"", 44100_Hz) ==
+TEST_CASE("part rate: what is no such rate is an error that names those nearby", "[graph]") {
+  CHECK(rate_errors("rate = \"5 kHz\"") ==
+        R"(test.toml:5:42 OutOfRange 'rate' 'p' 48 "1/9" 5.33333 "1/10" 4.8)");
+  CHECK(rate_errors("rate = \"1/2.5\"") == R"(test.toml:5:42 OutOfRange 'rate' 'p' 48 "1/2" 24 "1/3" 16)");
+  CHECK(rate_errors("rate = \"3 kHz\"", 44100_Hz) ==
         R"(test.toml:5:42 OutOfRange 'rate' 'p' 44.1 "1/14" 3.15 "1/15" 2.94)");
-  CHECK(told("rate = \"96 kHz\"") == "test.toml:5:42 OutOfRange 'rate' 'p' 96 48");
-  CHECK(told("rate = \"1/5000\"") == R"(test.toml:5:42 OutOfRange 'rate' 'p' "1/1024")");
+  CHECK(rate_errors("rate = \"96 kHz\"") == "test.toml:5:42 OutOfRange 'rate' 'p' 96 48");
+  CHECK(rate_errors("rate = \"1/5000\"") == R"(test.toml:5:42 OutOfRange 'rate' 'p' "1/1024")");
   for (const auto* wrong : {"16", "\"16\"", "\"2/3\"", "\"12 ms\"", "\"x\"", "true", "[1]", "\"1/\""})
-    CHECK(told("rate = " + std::string{wrong}) == R"(test.toml:5:42 WrongType 'rate' 'p' "1/16" "3 kHz")");
+    CHECK(rate_errors("rate = " + std::string{wrong}) ==
+          R"(test.toml:5:42 WrongType 'rate' 'p' "1/16" "3 kHz")");
 }
 
-TEST_CASE("part rate: words about a rate stand beside one, and are known", "[graph]") {
-  CHECK(told("between = \"line\"") == "test.toml:5:45 Missing 'between' 'p' 'rate' 'between'");
-  CHECK(told("rate = \"1/2\", take = \"first\"") ==
+TEST_CASE("part rate: keys about a rate stand beside one, and are known", "[graph]") {
+  CHECK(rate_errors("between = \"line\"") == "test.toml:5:45 Missing 'between' 'p' 'rate' 'between'");
+  CHECK(rate_errors("rate = \"1/2\", take = \"first\"") ==
         "test.toml:5:56 UnknownName 'take' 'p' 'first' 'last' 'mean'");
 }
 

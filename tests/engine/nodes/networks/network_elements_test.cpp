@@ -200,7 +200,7 @@ TEST_CASE("network elements: nothing is allocated while any solver runs", "[phys
   CHECK(heard < 100.0);
 }
 
-TEST_CASE("network elements: what is wrong with them is told with its place and remedy", "[physics]") {
+TEST_CASE("network elements: errors have place and remedy", "[physics]") {
   CHECK(element_errors("o = { type = \"oscillator\", mass = \"1 g\" }") ==
         "test.toml:4:1 Missing 'o' 'stiffness' 'frequency'");
   CHECK(element_errors("o = { type = \"oscillator\", mass = \"1 g\", stiffness = 1, frequency = 2 }") ==
@@ -224,7 +224,7 @@ TEST_CASE("network elements: what is wrong with them is told with its place and 
         "test.toml:4:10 UnknownName 'solver' 'exat' 'exact'");
 }
 
-TEST_CASE("network elements: the solver that auto takes, and why, is told", "[physics]") {
+TEST_CASE("network elements: the solver that auto takes, and why, is reported", "[physics]") {
   // Three masses between walls, k / (m fs^2) = 0.4: (w T)^2 = 0.4 * 4 sin^2(3 pi / 8) = 1.366, by 24 or 12.
   const auto engine = engine_of(graph(
       "solver = \"auto\"\nc = { type = \"chain\", masses = 3, mass = \"1 g\", stiffness = \"921.6 kN/m\" }",
@@ -241,10 +241,10 @@ TEST_CASE("network elements: the solver that auto takes, and why, is told", "[ph
   }
 }
 
-TEST_CASE("network elements: a choice among bad ones is told as that, in a line for each solver",
+TEST_CASE("network elements: a choice among bad ones is reported as that, in a line for each solver",
           "[physics]") {
   // 200 masses, 4 k / (m fs^2) = 4: (w T)^2 / 24 = 0.167 with one step a frame, 1/16 of that with four.
-  const auto told = [](const std::string& steps) {
+  const auto describe_steps = [](const std::string& steps) {
     const auto engine = engine_of(graph("solver = \"auto\"\n" + steps +
                                             "c = { type = \"chain\", masses = 200, mass = \"1 g\", stiffness "
                                             "= \"2280 kN/m\" }",
@@ -253,11 +253,11 @@ TEST_CASE("network elements: a choice among bad ones is told as that, in a line 
     for (const auto& node : engine->plan().nodes) about += node->about();
     return about;
   };
-  const auto forced = told("oversample = 1\n");
+  const auto forced = describe_steps("oversample = 1\n");
   CHECK(forced.starts_with("solver explicit, "));
   CHECK(forced.find("16 %\n  warning: ") != std::string::npos);
   CHECK(forced.find("`oversample`") != std::string::npos);
-  const auto free = told("");
+  const auto free = describe_steps("");
   CHECK(free.starts_with("solver explicit with 8 steps per frame, "));
   CHECK(free.find("warning") == std::string::npos);
   CHECK(free.find("\n  not explicit with 4 steps per frame: ") != std::string::npos);

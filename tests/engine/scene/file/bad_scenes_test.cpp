@@ -13,7 +13,7 @@ namespace {
 struct BadFile {
   const char* what;
   std::string text;
-  std::string told;
+  std::string expected;
 };
 
 // clang-format off
@@ -468,23 +468,23 @@ TEST_CASE("bad files: a scene that is wrong says where, what, and what to do", "
     INFO(file.what);
     folder.write("scene.toml", file.text);
     const auto built = build_scene(load_scene_leniently(folder.path() / "scene.toml"), standard_nodes());
-    auto told = folder.strip(test::summary(built));
+    auto errors = folder.strip(test::summary(built));
     const auto name = folder.path().filename().string();
-    if (const auto at = told.find(name); at != std::string::npos) told.replace(at, name.size(), "FOLDER");
-    CHECK(told == file.told);
+    if (const auto at = errors.find(name); at != std::string::npos) errors.replace(at, name.size(), "FOLDER");
+    CHECK(errors == file.expected);
   }
 }
 
 TEST_CASE("hostile files: a scene is read as carefully as a graph", "[scene]") {
   const test::TemporaryFolder folder;
-  const auto told = [&](std::string_view text, std::uintmax_t bytes = 0) {
+  const auto errors = [&](std::string_view text, std::uintmax_t bytes = 0) {
     const auto file = folder.write("scene.toml", text);
     if (bytes > 0) std::filesystem::resize_file(file, bytes);
     const auto built = build_scene(load_scene_leniently(file), standard_nodes());
     return folder.strip(test::summary(built));
   };
-  CHECK(told("format = 1\n", 1u << 30) == "scene.toml Syntax 16");
-  CHECK(told("format = 1\n\xff\xfe") == "scene.toml:2:1 Syntax -8 -8");
-  CHECK(told("parts = " + std::string(100000, '[')) == "scene.toml:1:73 Syntax 64");
-  CHECK(told("duration = nan\n") == "scene.toml:1:12 OutOfRange");
+  CHECK(errors("format = 1\n", 1u << 30) == "scene.toml Syntax 16");
+  CHECK(errors("format = 1\n\xff\xfe") == "scene.toml:2:1 Syntax -8 -8");
+  CHECK(errors("parts = " + std::string(100000, '[')) == "scene.toml:1:73 Syntax 64");
+  CHECK(errors("duration = nan\n") == "scene.toml:1:12 OutOfRange");
 }

@@ -131,7 +131,7 @@ TEST_CASE("path file: a scene at another rate hears the same path", "[scene]") {
   CHECK(worst < 1e-3 * highest);
 }
 
-TEST_CASE("path file: what is no measured path is told with its place", "[scene]") {
+TEST_CASE("path file: what is no measured path is an error with its place", "[scene]") {
   const std::string form = " 'path' from \"path\"";
   CHECK(errors_of("type = \"fir\"\nin = \"drive\"\nrate = \"48 kHz\"\ntaps = [1, 0.5]",
                   "type = \"clip\"\nin = \"drive\"") ==

@@ -174,7 +174,7 @@ TEST_CASE("scene: nothing is measured after its end", "[scene]") {
         "scene.toml:7:32 OutOfRange 'from' 7 0 6");
 }
 
-TEST_CASE("scene: parts stay below the root, and errors that two parts share are told once", "[scene]") {
+TEST_CASE("scene: parts stay below the root, and errors that two parts share are reported once", "[scene]") {
   const Folder folder;
   folder.write("shared/bad.toml", "nods = 1");
   const auto part = "format = 1\n[nodes]\nx = { use = \"../shared/bad.toml\" }\n";

@@ -28,7 +28,7 @@ TEST_CASE("accuracy: a scene of a plant alone says what must come out right", "[
                   "b = { measure = \"frequency\", of = \"plant.stick\", exact = \"110 Hz\" }\n") == "");
 }
 
-TEST_CASE("accuracy: errors are told by their place", "[scene]") {
+TEST_CASE("accuracy: errors have their place", "[scene]") {
   CHECK(errors_of("a = { of = \"plant.stick\" }\n") == "scene.toml:6:1 Missing 'a' 'measure' 'measure'");
   CHECK(errors_of("a = { measure = \"positon\", of = \"plant.stick\" }\n") ==
         "scene.toml:6:17 UnknownName 'measure' 'positon' 'position'");

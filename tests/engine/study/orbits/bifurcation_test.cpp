@@ -137,8 +137,8 @@ TEST_CASE("bifurcation: what is found does not depend on how the sweep is shared
     CHECK(alone->back()[n].speed == Approx(study->simulated[13].speeds.at(n)).epsilon(1e-9));
 }
 
-TEST_CASE("bifurcation: what cannot be swept is told", "[analysis]") {
-  const auto told = [](const char* file, const std::string& control) {
+TEST_CASE("bifurcation: what cannot be swept is an error", "[analysis]") {
+  const auto error_of = [](const char* file, const std::string& control) {
     BifurcationPlan plan;
     plan.control = control;
     plan.from = 1;
@@ -147,9 +147,9 @@ TEST_CASE("bifurcation: what cannot be swept is told", "[analysis]") {
     REQUIRE_FALSE(study);
     return test::summary(study.error().front().at(""));
   };
-  CHECK(told("scene.toml", "gama") == "UnknownName 'gama' 'instrument' --control --control");
-  CHECK(told("table_scene.toml", "gamma") == "UnknownName 'instrument' --control --control");
-  CHECK(told("scene.toml", "plant.cone_mass") == "Missing 'frequency'");
+  CHECK(error_of("scene.toml", "gama") == "UnknownName 'gama' 'instrument' --control --control");
+  CHECK(error_of("table_scene.toml", "gamma") == "UnknownName 'instrument' --control --control");
+  CHECK(error_of("scene.toml", "plant.cone_mass") == "Missing 'frequency'");
 }
 
 TEST_CASE("bouncing ball: on the woofer it lands once, twice, four times until it repeats, and never",
@@ -200,7 +200,7 @@ TEST_CASE("bouncing ball: a billionth more drive moves an orbit by next to nothi
   CHECK(apart_at_end("chaos.toml") > 0.5e-3);  // of jumps of some millimetres
 }
 
-TEST_CASE("bouncing ball: the lens moves as it is told to, and gives way to the ball as its mass says",
+TEST_CASE("bouncing ball: the lens moves as its input demands, and gives way to the ball as its mass says",
           "[instruments]") {
   const auto recording = play(scene_of("scene.toml"));
   const auto landings = landings_of(recording);

@@ -111,7 +111,7 @@ TEST_CASE("work and precision: a plot for each line, with a front and the end of
   CHECK(plots[0].subplots[0].series[2].x[0] == Approx(1.0 / 48000));
 }
 
-TEST_CASE("work and precision: a scene that compares nothing is told so", "[analysis]") {
+TEST_CASE("work and precision: a scene that compares nothing is an error", "[analysis]") {
   Swing swing{1000};
   auto scene = swing.scene();
   scene.accuracy.clear();

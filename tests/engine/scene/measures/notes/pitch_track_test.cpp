@@ -76,7 +76,7 @@ TEST_CASE("notes_heard: each wanted note with its cents and partial", "[analysis
   CHECK(describe(notes) == "2 of 4 notes right, at most 7.0 cents off, each steady within 0.03 s");
 }
 
-TEST_CASE("notes_heard: a note that takes long to leave another partial is told so and not right",
+TEST_CASE("notes_heard: a note that takes long to leave another partial is reported so and not right",
           "[analysis]") {
   for (const double wrong_s : {0.2, 0.3}) {
     auto played = steps({220}, 1.0);
@@ -113,7 +113,7 @@ TEST_CASE("notes_heard: a note speaks when the study of playability says that it
   CHECK(reading(evaluate(recording, playability), playability.kind, "start_s") == *notes[0].speaks_after_s);
 }
 
-TEST_CASE("notes_heard: a vibrato is one note, and told as one", "[analysis]") {
+TEST_CASE("notes_heard: a vibrato is one note, and reported as one", "[analysis]") {
   const auto expected = vibrato(220, 20, 2.0);
   const auto notes = detected(expected, expected);
   REQUIRE(notes.size() == 1);
