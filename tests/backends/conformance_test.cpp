@@ -239,7 +239,7 @@ TEST_CASE("backends: a request that cannot be granted is refused with the reason
   });
 }
 
-TEST_CASE("backends: a processor that refuses the format is heard", "[backends]") {
+TEST_CASE("backends: the error of a processor that refuses the format is passed on", "[backends]") {
   for_every_backend([](Subject& subject, Witness& witness, Guarded& guarded) {
     witness.refuse = true;
     const auto stream = subject.backend->open(subject.request, guarded);

@@ -81,7 +81,7 @@ TEST_CASE("guarded: arm and mute hold from their frame on, and are reported with
   REQUIRE(guarded.post({6, Kind::Mute, 0, 1.0}));
   const auto out = play(guarded, 2, 8);
   CHECK(out[0] == std::vector<double>{0, 0, 0, 1, 1, 1, 0, 0});
-  CHECK(out[1] == std::vector<double>(8, 1.0));  // what is only heard needs no arming
+  CHECK(out[1] == std::vector<double>(8, 1.0));  // audio outputs need no arming
 
   REQUIRE(guarded.post({JournalEntry::kNow, Kind::Mute, JournalEntry::kAllChannels, 1.0}));
   CHECK(play(guarded, 2, 4)[1] == std::vector<double>(4, 0.0));

@@ -76,7 +76,7 @@ TEST_CASE("learn: hits that do not stand out, clip or differ are refused in word
   CHECK(refusal(hits({-200, -200, -200, -200, -200}, -60)) == "Missing 5");
 }
 
-TEST_CASE("learn: the simulated drum, struck softly, is then heard at -20 dB", "[rig]") {
+TEST_CASE("learn: the simulated drum, struck softly, then has -20 dB", "[rig]") {
   const std::filesystem::path instruments = std::string{TACTUS_SOURCE_DIR} + "/instruments";
   const auto scene = load_scene(instruments / "haptic_drum/single_strike.toml", instruments);
   REQUIRE(scene);
@@ -90,8 +90,8 @@ TEST_CASE("learn: the simulated drum, struck softly, is then heard at -20 dB", "
     once.duration = Seconds{0.6};
     const auto recording = play_scene(once, *built, 256);
     REQUIRE(recording);
-    const auto& heard = recording->find("instrument.microphone")->samples;
-    all.insert(all.end(), heard.begin(), heard.end());
+    const auto& strike = recording->find("instrument.microphone")->samples;
+    all.insert(all.end(), strike.begin(), strike.end());
   }
   const auto learnt = learn(all);
   INFO((learnt ? "" : to_string(learnt.error())));

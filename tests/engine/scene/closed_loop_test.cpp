@@ -49,7 +49,8 @@ Played play(int delay, int block, Converters converters, const std::string& plan
 
 }  // namespace
 
-TEST_CASE("ClosedLoop: the plant feels after exactly D frames what an identity instrument heard", "[scene]") {
+TEST_CASE("ClosedLoop: the plant feels after exactly D frames what an identity instrument received",
+          "[scene]") {
   for (const bool on : {false, true})
     for (const int delay : {0, 1, 2, 47, 48, 64, 65, 480, 960})
       for (const int block : {1, 48, 64, 1000}) {

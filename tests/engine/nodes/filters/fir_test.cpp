@@ -48,10 +48,10 @@ TEST_CASE("fir: at another rate than that of its taps it runs what they become t
 TEST_CASE("fir: at another rate it states the response that it has", "[nodes]") {
   NodeRunner runner{
       test::node_type("fir"), {{"in", impulse(400)}}, {{"taps", "[0.5, -0.25, 1]"}, {"rate", "96 kHz"}}};
-  const auto heard = runner.run(even_cutting(400, 64))[0];
+  const auto output = runner.run(even_cutting(400, 64))[0];
   for (const double f : {10.0, 1000.0, 20000.0}) {
     const auto stated = stated_response(runner, f, {0});
-    CHECK(std::abs(stated - spectrum_at(heard, f)) < 1e-12);
+    CHECK(std::abs(stated - spectrum_at(output, f)) < 1e-12);
   }
 }
 

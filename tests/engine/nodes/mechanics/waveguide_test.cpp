@@ -18,11 +18,11 @@ TEST_CASE("waveguide: a whole number of frames comes back as it went, upside dow
           "[nodes]") {
   const auto [end, sign] = GENERATE(table<std::string, double>({{"fixed", 1}, {"free", -1}}));
   // 480 frames around, one of which is the port's.
-  const auto heard = play_node(
+  const auto output = play_node(
       test::node_type("waveguide"), 2000,
       {{"wave", impulse(2000)}, {"pitch", 48000 / 480.0}, {"gain", 0.75}, {"loss", 0.0}}, {{"end", end}});
-  for (std::size_t n = 0; n < heard.size(); ++n)
-    CHECK(heard[n] == Approx(n == 479 ? sign * 0.75 : 0).epsilon(0).margin(1e-12));
+  for (std::size_t n = 0; n < output.size(); ++n)
+    CHECK(output[n] == Approx(n == 479 ? sign * 0.75 : 0).epsilon(0).margin(1e-12));
 }
 
 TEST_CASE("modal_body: listed masses keep their ratio, and each is felt", "[nodes]") {

@@ -187,17 +187,17 @@ TEST_CASE("network elements: nothing is allocated while any solver runs", "[phys
   std::vector<double> in(64), out(64);
   const double* from[] = {in.data()};
   double* to[] = {out.data()};
-  double heard = 0.0;
+  double peak = 0.0;
   const auto before = allocation_count();
   for (int block = 0; block < 400; ++block) {
     for (std::size_t i = 0; i < 64; ++i)
       in[i] = std::sin(0.002 * static_cast<double>(64 * block) + 0.002 * static_cast<double>(i));
     engine->process({from, to, 64});
-    for (const double y : out) heard = std::max(heard, std::abs(y));
+    for (const double y : out) peak = std::max(peak, std::abs(y));
   }
   CHECK(allocation_count() == before);
-  CHECK(heard > 0.05);
-  CHECK(heard < 100.0);
+  CHECK(peak > 0.05);
+  CHECK(peak < 100.0);
 }
 
 TEST_CASE("network elements: errors have place and remedy", "[physics]") {

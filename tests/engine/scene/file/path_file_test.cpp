@@ -106,12 +106,12 @@ TEST_CASE("path file: as the plant of a scene it is a convolution with what was 
   const auto path = *read_path(parse_graph_leniently(to_text(woofer(measured_at)), "path.toml"));
   const auto recording = played(path, 48_kHz);
   const auto& given = recording.find("given.out")->samples;
-  const auto& heard = recording.find("plant.sensor")->samples;
-  REQUIRE(heard.size() == 24000);
+  const auto& recorded = recording.find("plant.sensor")->samples;
+  REQUIRE(recorded.size() == 24000);
   const auto expected = convolved(given, taps_at_rate(path.taps, measured_at, 48_kHz));
   double worst = 0, highest = 0;
-  for (std::size_t n = 0; n < heard.size(); ++n) {
-    worst = std::max(worst, std::abs(heard[n] - expected[n]));
+  for (std::size_t n = 0; n < recorded.size(); ++n) {
+    worst = std::max(worst, std::abs(recorded[n] - expected[n]));
     highest = std::max(highest, std::abs(expected[n]));
   }
   CHECK(highest > 1e-3);           // it did play

@@ -32,7 +32,7 @@ hand = { points = [["0 s", 0], ["1 s", 0.2]] }
 fade = { points = [["0 s", 0], ["1 s", 1]] }
 [expect]
 calm = { measure = "peak", of = "plant.stick", max = "1 m" }
-heard = { measure = "count", of = "instrument.hit", max = 3 }
+detected = { measure = "count", of = "instrument.hit", max = 3 }
 )") == "");
 }
 
@@ -48,7 +48,7 @@ hand = { points = [["0 s", "10 mm"], ["1 s", "20 mm"]] }
 height = { points = [["0 s", "0 m"]] }
 [expect]
 calm = { measure = "peek", of = "plant.stick", max = "1 m" }
-heard = { measure = "count", of = "instrument.hti", max = 3 }
+detected = { measure = "count", of = "instrument.hti", max = 3 }
 missed = { measure = "missed", max = 0 }
 loud = { measure = "rms", min = 0 }
 rate = { measure = "rate", of = "instrument.hit", min = "15 ms" }

@@ -118,7 +118,7 @@ TEST_CASE("notes_heard: a vibrato is one note, and reported as one", "[analysis]
   const auto notes = detected(expected, expected);
   REQUIRE(notes.size() == 1);
   CHECK_FALSE(notes[0].expected.glides);
-  // From crest to crest, of which one in twenty moments is one; what is heard is a little smoothed by the
+  // From crest to crest, of which one in twenty moments is one; the tracked pitch is a little smoothed by the
   // windows.
   CHECK(notes[0].expected_swing_cents == Approx(40).epsilon(0).margin(0.1));
   CHECK(notes[0].swing_cents == Approx(38).epsilon(0).margin(2.5));
