@@ -1,5 +1,6 @@
 #pragma once
 
+#include <iterator>
 #include <regex>
 #include <string>
 #include <vector>
@@ -8,37 +9,29 @@
 
 namespace tactus::test {
 
-/// What tests compare of a text for people: file places, quoted names, sections, options, keys before "=", paths
-/// of nodes and numbers, in their order. The prose between them may change.
+/// What tests compare of a text for people: file places, quoted names, sections, options, keys before "=",
+/// paths of nodes and numbers, in their order. The prose between them may change.
 inline std::string names_in(std::string text) {
   static const std::regex possessive{R"((\w)'s\b)"};
   static const std::regex kept{
-      R"re([\w./-]+\.(toml|wav|jsonl)(:\d+)*|'[^'\n]*'|"[^"\n]*"|`[^`\n]*`|\[\w+\]|--[\w-]+|[\w.]+( -> [\w.]+)+|\w+(?= =)|-?\d[\w.+/^-]*)re"};
+      R"re(([\w./-]+\.(toml|wav|jsonl)(:\d+)*|'[^'\n]*'|"[^"\n]*"|`[^`\n]*`|\[\w+\]|--[\w-]+|[\w.]+( -> [\w.]+)+|\w+(?= =)|U\+\w+|-?\d[\w.+/^-]*)|[A-Za-z]+-\d+)re"};
   text = std::regex_replace(text, possessive, "$1s");
   std::string found;
   for (std::sregex_iterator it{text.begin(), text.end(), kept}, end; it != end; ++it)
-    found += (found.empty() ? "" : " ") + it->str();
+    if (it->str(1) != "") found += (found.empty() ? "" : " ") + it->str();  // no number: UTF-8
   return found;
 }
 
 inline const char* code_name(Errc code) {
-  switch (code) {
-    case Errc::BadArgument: return "BadArgument";
-    case Errc::BadFile: return "BadFile";
-    case Errc::Syntax: return "Syntax";
-    case Errc::UnknownName: return "UnknownName";
-    case Errc::WrongType: return "WrongType";
-    case Errc::UnitMismatch: return "UnitMismatch";
-    case Errc::OutOfRange: return "OutOfRange";
-    case Errc::Duplicate: return "Duplicate";
-    case Errc::Missing: return "Missing";
-    case Errc::Cycle: return "Cycle";
-    case Errc::Device: return "Device";
-  }
-  return "no code";
+  static constexpr const char* kNames[] = {"BadArgument", "BadFile",      "Syntax",     "UnknownName",
+                                           "WrongType",   "UnitMismatch", "OutOfRange", "Duplicate",
+                                           "Missing",     "Cycle",        "Device"};
+  static_assert(std::size(kNames) == static_cast<std::size_t>(Errc::Device) + 1);
+  return kNames[static_cast<std::size_t>(code)];
 }
 
-/// What tests compare of an error: its place, code and names: "wall.toml:12:8 Cycle coil -> wall -> coil 'delay'".
+/// What tests compare of an error: its place, code and names: "wall.toml:12:8 Cycle coil -> wall -> coil
+/// 'delay'".
 inline std::string summary(const Error& error) {
   const auto names = names_in(tactus::to_string(error.at("")));
   return error.where + (error.where.empty() ? "" : " ") + code_name(error.code) + (names.empty() ? "" : " ") +

@@ -171,10 +171,10 @@ gain = { value ßoss, range = [0, 1] }
 [nodes]
 größe = "1"
 )",
-     "test.toml:3:3 Syntax 'ö' 00F6"},
+     "test.toml:3:3 Syntax 'ö' U+00F6"},
     {"a blank that is none",
      "format = 1\n[nodes]\na\xC2\xA0= 1\n",
-     "test.toml:3:2 Syntax '\xC2\xA0' 00A0"},
+     "test.toml:3:2 Syntax '\xC2\xA0' U+00A0"},
     {"a name with a dot",
      R"(format = 1
 [nodes]

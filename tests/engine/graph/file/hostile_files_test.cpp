@@ -44,7 +44,7 @@ TEST_CASE("hostile files: no file, a folder, nothing, bytes, a gigabyte", "[grap
   CHECK(file_errors(folder, folder.write("empty.toml", "")) == "empty.toml:1:1 Missing 'format' format 1");
   CHECK(file_errors(folder, folder.write("binary.toml", std::string("\x7f"
                                                                     "ELF\x02\x01\x01\x00\x00\xff\xfe",
-                                                                    11))) == "binary.toml:1:10 Syntax -8 -8");
+                                                                    11))) == "binary.toml:1:10 Syntax");
   const auto zeros = file_errors(folder, folder.write("zeros.toml", std::string(64, '\0')));
   CHECK(zeros.starts_with("zeros.toml:1:1 Syntax"));
   CHECK(zeros.find('\0') == std::string::npos);
