@@ -30,8 +30,7 @@ inline const char* code_name(Errc code) {
   return kNames[static_cast<std::size_t>(code)];
 }
 
-/// What tests compare of an error: its place, code and names: "wall.toml:12:8 Cycle coil -> wall -> coil
-/// 'delay'".
+/// What tests compare of an error: place, code and names, as in "wall.toml:12:8 Cycle coil -> coil 'delay'".
 inline std::string summary(const Error& error) {
   const auto names = names_in(tactus::to_string(error.at("")));
   return error.where + (error.where.empty() ? "" : " ") + code_name(error.code) + (names.empty() ? "" : " ") +
