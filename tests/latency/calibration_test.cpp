@@ -123,7 +123,7 @@ TEST_CASE("calibrate: what is no measurement is refused", "[latency]") {
   }
   SECTION("a delay below zero") {
     settings.electrical_frames = -1.0;
-    CHECK(test::summary(calibrate(recording, settings)) == "the delay of the card cannot be negative");
+    CHECK(test::summary(calibrate(recording, settings)) == "BadArgument");
   }
 }
 
