@@ -75,7 +75,7 @@ std::string old_journal(int format) {
          R"( "inputs": ["x"], "outputs": ["y"], "controls": ["g"], "settings": {"g": 0.5}, "taps": [],)"
          R"( "system_delay_s": 0, "armed": true, "soft_start": true, "trusted_sensors": true, "state": [],)"
          R"( "guard": [{"ceiling": 1, "slew_per_second": null, "soft_start_s": 0.02, "fade_out_s": 0.01,)"
-         R"( "direct": {"level": null, "time_s": 1}, "kind": "audio"}], "rig": "", "left_out": [],)"
+         R"( "direct": {"level": 1, "time_s": 0}, "kind": "audio"}], "rig": "", "left_out": [],)"
          R"( "input_scales": [0.5], "padding_frames": 0, "files": {"main": "gain.toml", "root": ".",)"
          R"( "texts": {"gain.toml": "format = 1\n[inputs]\nx = {}\n[controls]\ng = { value = 1,)"
          R"( range = [0, 1], smooth = \"0 ms\" }\n[outputs]\ny = { from = \"g * x\", kind = \"audio\" }\n"},)"
@@ -105,7 +105,7 @@ TEST_CASE("takes: one of format 1 plays to its end, and is input times control t
   for (int n = 0; n < 5000; ++n) {
     x.push_back((n * 37 % 2001 - 1000) / 1024.0);
     const double before_guard = (n < 1500 ? 0.5 : 0.25) * (0.5 * x.back());
-    y.push_back(static_cast<float>(before_guard * old_gain(n)));
+    y.push_back(as_recorded(before_guard * old_gain(n)));
   }
   const TemporaryFolder folder;
   const auto wav = folder.path() / "old.wav";
@@ -120,7 +120,7 @@ TEST_CASE("takes: one of format 1 plays to its end, and is input times control t
   REQUIRE(again.drives[0].size() == 5000);
   for (std::size_t n = 0; n < 5000; ++n) {
     CAPTURE(n);
-    REQUIRE(static_cast<float>(again.drives[0][n]) == static_cast<float>(y[n]));
+    REQUIRE(static_cast<double>(as_recorded(again.drives[0][n])) == y[n]);
   }
 }
 

@@ -165,7 +165,7 @@ Mix = "1"
 [controls]
 gain = { value ßoss, range = [0, 1] }
 )",
-     "test.toml:3:16 Syntax 'ß' 00DF"},
+     "test.toml:3:16 Syntax 'ß' U+00DF"},
     {"a name in UTF-8 without quotes",
      R"(format = 1
 [nodes]

@@ -180,7 +180,10 @@ TEST_CASE("network node: wrong units and missing numbers are found by the compil
   const auto wrong = of_network(R"(a = { type = "mass" }
 b = { type = "ground", at = "1 N" }
 c = { type = "contact", between = ["a", "b"], stiffness = "1 N/m^1.5", exponent = 2 })");
-  CHECK(errors_of(wrong) == "TODO1");
+  CHECK(errors_of(wrong) == R"(test.toml:3:11 Missing 'n' 'a.mass' mass
+test.toml:5:30 UnitMismatch 'b.at' 'n'
+test.toml:6:60 UnitMismatch 'c.stiffness' 'n' 2 1.5 2
+test.toml:8:1 UnitMismatch 'out' unit "J")");
   const auto compiled = compile(parse_graph_leniently(wrong, "test.toml"), standard_nodes(), {});
   REQUIRE_FALSE(compiled);
   CHECK(to_string(compiled.error()).find("N/m^2") != std::string::npos);

@@ -65,7 +65,7 @@ scene.toml:4:85 UnitMismatch 'strength' 0.5 'hand' 10
 scene.toml:5:40 UnitMismatch 'drive'
 scene.toml:5:55 UnknownName 'heigth' 'height'
 scene.toml:10:20 UnknownName 'measure' 'peek' 'peak'
-scene.toml:11:35 UnknownName 'instrument.hti' 'instrument.hit'
+scene.toml:11:38 UnknownName 'instrument.hti' 'instrument.hit'
 scene.toml:12:1 Missing 'missed' 'contact' [roles] contact "plant.contact"
 scene.toml:13:1 Missing 'rms' 'of' of "plant.stick"
 scene.toml:14:1 UnitMismatch 'rate' 15
