@@ -68,7 +68,7 @@ x = "full scale"
 [inputs]
 x = { unit = 3 }
 )",
-     R"(test.toml:3:14 WrongType 'unit' "m/s" "N/m" "ms" "dB" "full scale")"},
+     R"(test.toml:3:14 WrongType 'unit' 'x' "m/s" "N/m" "ms" "dB" "full scale")"},
     {"an empty unit with a slash",
      R"(format = 1
 [inputs]

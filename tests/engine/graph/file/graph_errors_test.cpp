@@ -232,8 +232,8 @@ c = { type = "delay", in = "x", time = "9 ms", compensate = [3] }
 [outputs]
 y = { from = "b + c" }
 )") ==
-        R"(test.toml:6:61 UnknownName 'nobody'
-test.toml:6:61 UnknownName 's'
+        R"(test.toml:6:61 UnknownName 'nobody' 'type'
+test.toml:6:61 UnknownName 's' 'type'
 test.toml:7:62 WrongType 'compensate' 'c' "node" "node")");
 }
 

@@ -57,6 +57,6 @@ TEST_CASE("fir: at another rate it states the response that it has", "[nodes]") 
 
 TEST_CASE("fir: a rate that no measurement has is an error", "[nodes]") {
   const Samples taps{1, 2};
-  CHECK(errors_of(graph(taps, "48 Hz")) == "test.toml:7:8 OutOfRange 'rate' 'path' 1 1000");
+  CHECK(errors_of(graph(taps, "48 Hz")) == "test.toml:7:8 OutOfRange 'rate' 'path' 48 1 1000");
   CHECK(errors_of(graph(taps, "48 ms")) == R"(test.toml:7:8 UnitMismatch '48 ms' 'rate' "440 Hz")");
 }

@@ -142,7 +142,7 @@ TEST_CASE("path file: what is no measured path is an error with its place", "[sc
   CHECK(errors_of("[nodes.path]", "[nodes]\nmore = \"2 * path\"\n[nodes.path]") ==
         "path.toml:7:1 BadFile 'more'" + form);
   CHECK(errors_of("rate = \"48 kHz\"\n", "") == R"(path.toml:6:8 Missing 'path' 'rate' rate "48 kHz")");
-  CHECK(errors_of("48 kHz", "48 Hz") == "path.toml:9:8 OutOfRange 'rate' 'path' 1 1000");
+  CHECK(errors_of("48 kHz", "48 Hz") == "path.toml:9:8 OutOfRange 'rate' 'path' 48 1 1000");
   CHECK(errors_of("0.5]", "\"0.5 m\"]").find("path.toml:10:12") != std::string::npos);
   CHECK(errors_of("taps = [1, 0.5]", "taps = [").find("path.toml:") != std::string::npos);
   CHECK(!read_path(load_graph_leniently("/nowhere/path.toml")));
