@@ -8,6 +8,7 @@
 #include "engine/scene/build_scene.h"
 #include "engine/scene/file/scene_spec.h"
 #include "engine/scene/guard_report.h"
+#include "tests/support/error_summary.h"
 #include "tests/support/scene_folder.h"
 
 using namespace tactus;
@@ -25,7 +26,7 @@ struct Folder : test::SceneFolder {
   }
   std::string errors(const std::string& sections) const {
     const auto built = build_scene(load(sections), standard_nodes());
-    return built ? "" : strip(to_string(built.error()));
+    return strip(test::summary(built));
   }
 };
 
@@ -47,9 +48,9 @@ TEST_CASE("roles: named ones come first, in order, and ports play the others by 
 
 TEST_CASE("roles: unknown roles and signals are errors at their place", "[scene]") {
   const Folder folder;
-  CHECK(folder.errors("[roles]\nstik = \"plant.stick\"\n").starts_with("scene.toml:8:1: "));
-  CHECK(folder.errors("[roles]\nstick = \"plant.stik\"\n").starts_with("scene.toml:8:9: "));
-  CHECK(folder.errors("[roles]\nstick = 1\n").starts_with("scene.toml:8:9: "));
+  CHECK(folder.errors("[roles]\nstik = \"plant.stick\"\n").starts_with("scene.toml:8:1 UnknownName"));
+  CHECK(folder.errors("[roles]\nstick = \"plant.stik\"\n").starts_with("scene.toml:8:9 "));
+  CHECK(folder.errors("[roles]\nstick = 1\n").starts_with("scene.toml:8:9 "));
   CHECK(folder.errors("[expect]\nbounce = { measure = \"restitution\", max = 1 }\n").find("'contact'") !=
         std::string::npos);
   CHECK(folder.errors("[roles]\ncontact = \"plant.stick\"\n"

@@ -9,6 +9,7 @@
 #include "engine/nodes/table.h"
 #include "engine/study/orbits/bouncing_ball.h"
 #include "engine/study/sweep/scene_variants.h"
+#include "tests/support/error_summary.h"
 #include "tests/support/shipped_scene.h"
 
 using namespace tactus;
@@ -136,18 +137,19 @@ TEST_CASE("bifurcation: what is found does not depend on how the sweep is shared
     CHECK(alone->back()[n].speed == Approx(study->simulated[13].speeds.at(n)).epsilon(1e-9));
 }
 
-TEST_CASE("bifurcation: what cannot be swept is told", "[analysis]") {
-  const auto told = [](const char* file, const std::string& control) {
+TEST_CASE("bifurcation: what cannot be swept is an error", "[analysis]") {
+  const auto error_of = [](const char* file, const std::string& control) {
     BifurcationPlan plan;
     plan.control = control;
     plan.from = 1;
     plan.to = 2;
     const auto study = study_bifurcation(scene_of(file), standard_nodes(), plan);
-    return study ? std::string{} : study.error().front().what;
+    REQUIRE_FALSE(study);
+    return test::summary(study.error().front().at(""));
   };
-  CHECK(told("scene.toml", "gama") == "there is no control 'gama' in the part 'instrument'");
-  CHECK(told("table_scene.toml", "gamma") == "the scene has no part 'instrument'");
-  CHECK(told("scene.toml", "plant.cone_mass") == "the frequency of the table is not known");
+  CHECK(error_of("scene.toml", "gama") == "UnknownName 'gama' 'instrument' --control --control");
+  CHECK(error_of("table_scene.toml", "gamma") == "UnknownName 'instrument' --control --control");
+  CHECK(error_of("scene.toml", "plant.cone_mass") == "Missing 'frequency'");
 }
 
 TEST_CASE("bouncing ball: on the woofer it lands once, twice, four times until it repeats, and never",
@@ -198,7 +200,7 @@ TEST_CASE("bouncing ball: a billionth more drive moves an orbit by next to nothi
   CHECK(apart_at_end("chaos.toml") > 0.5e-3);  // of jumps of some millimetres
 }
 
-TEST_CASE("bouncing ball: the lens moves as it is told to, and gives way to the ball as its mass says",
+TEST_CASE("bouncing ball: the lens moves as its input demands, and gives way to the ball as its mass says",
           "[instruments]") {
   const auto recording = play(scene_of("scene.toml"));
   const auto landings = landings_of(recording);

@@ -6,6 +6,7 @@
 
 #include "engine/graph/file/read_graph.h"
 #include "engine/nodes/table.h"
+#include "tests/support/error_summary.h"
 #include "tests/support/reading.h"
 #include "tests/support/temporary_folder.h"
 
@@ -60,7 +61,7 @@ std::string text_of(const std::filesystem::path& file) {
 
 std::string error_of(const SceneSpec& scene, const PlayabilityOptions& options) {
   const auto study = study_playability(scene, standard_nodes(), options);
-  return study ? "" : study.error().front().what;
+  return test::summary(study);
 }
 
 }  // namespace
@@ -181,7 +182,7 @@ TEST_CASE("playability: a control that a gesture moves is swept by the gesture",
   for (auto& part : scene.parts)
     if (part.name == "instrument")
       part.wires.push_back({"strength", part.at, {std::string{"weight"}, part.at}});
-  CHECK(error_of(scene, options) == "control 'strength' is set by gesture 'weight'");
+  CHECK(error_of(scene, options) == "--over BadArgument 'strength' 'weight' --over 0.5 2 4");
 }
 
 TEST_CASE("playability: a gesture can be held at values of its own unit", "[analysis]") {
@@ -193,7 +194,7 @@ TEST_CASE("playability: a gesture can be held at values of its own unit", "[anal
   REQUIRE(study);
   CHECK(study->runs[0].result != study->runs[1].result);
   options.over[0].values = {{0.001, Dimension{.second = 1}}};
-  CHECK(error_of(short_drum(), options).find("gesture 'weight'") == 0);
+  CHECK(error_of(short_drum(), options) == "--over UnitMismatch 'weight'");
 }
 
 TEST_CASE("playability: the folder of the Cellomobo means its phrase, of which each note is result",

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/study/sweep/evaluate_runs.h"
+#include "tests/support/error_summary.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace tactus;
@@ -129,5 +130,6 @@ TEST_CASE("wall_device: a scene says what its walls push, as its plant's control
   REQUIRE(drum);
   const auto none = device_of(*drum);
   REQUIRE_FALSE(none);
-  CHECK(none.error().what == "the plant has no control 'mass'");
+  CHECK(none.error().where.ends_with("haptic_drum/scene.toml:13:1"));
+  CHECK(test::summary(none.error().at("")) == "Missing 'mass' --mass --damping");
 }

@@ -9,6 +9,7 @@
 
 #include "engine/nodes/table.h"
 #include "engine/study/sweep/scene_variants.h"
+#include "tests/support/error_summary.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace tactus;
@@ -110,13 +111,14 @@ TEST_CASE("work and precision: a plot for each line, with a front and the end of
   CHECK(plots[0].subplots[0].series[2].x[0] == Approx(1.0 / 48000));
 }
 
-TEST_CASE("work and precision: a scene that compares nothing is told so", "[analysis]") {
+TEST_CASE("work and precision: a scene that compares nothing is an error", "[analysis]") {
   Swing swing{1000};
   auto scene = swing.scene();
   scene.accuracy.clear();
   const auto study = study_work_precision(scene, standard_nodes());
   REQUIRE_FALSE(study);
-  CHECK(study.error().front().what == "the scene does not list the measures to compare");
+  CHECK(test::summary(study.error().front().at("")) ==
+        R"(Missing [accuracy] path measure "position" of "plant.stick")");
 }
 
 TEST_CASE("work and precision: the solver is set in parts of parts, and not in the instrument",
