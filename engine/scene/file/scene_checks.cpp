@@ -126,10 +126,20 @@ void check_expectation(const Expectation& expectation, const SceneSpec& scene,
                "add a [playability] section with kind = \"roll\" or kind = \"tone\"");
 }
 
+void check_control_roles(const SceneSpec& scene, ErrorList& errors) {
+  const auto names = control_names(scene);
+  for (const auto& role : scene.control_roles)
+    if (!may_have_more(scene, role.signal) && !may_have_more(scene, "instrument") &&
+        !find_control(scene, role.signal))
+      errors.add(Errc::UnknownName, role.at, "no part has a control '" + role.signal + "'",
+                 suggest(role.signal, names, names.empty() ? "remove this line" : ""));
+}
+
 void check_signals(const SceneSpec& scene, const NodeTable& table, ErrorList& errors) {
   const RecordedSignals recorded{scene, table, errors};
   for (const auto& role : scene.roles)
     if (role.written) recorded.check(role.signal, role.at);
+  check_control_roles(scene, errors);
   for (const auto& expectation : scene.expect) check_expectation(expectation, scene, recorded, errors);
   for (const auto& accuracy : scene.accuracy) {
     const auto* type = find_measure(accuracy.measure);
