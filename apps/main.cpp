@@ -1,7 +1,6 @@
 #include <cstdio>
 #include <exception>
 
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/play/live/controls/keyboard.h"
 

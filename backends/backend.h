@@ -28,6 +28,11 @@ struct Device {
   /// The latency that the driver reports [frames], where it can be queried without opening the device.
   std::optional<double> input_latency_frames, output_latency_frames;
   bool is_default = false;
+
+  // Where a library has it that reaches several driver interfaces ("APIs").
+  std::string api;           ///< "jack", "alsa"
+  std::string library_name;  ///< which two devices may have
+  int index = 0;             ///< the library's
 };
 
 /// What is asked for. Whatever is left out, the backend chooses.

@@ -34,20 +34,15 @@ class FrameWatch {
   /// [realtime] A block that begins at frame `frames` of the stream came at `seconds`. Returns how many
   /// frames were found missing.
   std::int64_t block(std::int64_t frames, int block_frames, double seconds) noexcept {
-    if (!begun_) {
-      begun_ = true;
-      window_end_ = seconds + kWindowSeconds;
-    }
     const double early = static_cast<double>(frames) / rate_ - seconds;
     std::int64_t missing = 0;
     if (seconds >= window_end_) {
       const double fallen = before_ - earliest_;
       const double usual =
           std::max(block_frames / rate_, kDrift * (seconds - window_end_ + 2 * kWindowSeconds));
-      if (known_ && fallen > usual) missing = std::llround(fallen * rate_);
+      if (fallen > usual) missing = std::llround(fallen * rate_);
       before_ = earliest_;
-      known_ = true;
-      earliest_ = -std::numeric_limits<double>::infinity();
+      earliest_ = kNever;
       window_end_ = seconds + kWindowSeconds;
     }
     earliest_ = std::max(earliest_, early);
@@ -55,11 +50,10 @@ class FrameWatch {
   }
 
  private:
+  static constexpr double kNever = -std::numeric_limits<double>::infinity();
+
   double rate_;
-  bool begun_ = false, known_ = false;
-  double window_end_ = 0.0;
-  double before_ = 0.0;
-  double earliest_ = -std::numeric_limits<double>::infinity();
+  double window_end_ = kNever, before_ = kNever, earliest_ = kNever;
 };
 
 /// The audio callback of every sound library: cuts a block that is longer than was granted, turns float32

@@ -14,6 +14,12 @@ namespace {
 
 constexpr int kMaxBlock = 8192;
 
+std::string lower_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
 std::string listed(const std::vector<Device>& devices) {
   std::string text;
   for (const auto& device : devices) text += (text.empty() ? "'" : ", '") + device.id + "'";
@@ -52,13 +58,27 @@ Status fits(const StreamRequest& request, const Device& device) {
               "it runs at " + text + " Hz; omit the rate, or set the device to another rate");
 }
 
-}  // namespace
-
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
+Status fits(const StreamRequest& request, const Device& input, const Device& output) {
+  if (auto status = fits(request.in_channels, request.in_map, input.in_channels, "inputs", input.id); !status)
+    return status;
+  if (auto status = fits(request.out_channels, request.out_map, output.out_channels, "outputs", output.id);
+      !status)
+    return status;
+  if (const std::set<int> used{request.out_map.begin(), request.out_map.end()};
+      used.size() != request.out_map.size())
+    return fail(Errc::BadArgument, "", "two outputs share a channel, where they would be added",
+                "give each output its own channel");
+  if (request.block_frames && (*request.block_frames < 1 || *request.block_frames > kMaxBlock))
+    return fail(Errc::OutOfRange, "", fmt::format("a block cannot have {} frames", *request.block_frames),
+                fmt::format("choose 1 to {}", kMaxBlock));
+  if (request.periods && (*request.periods < 1 || *request.periods > 64))
+    return fail(Errc::OutOfRange, "", fmt::format("a buffer cannot have {} periods", *request.periods),
+                "choose 2 or 3");
+  if (auto status = fits(request, input); !status) return status;
+  return fits(request, output);
 }
+
+}  // namespace
 
 int channels_to_open(int channels, const std::vector<int>& map) {
   return map.empty() ? channels : *std::max_element(map.begin(), map.end()) + 1;
@@ -90,26 +110,6 @@ Result<Device> find_device(const std::vector<Device>& devices, const std::string
               "write one of " + listed(meant));
 }
 
-Status fits(const StreamRequest& request, const Device& input, const Device& output) {
-  if (auto status = fits(request.in_channels, request.in_map, input.in_channels, "inputs", input.id); !status)
-    return status;
-  if (auto status = fits(request.out_channels, request.out_map, output.out_channels, "outputs", output.id);
-      !status)
-    return status;
-  if (const std::set<int> used{request.out_map.begin(), request.out_map.end()};
-      used.size() != request.out_map.size())
-    return fail(Errc::BadArgument, "", "two outputs share a channel, where they would be added",
-                "give each output its own channel");
-  if (request.block_frames && (*request.block_frames < 1 || *request.block_frames > kMaxBlock))
-    return fail(Errc::OutOfRange, "", fmt::format("a block cannot have {} frames", *request.block_frames),
-                fmt::format("choose 1 to {}", kMaxBlock));
-  if (request.periods && (*request.periods < 1 || *request.periods > 64))
-    return fail(Errc::OutOfRange, "", fmt::format("a buffer cannot have {} periods", *request.periods),
-                "choose 2 or 3");
-  if (auto status = fits(request, input); !status) return status;
-  return fits(request, output);
-}
-
 Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequest& request) {
   if (request.in_channels == 0 && request.out_channels == 0)
     return fail(Errc::BadArgument, "", "a stream needs at least one input or output", "request a channel");
@@ -122,32 +122,24 @@ Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequ
   auto asked = request;
   asked.sample_rate = request.sample_rate.value_or(output->default_rate);
   if (auto status = fits(asked, *input, *output); !status) return tl::unexpected(status.error());
-  const auto place = [&](const Device& chosen) {
-    return index(std::ranges::find(devices, chosen.id, &Device::id) - devices.begin());
-  };
-  DeviceChoice choice{place(*input), place(*output), {}};
+  if (input->api != output->api)
+    return fail(Errc::BadArgument, "",
+                "'" + input->id + "' and '" + output->id + "' cannot be opened together",
+                "choose two devices of the same API, or use JACK");
+  DeviceChoice choice{*input, *output, {}};
   choice.granted.device = output->id;
   if (input->id != output->id) choice.granted.input_device = input->id;
   choice.granted.format = {*asked.sample_rate, request.in_channels, request.out_channels, 0};
   return choice;
 }
 
-void number_same_ids(std::vector<LibraryDevice>& devices) {
+void number_same_ids(std::vector<Device>& devices) {
   for (auto one = devices.end(); one != devices.begin();) {
     --one;
     const auto before =
-        std::count_if(devices.begin(), one, [&](const LibraryDevice& other) { return other.id == one->id; });
+        std::count_if(devices.begin(), one, [&](const Device& other) { return other.id == one->id; });
     if (before > 0) one->id += " #" + std::to_string(before + 1);
   }
-}
-
-Result<DeviceChoice> choose(const std::vector<LibraryDevice>& found, const StreamRequest& request) {
-  auto choice = choose(std::vector<Device>(found.begin(), found.end()), request);
-  if (!choice || found[choice->input].api == found[choice->output].api) return choice;
-  return fail(
-      Errc::BadArgument, "",
-      "'" + choice->granted.input_device + "' and '" + choice->granted.device + "' cannot be opened together",
-      "choose two devices of the same API, or use JACK");
 }
 
 }  // namespace tactus

@@ -7,9 +7,6 @@
 
 namespace tactus {
 
-/// [any] `text` without capital letters.
-std::string lower_case(std::string text);
-
 /// [any] The device with this id, or the default one where it is empty. Errors: UnknownName, listing what
 /// there is.
 Result<Device> device_with_id(const std::vector<Device>& devices, const std::string& id);
@@ -19,31 +16,19 @@ Result<Device> device_with_id(const std::vector<Device>& devices, const std::str
 /// mean.
 Result<Device> find_device(const std::vector<Device>& devices, const std::string& text);
 
-/// [any] Can `device` give what is asked for? Checks rate, block, channels and channel maps of one
-/// direction or both. Errors: BadArgument, OutOfRange.
-Status fits(const StreamRequest& request, const Device& input, const Device& output);
-
 /// What a request comes to. Where one direction has no channels, both are the device of the other.
 struct DeviceChoice {
-  std::size_t input = 0, output = 0;  ///< places in the list
-  StreamGranted granted;              ///< without what only the driver reports
+  Device input, output;
+  StreamGranted granted;  ///< without what only the driver reports
 };
 
 /// [any] The devices that `request` means, at the rate it asks for or else at the default one of the outputs.
-/// Errors: those of `device_with_id` and `fits`; BadArgument when neither inputs nor outputs are asked for.
+/// Errors: those of `device_with_id`; BadArgument and OutOfRange for a rate, a block, channels or channel
+/// maps that they do not have, for no channel at all, and for devices of two APIs.
 Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequest& request);
 
-/// A device and where a library that reaches several driver interfaces ("APIs") has it.
-struct LibraryDevice : Device {
-  std::string api;           ///< "jack", "alsa"
-  std::string library_name;  ///< which two devices may have
-  int index = 0;             ///< the library's
-};
-
 /// [any] Adds " #2" to the id of the second device of the same id, and so on.
-void number_same_ids(std::vector<LibraryDevice>& devices);
-/// [any] As above. Errors besides: BadArgument for devices of two APIs.
-Result<DeviceChoice> choose(const std::vector<LibraryDevice>& found, const StreamRequest& request);
+void number_same_ids(std::vector<Device>& devices);
 
 /// [any] Channels that a library must open to reach those of a map.
 int channels_to_open(int channels, const std::vector<int>& map);

@@ -45,19 +45,14 @@ class MidiInputs {
   virtual std::vector<std::string> news() = 0;
 };
 
-struct RtMidiSettings {
-  std::string api;   ///< "alsa", "jack", "core", "winmm"; empty: that of the system
-  std::string only;  ///< a part of the ids to open, in any case; empty: all
-  std::string client_name = "tactus_midi";
-  std::chrono::milliseconds look_every{500};  ///< for what came and went
-};
-
-/// [control] MIDI inputs by RtMidi 5. Ports are looked for and opened on a thread of its own, because servers
-/// may hang: a call that never returns costs that thread and nothing else.
+/// [control] MIDI inputs by RtMidi 5 through `api`: "alsa", "jack", "core", "winmm"; empty: that of the
+/// system. Every `interval` ports are looked for and opened, on a thread of its own, because servers may
+/// hang: a call that never returns costs that thread and nothing else.
 ///
 /// An id is "api:name" with the name as the system gives it, without the numbers that change from one
 /// plugging in to the next; the second of the same name is "api:name #2".
-std::unique_ptr<MidiInputs> make_rtmidi(const RtMidiSettings& settings = {});
+std::shared_ptr<MidiInputs> make_rtmidi(const std::string& api,
+                                        std::chrono::milliseconds interval = std::chrono::milliseconds{500});
 
 /// [any] The message of these bytes, with `time` left open; nothing if it is of no use to us. Source:
 /// MIDI 1.0 Detailed Specification, table 1.

@@ -26,9 +26,10 @@ constexpr int kMaxChannels = 1024;  // libsndfile's own limit
 
 constexpr std::int64_t kBlock = 65536;
 
-std::uint32_t little_endian(const unsigned char* bytes) {
-  return bytes[0] | (bytes[1] << 8) | (bytes[2] << 16) | (static_cast<std::uint32_t>(bytes[3]) << 24);
-}
+static_assert(std::endian::native == std::endian::little, "files have the byte order of memory");
+
+using Tag = std::array<char, 4>;
+constexpr Tag tag(const char (&text)[5]) { return {text[0], text[1], text[2], text[3]}; }
 
 /// libsndfile reads a truncated file without an error, so the chunks are walked here.
 /// Only RIFF: an RF64 file keeps its sizes elsewhere.
@@ -36,27 +37,23 @@ Status check_length(const fs::path& path) {
   std::error_code ignored;
   const auto size = static_cast<std::uint64_t>(fs::file_size(path, ignored));
   std::ifstream file{path, std::ios::binary};
-  std::array<unsigned char, 12> head{};
-  const auto read = [&](std::size_t bytes) {
-    return static_cast<bool>(
-        file.read(reinterpret_cast<char*>(head.data()), static_cast<std::streamsize>(bytes)));
+  const auto read = [&](auto&... fields) {
+    return (file.read(reinterpret_cast<char*>(&fields), sizeof fields) && ...);
   };
-  const auto tag = [&](std::size_t at) {
-    return std::string_view{reinterpret_cast<const char*>(head.data()) + at, 4};
-  };
-  if (!read(12) || tag(0) != "RIFF" || tag(8) != "WAVE") return {};
+  Tag riff, wave, chunk;
+  std::uint32_t bytes = 0;
+  if (!read(riff, bytes, wave) || riff != tag("RIFF") || wave != tag("WAVE")) return {};
   std::uint64_t at = 12;
-  while (read(8)) {
-    const std::uint64_t bytes = little_endian(head.data() + 4);
+  while (read(chunk, bytes)) {
     at += 8;
-    if (tag(0) == "data") {
+    if (chunk == tag("data")) {
       if (at + bytes <= size) return {};
       return fail(
           Errc::BadFile, path.string(),
           fmt::format("its header announces {} bytes of samples, but the file has {}", bytes, size - at),
           "the file is truncated: copy or record it again");
     }
-    at += bytes + bytes % 2;  // chunks begin at even places
+    at += bytes + std::uint64_t{bytes % 2};  // chunks begin at even places
     file.seekg(static_cast<std::streamoff>(at));
   }
   return fail(Errc::BadFile, path.string(), "it ends before its samples begin",
@@ -88,22 +85,10 @@ int to_pcm24(double sample) {
   return static_cast<int>(std::clamp(step, -kSteps, kSteps - 1.0)) * 256;
 }
 
-static_assert(std::endian::native == std::endian::little, "samples are written in the byte order of memory");
-
-constexpr std::uint64_t kMost32 = std::numeric_limits<std::uint32_t>::max();
-
-class Bytes {
- public:
-  Bytes& tag(const char* name) { return text_.append(name, 4), *this; }
-  Bytes& number(std::uint64_t value, int bytes) {
-    for (int i = 0; i < bytes; ++i) text_ += static_cast<char>(value >> (8 * i) & 0xff);
-    return *this;
-  }
-  std::string take() { return std::move(text_); }
-
- private:
-  std::string text_;
-};
+template <class... Fields>
+std::string bytes_of(const Fields&... fields) {
+  return (std::string(reinterpret_cast<const char*>(&fields), sizeof fields) + ...);
+}
 
 std::uint64_t frame_bytes(int channels) { return sizeof(float) * static_cast<std::uint64_t>(channels); }
 
@@ -112,8 +97,6 @@ tl::unexpected<Error> cannot_append(const fs::path& path) {
 }
 
 }  // namespace
-
-void CloseSound::operator()(sf_private_tag* file) const { sf_close(file); }
 
 Result<WavReader> WavReader::open(const fs::path& path) {
   std::error_code ignored;
@@ -125,7 +108,7 @@ Result<WavReader> WavReader::open(const fs::path& path) {
 
   SF_INFO info{};
   WavReader reader;
-  reader.sound_.reset(sf_open(path.string().c_str(), SFM_READ, &info));
+  reader.sound_ = {sf_open(path.string().c_str(), SFM_READ, &info), sf_close};
   if (auto length = check_length(path); !length) return tl::unexpected(length.error());
   if (!reader.sound_)
     return fail(Errc::BadFile, path.string(),
@@ -168,7 +151,7 @@ Result<WavWriter> WavWriter::create(const fs::path& path, Hertz sample_rate, int
   writer.path_ = path;
   writer.channels_ = channels;
   writer.encoding_ = encoding;
-  writer.sound_.reset(sf_open(path.string().c_str(), SFM_WRITE, &info));
+  writer.sound_ = {sf_open(path.string().c_str(), SFM_WRITE, &info), sf_close};
   if (!writer.sound_)
     return fail(Errc::BadFile, path.string(), fmt::format("it cannot be written ({})", sf_strerror(nullptr)),
                 "check that the folder exists and is writable");
@@ -180,17 +163,15 @@ Result<WavWriter> WavWriter::create(const fs::path& path, Hertz sample_rate, int
 Status WavWriter::write(const double* const* channels, int frames) {
   const auto width = index(channels_);
   const auto count = width * index(frames);
-  const auto sample = [&](std::size_t i) { return channels[i % width][i / width]; };
-  sf_count_t written = 0;
-  if (encoding_ == WavEncoding::Float32) {
-    floats_.resize(count);
-    for (std::size_t i = 0; i < count; ++i) floats_[i] = static_cast<float>(sample(i));
-    written = sf_writef_float(sound_.get(), floats_.data(), frames);
-  } else {
-    integers_.resize(count);
-    for (std::size_t i = 0; i < count; ++i) integers_[i] = to_pcm24(sample(i));
-    written = sf_writef_int(sound_.get(), integers_.data(), frames);
-  }
+  const auto interleaved = [&](auto& samples, auto convert) {
+    samples.resize(count);
+    for (std::size_t i = 0; i < count; ++i) samples[i] = convert(channels[i % width][i / width]);
+    return samples.data();
+  };
+  const auto to_float = [](double sample) { return static_cast<float>(sample); };
+  const auto written = encoding_ == WavEncoding::Float32
+                           ? sf_writef_float(sound_.get(), interleaved(floats_, to_float), frames)
+                           : sf_writef_int(sound_.get(), interleaved(integers_, to_pcm24), frames);
   if (written == frames) return {};
   return fail(Errc::BadFile, path_.string(),
               fmt::format("it could not be written completely ({})", sf_strerror(sound_.get())),
@@ -209,23 +190,20 @@ std::string why_not_written() {
 }
 
 std::string wav_header(Hertz sample_rate, int channels, std::int64_t frames) {
+  using U16 = std::uint16_t;
+  using U32 = std::uint32_t;
   constexpr std::uint64_t kBehindRiff = 86;  // bytes of the header behind the first eight
-  const auto rate = static_cast<std::uint64_t>(sample_rate.value);
-  const auto data = frame_bytes(channels) * static_cast<std::uint64_t>(frames);
-  const auto riff = kBehindRiff + data;
+  constexpr std::uint64_t kMost32 = std::numeric_limits<U32>::max();
+  const auto rate = static_cast<U32>(sample_rate.value);
+  const auto frame = static_cast<U16>(frame_bytes(channels));
+  const auto total = static_cast<std::uint64_t>(frames), data = frame * total, riff = kBehindRiff + data;
   const bool large = riff > kMost32;
-  const auto in_32 = [&](std::uint64_t value) { return large ? kMost32 : value; };
-  Bytes bytes;
-  bytes.tag(large ? "RF64" : "RIFF").number(in_32(riff), 4).tag("WAVE");
-  bytes.tag(large ? "ds64" : "JUNK").number(28, 4);
-  bytes.number(large ? riff : 0, 8).number(large ? data : 0, 8);
-  bytes.number(large ? static_cast<std::uint64_t>(frames) : 0, 8).number(0, 4);
-  bytes.tag("fmt ").number(18, 4).number(3, 2).number(static_cast<std::uint64_t>(channels), 2);
-  bytes.number(rate, 4).number(rate * frame_bytes(channels), 4);
-  bytes.number(frame_bytes(channels), 2).number(32, 2).number(0, 2);
-  bytes.tag("fact").number(4, 4).number(in_32(static_cast<std::uint64_t>(frames)), 4);
-  bytes.tag("data").number(in_32(data), 4);
-  return bytes.take();
+  const auto in_32 = [&](std::uint64_t value) { return static_cast<U32>(large ? kMost32 : value); };
+  const auto in_64 = [&](std::uint64_t value) { return large ? value : 0; };
+  return bytes_of(tag(large ? "RF64" : "RIFF"), in_32(riff), tag("WAVE"), tag(large ? "ds64" : "JUNK"),
+                  U32{28}, in_64(riff), in_64(data), in_64(total), U32{0}, tag("fmt "), U32{18}, U16{3},
+                  static_cast<U16>(channels), rate, rate * frame, frame, U16{32}, U16{0}, tag("fact"), U32{4},
+                  in_32(total), tag("data"), in_32(data));
 }
 
 GrowingWav::GrowingWav(fs::path path, Hertz sample_rate, int channels)

@@ -32,10 +32,7 @@ enum class WavEncoding {
 };
 
 /// A file of libsndfile that closes itself.
-struct CloseSound {
-  void operator()(sf_private_tag* file) const;
-};
-using SoundFile = std::unique_ptr<sf_private_tag, CloseSound>;
+using SoundFile = std::unique_ptr<sf_private_tag, int (*)(sf_private_tag*)>;
 
 /// Reads a WAV file (RIFF, WAVE_FORMAT_EXTENSIBLE or RF64) block by block. Any PCM or float encoding comes
 /// out as double without a change of value: a 24-bit sample k is k / 2^23.
@@ -53,7 +50,7 @@ class WavReader {
   int read(double* const* channels, int frames);
 
  private:
-  SoundFile sound_;
+  SoundFile sound_{nullptr, nullptr};
   Hertz sample_rate_;
   int channels_ = 0;
   std::int64_t frames_ = 0;
@@ -76,7 +73,7 @@ class WavWriter {
   std::filesystem::path path_;
   int channels_ = 0;
   WavEncoding encoding_ = WavEncoding::Float32;
-  SoundFile sound_;
+  SoundFile sound_{nullptr, nullptr};
   std::vector<float> floats_;
   std::vector<int> integers_;
 };

@@ -2,40 +2,22 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace tactus {
 namespace {
 
-std::vector<const SettingDelay*> good_ones(const std::vector<SettingDelay>& settings) {
-  std::vector<const SettingDelay*> good;
-  for (const auto& setting : settings)
-    if (setting.good()) good.push_back(&setting);
-  return good;
-}
-
 std::string ms(Seconds time) { return fmt::format("{:.2f} ms", 1e3 * time.value); }
-
-/// The good one with the shortest delay above `least`.
-const SettingDelay* shortest_above(const std::vector<SettingDelay>& settings, Seconds least) {
-  const SettingDelay* shortest = nullptr;
-  for (const auto& setting : settings)
-    if (setting.good() && setting.delay() > least &&
-        (shortest == nullptr || setting.delay() < shortest->delay()))
-      shortest = &setting;
-  return shortest;
-}
 
 /// The one with the largest block of those that are shorter than the best and had gaps.
 const SettingDelay* nearest_bad(const std::vector<SettingDelay>& settings, const SettingDelay& best) {
   const SettingDelay* nearest = nullptr;
-  for (const auto& setting : settings) {
-    const bool shorter = Seconds{setting.block_frames / setting.sample_rate.value} <
-                         Seconds{best.block_frames / best.sample_rate.value};
-    if (!setting.good() && shorter && (nearest == nullptr || setting.block_frames > nearest->block_frames))
+  const auto block_s = [](const auto& setting) { return setting.block_frames / setting.sample_rate.value; };
+  for (const auto& setting : settings)
+    if (!setting.good() && block_s(setting) < block_s(best) &&
+        (nearest == nullptr || setting.block_frames > nearest->block_frames))
       nearest = &setting;
-  }
   return nearest;
 }
 
@@ -47,28 +29,31 @@ std::string fault_of(const SettingDelay& setting) {
 }  // namespace
 
 std::optional<BlockLaw> fit_block_law(const std::vector<SettingDelay>& settings) {
-  const auto good = good_ones(settings);
+  auto good = settings;
+  std::erase_if(good, [](const SettingDelay& setting) { return !setting.good(); });
   const auto count = static_cast<double>(good.size());
   double mean_block = 0.0, mean_delay = 0.0;
-  for (const auto* setting : good) {
-    mean_block += setting->block_frames / count;
-    mean_delay += setting->delay_frames / count;
+  for (const auto& setting : good) {
+    mean_block += setting.block_frames / count;
+    mean_delay += setting.delay_frames / count;
   }
   double spread = 0.0, together = 0.0;
-  for (const auto* setting : good) {
-    const double block = setting->block_frames - mean_block;
+  for (const auto& setting : good) {
+    const double block = setting.block_frames - mean_block;
     spread += block * block;
-    together += block * (setting->delay_frames - mean_delay);
+    together += block * (setting.delay_frames - mean_delay);
   }
   if (!(spread > 0.0)) return std::nullopt;
   BlockLaw law;
   law.settings = static_cast<int>(good.size());
+  law.sample_rate = good.front().sample_rate;
+  law.periods = good.front().periods;
   law.per_frame = together / spread;
   law.fixed_frames = mean_delay - law.per_frame * mean_block;
   if (good.size() < 3) return law;
   double squares = 0.0;
-  for (const auto* setting : good)
-    squares += std::pow(setting->delay_frames - law.at(setting->block_frames), 2);
+  for (const auto& setting : good)
+    squares += std::pow(setting.delay_frames - law.at(setting.block_frames), 2);
   const double variance = squares / (count - 2);
   law.residual_frames = std::sqrt(variance);
   law.per_frame_standard_error = std::sqrt(variance / spread);
@@ -76,8 +61,25 @@ std::optional<BlockLaw> fit_block_law(const std::vector<SettingDelay>& settings)
   return law;
 }
 
-const SettingDelay* shortest_good(const std::vector<SettingDelay>& settings) {
-  return shortest_above(settings, Seconds{-std::numeric_limits<double>::infinity()});
+const SettingDelay* shortest_good(const std::vector<SettingDelay>& settings, Seconds least) {
+  const SettingDelay* shortest = nullptr;
+  for (const auto& setting : settings)
+    if (setting.good() && setting.delay() > least &&
+        (shortest == nullptr || setting.delay() < shortest->delay()))
+      shortest = &setting;
+  return shortest;
+}
+
+std::vector<std::vector<SettingDelay>> by_rate_and_periods(const std::vector<SettingDelay>& settings) {
+  std::vector<std::vector<SettingDelay>> groups;
+  for (const auto& setting : settings) {
+    auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& other) {
+      return other.front().sample_rate == setting.sample_rate && other.front().periods == setting.periods;
+    });
+    if (group == groups.end()) group = groups.emplace(group);
+    group->push_back(setting);
+  }
+  return groups;
 }
 
 std::string setting_text(const SettingDelay& setting) {
@@ -100,7 +102,7 @@ std::string recommendation(const std::vector<SettingDelay>& settings) {
                           ms(best->delay()), best->measured_s);
   if (const auto* bad = nearest_bad(settings, *best))
     text += fmt::format(" At a shorter delay, {} had {}.", setting_text(*bad), fault_of(*bad));
-  if (const auto* next = shortest_above(settings, best->delay()))
+  if (const auto* next = shortest_good(settings, best->delay()))
     text += fmt::format(
         " An instrument loads the processor more than a measurement: if gaps occur, use {}, which adds {}.",
         setting_text(*next), ms(next->delay() - best->delay()));

@@ -2,23 +2,21 @@
 // Thread: [control]
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "engine/core/units.h"
-#include "latency/verdict.h"
+#include "latency/estimation/analysis.h"
 
 namespace tactus {
 
 /// A setting of a card, and what came of it.
-struct SettingDelay {
+struct SettingDelay : DelayEstimate {
   Hertz sample_rate = 48_kHz;
   int block_frames = 0;
-  int periods = 0;  ///< 0: not known
-  Finding finding;
-  double delay_frames = 0.0;
-  double standard_error_frames = 0.0;
+  int periods = 0;          ///< 0: not known
   std::int64_t gaps = 0;    ///< reported by the driver, or detected
   double measured_s = 0.0;  ///< how long it ran
 
@@ -36,6 +34,8 @@ struct BlockLaw {
   std::optional<double> fixed_standard_error, per_frame_standard_error;
   double residual_frames = 0.0;  ///< standard deviation around the line
   int settings = 0;
+  Hertz sample_rate = 48_kHz;  ///< of the settings, as that of the first
+  int periods = 0;
 
   double at(double block_frames) const { return fixed_frames + per_frame * block_frames; }
 };
@@ -43,8 +43,12 @@ struct BlockLaw {
 /// [any] The line of least squares through the good ones; nothing if they have less than two block sizes.
 std::optional<BlockLaw> fit_block_law(const std::vector<SettingDelay>& settings);
 
-/// [any] The good one with the shortest time of delay, or nullptr.
-const SettingDelay* shortest_good(const std::vector<SettingDelay>& settings);
+/// [any] The good one with the shortest time of delay above `least`, or nullptr.
+const SettingDelay* shortest_good(const std::vector<SettingDelay>& settings,
+                                  Seconds least = Seconds{-std::numeric_limits<double>::infinity()});
+
+/// [any] In the order of their first settings.
+std::vector<std::vector<SettingDelay>> by_rate_and_periods(const std::vector<SettingDelay>& settings);
 
 /// [any] "128 frames, 2 periods, 48 kHz"
 std::string setting_text(const SettingDelay& setting);

@@ -11,7 +11,7 @@
 #include "engine/core/index.h"
 #include "latency/estimation/probe_windows.h"
 #include "latency/path/response.h"
-#include "latency/probe/bursts.h"
+#include "latency/probe/probe.h"
 
 namespace tactus {
 namespace {
@@ -111,15 +111,15 @@ void describe_swing(const std::vector<double>& taps, Calibration& calibration) {
 }
 
 Finding verdict_of(const Calibration& calibration, double electrical_frames) {
-  if (calibration.analysis.snr_db < kLeastSnr)
+  if (calibration.snr_db < kLeastSnr)
     return {Verdict::LowSnr, "the noise is too strong to determine the frequency response of the path",
             "play louder (within the actuator's limits), raise the sensor's gain, or find the source of the "
             "noise"};
   if (calibration.unexplained <= kMaxUnexplained) return {};
-  if (calibration.analysis.delay_frames < electrical_frames - 1.0)
+  if (calibration.delay_frames < electrical_frames - 1.0)
     return {Verdict::NotFlat,
             fmt::format("the probe is captured {:.0f} frames earlier than the delay of the card alone",
-                        electrical_frames - calibration.analysis.delay_frames),
+                        electrical_frames - calibration.delay_frames),
             "the delay to subtract is too long: measure it again with a loopback cable, the same sample rate "
             "and block size"};
   return {Verdict::NotFlat,
@@ -139,24 +139,17 @@ Result<Calibration> calibrate(const LoopRecording& recording, const CalibrationS
   if (!(settings.electrical_frames >= 0.0))
     return fail(Errc::BadArgument, "", "the delay of the card cannot be negative",
                 "measure it with a loopback cable");
-  AnalysisSettings plain;
-  plain.channel = settings.channel;
-  auto analysis = analyze(recording, plain);
+  auto analysis = analyze(recording, {settings.channel, {}});
   if (!analysis) return tl::unexpected{analysis.error()};
-  Calibration calibration;
-  calibration.analysis = std::move(*analysis);
-  calibration.finding = calibration.analysis.finding;
-  if (!calibration.analysis.detected || spoils(calibration.finding.verdict)) return calibration;
+  Calibration calibration{std::move(*analysis)};
+  if (!calibration.detected || spoils(calibration.finding.verdict)) return calibration;
 
   const auto& captured = recording.captured[index(settings.channel)];
   const auto rate = recording.sample_rate;
   const auto bursts = *find_bursts(recording.played, rate);
   ProbeWindows windows{bursts, rate, {}};
-  NoiseFloor floor;
-  floor.mean = calibration.analysis.dc;
-  floor.variance = std::max(kQuietest, power_from_db(calibration.analysis.noise_floor_dbfs));
-  floor.per_frame = {floor.variance, floor.variance};
-  windows.set_noise(floor);
+  const double variance = std::max(kQuietest, power_from_db(calibration.noise_floor_dbfs));
+  windows.set_noise({calibration.dc, variance, {variance, variance}});
   std::vector<TrackedProbe> probes;
   for (const auto& burst : bursts.repeated) probes.push_back({.burst = burst});
   const auto window = without_delay(windows, captured, settings.electrical_frames, probes);
@@ -164,7 +157,7 @@ Result<Calibration> calibrate(const LoopRecording& recording, const CalibrationS
   auto& profile = calibration.profile;
   profile.sample_rate = rate;
   profile.taps = taps_of(window, fourier, static_cast<std::size_t>(frames_in(settings.length, rate)),
-                         floor.variance / total_power(probes));
+                         variance / total_power(probes));
   profile.low = measuring_probe(rate).start;
   profile.high = measuring_probe(rate).stop;
 

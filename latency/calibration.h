@@ -1,12 +1,10 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include "engine/core/error.h"
 #include "latency/estimation/analysis.h"
 #include "latency/estimation/loop_recording.h"
-#include "latency/verdict.h"
 
 namespace tactus {
 
@@ -16,16 +14,14 @@ struct Resonance {
   double q = 0.0;  ///< frequency over the width at -3 dB
 };
 
-/// How an actuator and a sensor answer together, measured from one recording through both.
-struct Calibration {
-  Finding finding;
-  PathProfile profile;
-  int polarity = 1;  ///< of the first swing that reaches a third of the highest
-  std::optional<Resonance> resonance;
-  double arrival_frames = 0.0;  ///< when that swing begins, without the card's delay
-  std::vector<BandDelay> group_delay;
-  std::vector<ResponsePoint> spectrum;
-  Analysis analysis;         ///< as if it were a cable
+/// How an actuator and a sensor answer together, measured from one recording through both: the analysis as if
+/// they were a cable, but with finding, polarity, spectrum and group delay of the profile.
+struct Calibration : Analysis {
+  PathProfile profile{};  ///< without taps where the finding spoils it
+  std::optional<Resonance> resonance{};
+  /// When the first swing that reaches a third of the highest begins, without the card's delay. The polarity
+  /// is that of this swing.
+  double arrival_frames = 0.0;
   double unexplained = 0.0;  ///< share of what is captured that the profile does not explain
 };
 

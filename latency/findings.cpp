@@ -166,17 +166,14 @@ Finding detected_twice(std::int64_t frames, double level_db) {
 
 Finding low_snr(const Analysis& analysis, const Evidence& evidence) {
   if (evidence.coarse.clear() && analysis.standard_error_frames < evidence.widest_error_frames) return {};
-  if (!evidence.coarse.clear())
-    return {Verdict::LowSnr,
-            fmt::format("the noise is too strong: with a signal {:.1f} dB above it, single probes cannot be "
-                        "separated, and lost frames or drift cannot be detected",
-                        analysis.snr_db),
-            kAgainstNoise};
-  return {Verdict::LowSnr,
-          fmt::format("the noise is too strong: with a signal {:.1f} dB above it, the delay is uncertain by "
-                      "{:.2f} frames",
-                      analysis.snr_db, analysis.standard_error_frames),
-          kAgainstNoise};
+  const auto effect =
+      evidence.coarse.clear()
+          ? fmt::format("the delay is uncertain by {:.2f} frames", analysis.standard_error_frames)
+          : "single probes cannot be separated, and lost frames or drift cannot be detected";
+  return {
+      Verdict::LowSnr,
+      fmt::format("the noise is too strong: with a signal {:.1f} dB above it, {}", analysis.snr_db, effect),
+      kAgainstNoise};
 }
 
 Finding not_flat(const Analysis& analysis, const Evidence& evidence) {
@@ -201,12 +198,10 @@ Finding not_flat(const Analysis& analysis, const Evidence& evidence) {
 
 }  // namespace
 
-Finding too_few_probes() {
-  return {Verdict::NoSignal, "fewer than three probes were recorded completely",
-          "start the recording before the probe and end it after"};
-}
-
-Finding not_detected(const std::vector<CoarseDelay>& channels, int channel) {
+Finding not_detected(const std::vector<CoarseDelay>& channels, int channel, bool cut_short) {
+  if (cut_short)
+    return {Verdict::NoSignal, "fewer than three probes were recorded completely",
+            "start the recording before the probe and end it after"};
   int loudest = -1;
   double prominence = CoarseDelay::kNothing * 1.5;
   for (int c = 0; c < static_cast<int>(channels.size()); ++c) {

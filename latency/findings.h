@@ -34,10 +34,9 @@ struct Evidence {
   std::optional<double> level_probe_gain_db;  ///< highest gain of bursts before the probes
 };
 
-/// [control] The probe was captured, but fewer than three complete probes.
-Finding too_few_probes();
-/// [control] The probe is not detected on its channel: the reason, from the other channels.
-Finding not_detected(const std::vector<CoarseDelay>& channels, int channel);
+/// [control] No path was found on a channel: the reason, from where the probe is found on every channel, or
+/// `cut_short`: fewer than three complete probes were captured.
+Finding not_detected(const std::vector<CoarseDelay>& channels, int channel, bool cut_short);
 /// [control] The first reason, in the order of Verdict, why `analysis` of `captured` is unreliable.
 Finding verdict_of(const Analysis& analysis, const Evidence& evidence, std::span<const double> captured);
 

@@ -1,7 +1,5 @@
 #include "latency/measured.h"
 
-#include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <system_error>
@@ -84,18 +82,10 @@ MeasuredDelays MeasuredDelays::load(const fs::path& file) {
   return store;
 }
 
-const MeasuredDelay* MeasuredDelays::find(const DelayKey& key) const {
-  const auto found = std::find_if(delays_.begin(), delays_.end(),
-                                  [&](const MeasuredDelay& delay) { return delay.key == key; });
-  return found == delays_.end() ? nullptr : &*found;
-}
-
-const MeasuredDelay* MeasuredDelays::newest(const std::string& input, const std::string& output) const {
+const MeasuredDelay* MeasuredDelays::newest(const std::function<bool(const DelayKey&)>& fits) const {
   const MeasuredDelay* newest = nullptr;
-  for (const auto& delay : delays_) {
-    if (delay.key.input != input || delay.key.output != output) continue;
-    if (newest == nullptr || delay.when >= newest->when) newest = &delay;
-  }
+  for (const auto& delay : delays_)
+    if (fits(delay.key) && (newest == nullptr || delay.when >= newest->when)) newest = &delay;
   return newest;
 }
 

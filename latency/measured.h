@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,10 +40,12 @@ class MeasuredDelays {
   /// which `load_error` contains; nothing in it is lost.
   static MeasuredDelays load(const std::filesystem::path& file = default_file());
 
-  /// [any] nullptr: never measured.
-  const MeasuredDelay* find(const DelayKey& key) const;
-  /// [any] The newest of a device in whatever setting, to show beside it; nullptr if there is none.
-  const MeasuredDelay* newest(const std::string& input, const std::string& output) const;
+  /// [any] The newest whose key `fits`; nullptr if there is none.
+  const MeasuredDelay* newest(const std::function<bool(const DelayKey&)>& fits) const;
+  /// [any] The same of one key.
+  const MeasuredDelay* find(const DelayKey& key) const {
+    return newest([&](const DelayKey& other) { return other == key; });
+  }
   const std::vector<MeasuredDelay>& all() const { return delays_; }
   const std::optional<Error>& load_error() const { return load_error_; }
 

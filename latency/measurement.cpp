@@ -30,24 +30,21 @@ constexpr double kSameDelay = 0.5;       // frames
 constexpr double kSessionCertain = 5.0;  // standard errors
 constexpr std::size_t kEnoughGood = 3;
 
-struct Findings : std::vector<Finding> {
-  void add(Verdict verdict, std::string what, std::string remedy) {
-    push_back({verdict, std::move(what), std::move(remedy)});
-  }
-};
+using Findings = std::vector<Finding>;
 
 void add_result(Findings& findings, const ProbePlayer& player) {
   if (player.outcome() == ProbePlayer::Outcome::Feedback)
-    findings.add(Verdict::Feedback,
-                 "the input came near full scale and stayed there with the output muted: the captured signal "
-                 "is played back",
-                 "switch off direct monitoring, remove connections from inputs to outputs, turn the "
-                 "loudspeaker down or move the microphone away; then measure again");
+    findings.emplace_back(
+        Verdict::Feedback,
+        "the input came near full scale and stayed there with the output muted: the captured signal "
+        "is played back",
+        "switch off direct monitoring, remove connections from inputs to outputs, turn the "
+        "loudspeaker down or move the microphone away; then measure again");
   if (player.outcome() != ProbePlayer::Outcome::TooLoud) return;
   const double level = player.level().level;
   const auto when = level > 0.0 ? fmt::format("with an output of {:.1f} dBFS", amplitude_to_db(level))
                                 : std::string{"before the first probe"};
-  findings.add(
+  findings.emplace_back(
       Verdict::Clipping,
       "the input came within 3 dB of full scale " + when + "; it became quiet when the output was muted",
       "reduce the gain of the input or of the amplifier");
@@ -56,22 +53,24 @@ void add_result(Findings& findings, const ProbePlayer& player) {
 void add_event(Findings& findings, const GuardEvent& event, int input, bool drive) {
   switch (event.kind) {
     case GuardEvent::Kind::Feedback:
-      findings.add(Verdict::Feedback,
-                   "the drive guard limited the output for more than 100 ms and faded it out",
-                   "measure at a lower level, or give the limits of the connected actuator");
+      findings.emplace_back(Verdict::Feedback,
+                            "the drive guard limited the output for more than 100 ms and faded it out",
+                            "measure at a lower level, or give the limits of the connected actuator");
       return;
     case GuardEvent::Kind::SensorRailed:
       if (drive || event.channel == input)
-        findings.add(Verdict::Clipping,
-                     fmt::format("input {} stayed at the limit of its range for 40 ms", event.channel + 1),
-                     "check its cable, its power supply and its gain");
+        findings.emplace_back(
+            Verdict::Clipping,
+            fmt::format("input {} stayed at the limit of its range for 40 ms", event.channel + 1),
+            "check its cable, its power supply and its gain");
       return;
     case GuardEvent::Kind::SensorStuck:
       // A digital connection may be as silent as that, and sound does not stop for it.
       if (drive)
-        findings.add(Verdict::NoSignal,
-                     fmt::format("input {} repeated the same value for 40 ms: it hangs", event.channel + 1),
-                     "check its cable, and reopen the device");
+        findings.emplace_back(
+            Verdict::NoSignal,
+            fmt::format("input {} repeated the same value for 40 ms: it hangs", event.channel + 1),
+            "check its cable, and reopen the device");
       return;
   }
 }
@@ -80,10 +79,11 @@ void add_lost(Findings& findings, const Health& before, const Health& after) {
   const auto gaps = after.xruns - before.xruns;
   const auto lost = after.lost_frames - before.lost_frames;
   if (gaps == 0 && lost == 0) return;
-  findings.add(Verdict::LostFrames,
-               fmt::format("the driver counted {} gap{} and {} lost frames while the probes were played",
-                           gaps, gaps == 1 ? "" : "s", lost),
-               kAgainstGaps);
+  findings.emplace_back(
+      Verdict::LostFrames,
+      fmt::format("the driver counted {} gap{} and {} lost frames while the probes were played", gaps,
+                  gaps == 1 ? "" : "s", lost),
+      kAgainstGaps);
 }
 
 void add_mismatch(Findings& findings, const StreamGranted& granted, const Health& before,
@@ -92,20 +92,22 @@ void add_mismatch(Findings& findings, const StreamGranted& granted, const Health
       "choose the sample rate and block size that the device itself is set to, or use another backend";
   const int block = granted.block_frames;
   if (block > 0 && after.blocks > 0 && (after.shortest_block != block || after.longest_block != block))
-    findings.add(Verdict::ApiMismatch,
-                 fmt::format("the driver granted blocks of {} frames but delivered blocks of {} to {}", block,
-                             after.shortest_block, after.longest_block),
-                 remedy);
+    findings.emplace_back(
+        Verdict::ApiMismatch,
+        fmt::format("the driver granted blocks of {} frames but delivered blocks of {} to {}", block,
+                    after.shortest_block, after.longest_block),
+        remedy);
   const double seconds = after.seconds - before.seconds;
   const auto frames = static_cast<double>(after.frames - before.frames);
   if (seconds <= 0.0 || frames <= 0.0) return;
   const double granted_rate = granted.format.sample_rate.value;
   const double error = frames / seconds / granted_rate - 1.0;
   if (std::abs(error) <= std::max(kRateError, kBlocksOfRate * after.longest_block / frames)) return;
-  findings.add(Verdict::ApiMismatch,
-               fmt::format("{:.0f} Hz were granted, but the device runs at {:.0f} Hz by the system clock",
-                           granted_rate, frames / seconds),
-               remedy);
+  findings.emplace_back(
+      Verdict::ApiMismatch,
+      fmt::format("{:.0f} Hz were granted, but the device runs at {:.0f} Hz by the system clock",
+                  granted_rate, frames / seconds),
+      remedy);
 }
 
 std::vector<const Opening*> those(const Measurement& measurement, Verdict verdict) {
@@ -132,38 +134,20 @@ void combine(Measurement& measurement, const std::vector<const Opening*>& openin
 }
 
 Finding unstable(const std::vector<const Opening*>& openings) {
-  if (openings.size() < 2) return {};
   std::vector<double> delays;
   double error = 0.0;
   for (const auto* opening : openings) {
     delays.push_back(opening->analysis.delay_frames);
     error = std::max(error, opening->analysis.standard_error_frames);
   }
-  const auto [least, most] = std::minmax_element(delays.begin(), delays.end());
-  if (*most - *least <= std::max(kSameDelay, kSessionCertain * error)) return {};
+  if (delays.empty()) return {};
+  const auto [least, most] = std::ranges::minmax(delays);
+  if (most - least <= std::max(kSameDelay, kSessionCertain * error)) return {};
   return {
       Verdict::UnstableStart,
       fmt::format("the delay differs each time the stream is opened: {:.3f} frames", fmt::join(delays, ", ")),
       "measure again before each session, or use a backend and a device whose delay is the same each time "
       "(JACK on the device itself)"};
-}
-
-Finding tolerated(std::size_t lost, std::size_t all) {
-  return {Verdict::Ok,
-          fmt::format("{} of {} openings lost frames and are ignored; the others agree", lost, all),
-          "use a larger block size or more periods if that happens often"};
-}
-
-/// Why one opening is unreliable, apart from its recording: how it ended, what the guard did (`events`), what
-/// the driver counted while the probes were played, and whether the stream is as granted.
-Findings stream_findings(const ProbePlayer& player, const StreamGranted& granted,
-                         const std::vector<GuardEvent>& events, int input, bool drive) {
-  Findings findings;
-  add_result(findings, player);
-  for (const auto& event : events) add_event(findings, event, input, drive);
-  add_lost(findings, player.health_before(), player.health_after());
-  add_mismatch(findings, granted, player.health_before(), player.health_after());
-  return findings;
 }
 
 /// What all openings say together: the first finding against any of them; frames that were lost in fewer than
@@ -184,7 +168,10 @@ void conclude(Measurement& measurement) {
   findings.push_back(unstable(good));
   measurement.finding = first_of(findings);
   if (measurement.finding.verdict == Verdict::Ok && !lost.empty())
-    measurement.finding = tolerated(lost.size(), measurement.openings.size());
+    measurement.finding = {Verdict::Ok,
+                           fmt::format("{} of {} openings lost frames and are ignored; the others agree",
+                                       lost.size(), measurement.openings.size()),
+                           "use a larger block size or more periods if that happens often"};
 }
 
 /// Where a second arrival comes from: `again` was opened with another block. Empty: not known.
@@ -269,16 +256,12 @@ class Session {
     return {};
   }
 
-  /// Opens the stream, plays, and analyses the recording.
   Result<Opening> open(const StreamRequest& request) {
-    ProbePlayer::Script script;
-    script.input = input_;
-    script.probes = settings_.probes;
-    script.level.loudest = loudest(settings_, *request.sample_rate);
-    script.level.softest = std::min(amplitude_from_db(settings_.softest_dbfs), script.level.loudest);
-    script.level.quiet = settings_.guard.limits.soft_start + LevelSearch::kWindow;
-    script.level.known = known_;
-    player_.set_script(script);
+    const double most = loudest(settings_, *request.sample_rate);
+    player_.set_script({input_,
+                        settings_.probes,
+                        {std::min(amplitude_from_db(settings_.softest_dbfs), most), most,
+                         settings_.guard.limits.soft_start + LevelSearch::kWindow, known_}});
     auto stream = backend_.open(request, guarded_);
     if (!stream) return tl::unexpected(stream.error());
     player_.set_stream(stream->get());
@@ -314,10 +297,13 @@ class Session {
     opening.granted = stream.granted();
     opening.health = stream.health();
     opening.level_dbfs = amplitude_to_db(player_.level().level);
-    std::vector<GuardEvent> events;
-    for (GuardEvent event; guarded_.take_event(event);) events.push_back(event);
-    auto findings = stream_findings(player_, opening.granted, events, input_,
-                                    settings_.guard.kind == DriveGuard::Kind::Drive);
+    Findings findings;
+    add_result(findings, player_);
+    for (GuardEvent event; guarded_.take_event(event);)
+      add_event(findings, event, input_, settings_.guard.kind == DriveGuard::Kind::Drive);
+    const auto &before = player_.health_before(), &after = player_.health_after();
+    add_lost(findings, before, after);
+    add_mismatch(findings, opening.granted, before, after);
     opening.recording = player_.take_recording();
     if (player_.outcome() == ProbePlayer::Outcome::Played) {
       auto analysis = analyze(opening.recording, {input_, settings_.profile});
@@ -345,14 +331,12 @@ class Session {
   }
 
   void locate_second_path(Measurement& measurement) {
-    const auto detected_twice = std::find_if(
-        measurement.openings.begin(), measurement.openings.end(),
-        [](const Opening& opening) { return opening.finding.verdict == Verdict::DirectMonitoring; });
+    const auto& detected_twice = measurement.shown();
     auto request = request_;
-    request.block_frames = 2 * detected_twice->granted.block_frames;
+    request.block_frames = 2 * detected_twice.granted.block_frames;
     const auto again = open(request);
     if (!again) return;  // the device has no such block
-    const auto where = second_arrival(*detected_twice, *again);
+    const auto where = second_arrival(detected_twice, *again);
     if (!where.empty()) measurement.finding.what += "; " + where;
   }
 
@@ -368,6 +352,13 @@ class Session {
 };
 
 }  // namespace
+
+const Opening& Measurement::shown() const {
+  const auto found = std::find_if(openings.begin(), openings.end(), [&](const Opening& opening) {
+    return opening.finding.verdict == finding.verdict;
+  });
+  return found != openings.end() ? *found : openings.front();
+}
 
 Result<Measurement> measure(Backend& backend, const MeasureSettings& settings,
                             const MeasureProgress& progress) {

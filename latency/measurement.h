@@ -8,7 +8,6 @@
 #include "backends/backend.h"
 #include "latency/estimation/analysis.h"
 #include "latency/estimation/loop_recording.h"
-#include "latency/verdict.h"
 
 namespace tactus {
 
@@ -34,14 +33,14 @@ struct Opening {
   Finding finding;  ///< of the analysis, or why there was nothing to analyse
 };
 
-/// All of them.
-struct Measurement {
-  Finding finding;
-  std::vector<Opening> openings;
-  double delay_frames = 0.0;              ///< mean over the openings
-  double standard_error_frames = 0.0;     ///< of that mean
+/// All of them, and the mean of their delays.
+struct Measurement : DelayEstimate {
+  std::vector<Opening> openings;          ///< at least one
   double spread_frames = 0.0;             ///< standard deviation over openings
   std::optional<double> reported_frames;  ///< by the driver: input and output together
+
+  /// [any] The opening that shows best what was found: the first with the verdict of the whole.
+  const Opening& shown() const;
 };
 
 /// Called with the share that is done and what is being done, many times a second. May throw to put an end to

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/cli/json.h"
 #include "engine/core/decibels.h"
@@ -29,10 +28,7 @@ struct CheckReport {
   std::vector<ExtremeRun> runs;
 
   /// It is stable, and every run was as predicted.
-  bool passed() const {
-    return verdict.stable &&
-           std::all_of(runs.begin(), runs.end(), [](const auto& run) { return run.as_expected(); });
-  }
+  bool passed() const { return verdict.stable && std::ranges::all_of(runs, &ExtremeRun::as_expected); }
 };
 
 // JSON has no infinity and no NaN: they are written as null.
@@ -125,76 +121,50 @@ Json open_json(const OpenPair& open) {
       {"input", open.input}, {"output", open.output}, {"peak_gain", open.peak}, {"peak_hz", open.peak_hz}};
 }
 
-std::string decibels(double factor) {
-  return std::isfinite(factor) && factor > 0 ? fmt::format("{:.1f} dB", amplitude_to_db(factor)) : "any";
+std::string cell(const Json& value) {
+  if (value.is_null()) return "-";
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
+  const auto number = value.get<double>();
+  return std::abs(number - 1) < 1e-3 ? fmt::format("{:.10g}", number) : fmt::format("{:.5g}", number);
 }
 
-/// Whether any regime has entries in `list`.
-bool any(const StabilityVerdict& verdict, auto list) {
-  return std::any_of(verdict.regimes.begin(), verdict.regimes.end(),
-                     [&](const RegimeVerdict& regime) { return !(regime.*list).empty(); });
-}
-
-void print_loops(const StabilityVerdict& verdict) {
-  if (!any(verdict, &RegimeVerdict::loops)) return;
-  fmt::print("\n  {:28} {:8} {:24} {:>10} {:>9} {:>10} {:>10}\n", "regime", "device", "loop at", "margin",
-             "Hz", "peak gain", "more delay");
-  for (const auto& regime : verdict.regimes)
-    for (const auto& loop : regime.loops)
-      fmt::print("  {:28} {:8} {:24} {:>10} {:9.4g} {:10.3g} {:>10}\n", regime.name,
-                 regime.held ? "held" : "bare", loop.at,
-                 loop.wave_port      ? "passive"
-                 : loop.integrates() ? "integrates"
-                                     : decibels(loop.margin.border),
-                 loop.margin.border_hz, loop.margin.peak,
-                 std::isfinite(loop.margin.more_delay_s)
-                     ? fmt::format("{:.3g} ms", 1e3 * loop.margin.more_delay_s)
-                     : "any");
-}
-
-void print_stiff(const StabilityVerdict& verdict) {
-  if (!any(verdict, &RegimeVerdict::stiff)) return;
-  fmt::print("\n  {:28} {:8} {:24} {:>12} {:>12} {:>12}\n", "regime", "device", "spring or wall", "N/m",
-             "stable to", "passive to");
-  const auto number = [](double value) {
-    return std::isfinite(value) ? fmt::format("{:.4g}", value) : "any";
-  };
-  for (const auto& regime : verdict.regimes)
-    for (const auto& stiff : regime.stiff)
-      fmt::print("  {:28} {:8} {:24} {:12.4g} {:>12} {:>12}\n", regime.name, regime.held ? "held" : "bare",
-                 stiff.path, stiff.stiffness, number(stiff.stable_up_to),
-                 stiff.passive_up_to ? number(*stiff.passive_up_to) : "not known");
-}
-
-void print_networks(const StabilityVerdict& verdict) {
-  fmt::print("\n  {:24} {:28} {:8} {:>14} {:>10} {:>12}  {}\n", "network", "regime", "solver", "radius",
-             "runs at", "needs", "weakest");
-  for (const auto& network : verdict.networks)
-    fmt::print("  {:24} {:28} {:8} {:14.10f} {:10g} {:>12}  {}\n", network.path, network.regime,
-               name_of(network.solver), network.radius, network.rate_hz,
-               !network.needed_hz                  ? "any"
-               : std::isfinite(*network.needed_hz) ? fmt::format("{:.5g} Hz", *network.needed_hz)
-                                                   : "never stable",
-               network.weakest);
-}
-
-void print_controls(const StabilityVerdict& verdict) {
-  fmt::print("\n  {:24} {:>14} {:>14} {:>14}\n", "control", "at its lowest", "at its highest", "border");
-  for (const auto& control : verdict.controls)
-    fmt::print("  {:24} {:>14} {:>14} {:>14}\n", control.control.name,
-               control.stable_low ? "stable" : "unstable", control.stable_high ? "stable" : "unstable",
-               control.border ? in_unit(*control.border, control.control.unit) : "");
-}
-
-void print_runs(const std::vector<ExtremeRun>& runs) {
-  fmt::print("\n  {:34} {:>9} {:>10} {:>8} {:>10} {:>10} {:>10}  {:8}  {}\n", "run", "rate Hz", "delay ms",
-             "seconds", "peak", "before", "after", "predicted", "measured");
-  for (const auto& run : runs) {
-    const char* how = !run.finite ? "not finite" : run.faults > 0 ? "faults" : run.grew ? "grew" : "bounded";
-    fmt::print("  {:34} {:9g} {:10.4g} {:8.3g} {:10.3g} {:10.3g} {:10.3g}  {:8}  {}{}\n", run.what,
-               run.rate.value, 1e3 * run.delay_s, run.seconds, run.peak, run.energy_before, run.energy_after,
-               run.expected ? "stable" : "unstable", how, run.as_expected() ? "" : "  (not as predicted)");
+/// Some values of JSON objects, under their names.
+void print_table(const Json& rows, const std::vector<std::string>& columns) {
+  if (rows.empty()) return;
+  std::vector<std::string> lines(rows.size() + 1);
+  for (const auto& column : columns) {
+    std::vector<std::string> cells{column};
+    for (const auto& row : rows) cells.push_back(cell(row[column]));
+    const auto width = std::ranges::max(cells, {}, &std::string::size).size();
+    for (std::size_t i = 0; i < lines.size(); ++i) lines[i] += fmt::format("  {:{}}", cells[i], width);
   }
+  fmt::print("\n{}\n", fmt::join(lines, "\n"));
+}
+
+/// The entries of all regimes called `list`.
+Json of_regimes(const Json& regimes, const char* list) {
+  Json rows = Json::array();
+  for (const auto& regime : regimes)
+    for (auto row : regime[list]) {
+      row["regime"] = regime["regime"];
+      row["held"] = regime["held"];
+      rows.push_back(std::move(row));
+    }
+  return rows;
+}
+
+void print_tables(const Json& json) {
+  const auto& regimes = json["regimes"];
+  print_table(of_regimes(regimes, "loops"), {"regime", "held", "at", "gain_margin_db", "border_hz",
+                                             "peak_gain", "more_delay_ms", "joint", "integrates"});
+  print_table(of_regimes(regimes, "stiff"),
+              {"regime", "held", "name", "n_per_m", "stable_up_to_n_per_m", "passive_up_to_n_per_m"});
+  print_table(json["networks"],
+              {"name", "regime", "solver", "spectral_radius", "rate_hz", "needs_hz", "weakest"});
+  print_table(json["controls"], {"name", "holds_at_low", "holds_at_high", "border"});
+  print_table(json["runs"], {"what", "rate_hz", "delay_ms", "seconds", "peak", "before", "after",
+                             "expected_to_hold", "finite", "faults", "grew", "as_expected"});
 }
 
 /// Every number of it.
@@ -227,12 +197,7 @@ void print(const CheckReport& report, bool verbose) {
   for (std::size_t i = 1; i < sentences.size(); ++i) fmt::print("  {}\n", sentences[i]);
   for (const auto& run : report.runs)
     if (!run.as_expected()) fmt::print("  not as predicted: {}\n", run.what);
-  if (!verbose) return;
-  print_loops(verdict);
-  print_stiff(verdict);
-  if (!verdict.networks.empty()) print_networks(verdict);
-  if (!verdict.controls.empty()) print_controls(verdict);
-  if (!report.runs.empty()) print_runs(report.runs);
+  if (verbose) print_tables(check_json(report));
 }
 
 struct CheckOptions {
@@ -319,31 +284,23 @@ std::string read_options(const CheckOptions& options, CheckJob& job) {
   return choose_delay(options, job);
 }
 
-/// Predicts whether it is stable where the run takes it, and measures it there.
-Checked<ExtremeRun> predict_and_run(const CheckJob& job, ExtremePlan plan) {
-  if (!plan.linear) plan.expected = is_stable_with(job.subject(), plan.world, job.options.push);
-  return run_extreme(job.subject(), plan);
-}
-
-/// On all processors.
+/// Predicts whether it is stable where each run takes it, and measures it there; on all processors.
 std::vector<ExtremeRun> run_all(const CheckJob& job, const StabilityVerdict& verdict) {
   const auto world = or_exit(RestingWorld::make(job.subject(), job.options.world));
   auto plans = border_runs(job.options.world, verdict);
   for (auto& plan : extremes_of(job.options.world, world.instrument())) plans.push_back(std::move(plan));
   std::vector<Checked<ExtremeRun>> made(plans.size());
   Progress progress{"running"};
-  parallel_for(
-      static_cast<int>(plans.size()), [&](int i) { made[index(i)] = predict_and_run(job, plans[index(i)]); },
-      [&](double share) { progress(share); });
+  const auto run_one = [&](int i) {
+    auto& plan = plans[index(i)];
+    if (!plan.linear) plan.expected = is_stable_with(job.subject(), plan.world, job.options.push);
+    made[index(i)] = run_extreme(job.subject(), plan);
+  };
+  parallel_for(static_cast<int>(plans.size()), run_one, [&](double share) { progress(share); });
   std::vector<ExtremeRun> runs;
   for (auto& run : made) runs.push_back(or_exit(std::move(run)));
   exclude_player_energy(runs);
   return runs;
-}
-
-StabilityVerdict analyse(const CheckJob& job) {
-  Progress progress{"analysing the loops"};
-  return or_exit(analyse_stability(job.subject(), job.options, [&](double share) { progress(share); }));
 }
 
 int run_check(const CheckOptions& options) {
@@ -351,7 +308,11 @@ int run_check(const CheckOptions& options) {
   CheckReport report;
   report.name = load(options, job);
   report.delay_source = read_options(options, job);
-  report.verdict = analyse(job);
+  {
+    Progress progress{"analysing the loops"};
+    const auto show = [&](double share) { progress(share); };
+    report.verdict = or_exit(analyse_stability(job.subject(), job.options, show));
+  }
   if (!options.quick) report.runs = run_all(job, report.verdict);
   options.json ? print_json(check_json(report)) : print(report, options.verbose);
   return report.passed() ? kDone : kNo;
@@ -382,8 +343,9 @@ void add_check(CLI::App& app, int& exit_code) {
          "damping of the haptic device assumed for an instrument without a scene"}})
     command.add_option(name, *value, help)->capture_default_str();
   command.add_flag("--quick", options.quick, "analyse the graph only; do not simulate");
-  command.add_flag("--verbose", options.verbose,
-                   "also print tables of all loops, networks, controls and simulation runs");
+  command.add_flag(
+      "--verbose", options.verbose,
+      "also print tables of all loops, networks, controls and simulation runs, named as in --json");
   command.add_flag("--json", options.json, "print every number as JSON");
   command.footer(
       "Examples:\n  tactus check instruments/haptic_drum\n  tactus check my_wall.toml --delay \"1 ms\" "

@@ -1,7 +1,9 @@
 #pragma once
 // Thread: [control]
 
+#include <CLI/CLI.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,11 +13,17 @@
 
 namespace tactus::app {
 
-/// Names of the backends for sound cards that this program was built with, the best first.
-std::vector<std::string> card_backends();
 /// The backend of this name, "loop" for the simulated cards; without one all for sound cards. Errors:
 /// UnknownName, listing what there is; Device if this program was built without any.
 Result<std::vector<SoundBackend>> backends_called(const std::string& name);
+
+/// Options that say which card is played on.
+struct DeviceOptions {
+  std::string rig, backend, device, input_device;
+  std::optional<int> periods;
+};
+/// --rig, --backend, --device and --input-device.
+void add_device_options(CLI::App& command, DeviceOptions& options, const char* rig_help);
 
 /// Where a stream is to be opened.
 struct ChosenDevices {
@@ -28,13 +36,15 @@ struct ChosenDevices {
 /// backends_called; Device if no backend has any.
 Result<ChosenDevices> choose_devices(const std::string& backend, const std::string& output,
                                      const std::string& input);
+/// The devices of the command line, or else those of the rig. Throws a CommandError.
+ChosenDevices choose_devices(const DeviceOptions& options, const Rig::Device& rig);
 
 /// A request for them. `rate`, `block` and `periods`, as options give them, go before the setting of a rig,
 /// and that before the device's own. Throws a CommandError.
 StreamRequest request_for(const ChosenDevices& devices, const Rig::Device& rig, const std::string& rate,
                           std::optional<int> block, std::optional<int> periods);
 
-/// nullptr: this program was built without MIDI. `api`: see RtMidiSettings.
-std::unique_ptr<MidiInputs> make_midi_inputs(const std::string& api);
+/// nullptr: this program was built without MIDI. `api`: see make_rtmidi.
+std::shared_ptr<MidiInputs> make_midi_inputs(const std::string& api);
 
 }  // namespace tactus::app

@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <fstream>
 
-#include "apps/cli/commands.h"
 #include "apps/play/live/controls/keyboard.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/file/read_graph.h"
@@ -31,14 +30,16 @@ bool opens(const fs::path& file) {
   return opened;
 }
 
-Status writable_if(bool writable, const fs::path& path, const char* hint) {
-  return writable ? Status{} : fail(Errc::BadFile, path.string(), "cannot be written", hint);
+bool opens_into(const fs::path& folder) {
+  std::error_code none;
+  auto there = fs::absolute(folder, none).lexically_normal();
+  while (!fs::exists(there, none) && there.has_relative_path()) there = there.parent_path();
+  return fs::is_directory(there, none) && opens(there / ".tactus_tries_to_write");
 }
 
-CLI::Validator asks(Status (*can_write)(const fs::path&)) {
-  return {[can_write](const std::string& text) {
-            const auto status = text.empty() ? Status{} : can_write(text);
-            return status ? std::string{} : to_string(status.error());
+CLI::Validator writable_if(bool (*writable)(const fs::path&), const char* remedy) {
+  return {[=](const std::string& text) {
+            return text.empty() || writable(text) ? "" : text + ": cannot be written; " + remedy;
           },
           ""};
 }
@@ -57,20 +58,8 @@ CLI::App& add_command_group(CLI::App& app, const char* name, const char* help, c
   return *group;
 }
 
-Status can_write_file(const fs::path& file) {
-  return writable_if(opens(file), file, "choose a file in an existing, writable folder");
-}
-
-Status can_write_into(const fs::path& folder) {
-  std::error_code none;
-  auto there = fs::absolute(folder, none).lexically_normal();
-  while (!fs::exists(there, none) && there.has_relative_path()) there = there.parent_path();
-  return writable_if(fs::is_directory(there, none) && opens(there / ".tactus_tries_to_write"), folder,
-                     "choose a writable folder");
-}
-
-CLI::Validator writable_file() { return asks(can_write_file); }
-CLI::Validator writable_folder() { return asks(can_write_into); }
+CLI::Validator writable_file() { return writable_if(opens, "choose a file in an existing, writable folder"); }
+CLI::Validator writable_folder() { return writable_if(opens_into, "choose a writable folder"); }
 
 int report(const CommandError& error) {
   const auto& errors = error.errors;
@@ -103,7 +92,11 @@ Progress::~Progress() {
   if (shown_) fmt::print(stderr, "\r{:70}\r", "");
 }
 
-void Progress::operator()(double share) {
+void Progress::operator()(double share, const std::string& what) {
+  if (!what.empty() && what != std::exchange(what_, what)) {
+    percent_ = -1;
+    if (shown_) fmt::print(stderr, "\r{:70}", "");  // the previous text may be longer
+  }
   const int percent = static_cast<int>(share * 100);
   if (!terminal_ || percent == percent_) return;
   percent_ = percent;
@@ -111,15 +104,6 @@ void Progress::operator()(double share) {
   const int full = percent * 30 / 100;
   fmt::print(stderr, "\r{} [{:=<{}}{: <{}}] {:3} %", what_, "", full, "", 30 - full, percent);
   std::fflush(stderr);
-}
-
-void Progress::operator()(double share, const std::string& what) {
-  if (what != what_) {
-    percent_ = -1;
-    if (shown_) fmt::print(stderr, "\r{:70}", "");  // the previous text may be longer
-  }
-  what_ = what;
-  (*this)(share);
 }
 
 void announce_delay(const GraphSpec& instrument, double delay_s) {

@@ -7,7 +7,6 @@
 #include <iterator>
 #include <system_error>
 
-#include "engine/graph/file/load.h"
 #include "engine/graph/plan/fingerprint.h"
 #include "engine/scene/guard_report.h"
 

@@ -1,13 +1,19 @@
 #include <fmt/format.h>
 
 #include "apps/cli/backends.h"
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/cli/json.h"
+#include "engine/core/named.h"
 #include "latency/measured.h"
 
 namespace tactus::app {
 namespace {
+
+/// In whatever setting.
+const MeasuredDelay* newest_of(const Device& device, const MeasuredDelays& delays) {
+  return delays.newest(
+      [&](const DelayKey& key) { return key.input == device.id && key.output == device.id; });
+}
 
 Json device_json(const Device& device, const MeasuredDelays& delays) {
   Json json{{"id", device.id},
@@ -20,39 +26,32 @@ Json device_json(const Device& device, const MeasuredDelays& delays) {
   if (device.block_frames) json["block_frames"] = *device.block_frames;
   if (device.input_latency_frames) json["driver_input_latency_frames"] = *device.input_latency_frames;
   if (device.output_latency_frames) json["driver_output_latency_frames"] = *device.output_latency_frames;
-  if (const auto* measured = delays.newest(device.id, device.id)) {
+  if (const auto* measured = newest_of(device, delays)) {
     json["measured_delay_s"] = measured->delay.value;
     json["measured_at"] = measured->when;
   }
   return json;
 }
 
-std::string latency_text(const Device& device) {
-  if (!device.input_latency_frames && !device.output_latency_frames) return "";
-  const auto ms = [&](const std::optional<double>& frames) {
-    return frames ? fmt::format("{:.2f}", 1e3 * *frames / device.default_rate.value) : std::string{"?"};
-  };
-  return fmt::format(", driver reports {} ms in, {} ms out", ms(device.input_latency_frames),
-                     ms(device.output_latency_frames));
-}
-
-std::string measured_text(const Device& device, const MeasuredDelays& delays) {
-  const auto* measured = delays.newest(device.id, device.id);
-  if (measured == nullptr) return "";
-  return fmt::format("\n      measured on this machine: {:.3f} ms, block {} frames, {:g} kHz, {}",
-                     1e3 * measured->delay.value, measured->key.block_frames,
-                     measured->key.sample_rate.value / 1e3, measured->when);
-}
-
 void print(const Device& device, const MeasuredDelays& delays) {
   fmt::print("  {}{}\n", device.id, device.is_default ? "  (default)" : "");
   std::vector<double> rates;
   for (const auto& rate : device.sample_rates) rates.push_back(rate.value / 1e3);
-  fmt::print("      {}: {} in, {} out, {}{}{}{}\n", device.name, device.in_channels, device.out_channels,
+  fmt::print("      {}: {} in, {} out, {}", device.name, device.in_channels, device.out_channels,
              rates.empty() ? fmt::format("{:g} kHz and other rates", device.default_rate.value / 1e3)
-                           : fmt::format("{:g} kHz", fmt::join(rates, ", ")),
-             device.block_frames ? fmt::format(", {} frames per block", *device.block_frames) : "",
-             latency_text(device), measured_text(device, delays));
+                           : fmt::format("{:g} kHz", fmt::join(rates, ", ")));
+  if (device.block_frames) fmt::print(", {} frames per block", *device.block_frames);
+  const auto ms = [&](const std::optional<double>& frames) {
+    return frames ? fmt::format("{:.2f}", 1e3 * *frames / device.default_rate.value) : "?";
+  };
+  if (device.input_latency_frames || device.output_latency_frames)
+    fmt::print(", driver reports {} ms in, {} ms out", ms(device.input_latency_frames),
+               ms(device.output_latency_frames));
+  if (const auto* measured = newest_of(device, delays))
+    fmt::print("\n      measured on this machine: {:.3f} ms, block {} frames, {:g} kHz, {}",
+               1e3 * measured->delay.value, measured->key.block_frames, measured->key.sample_rate.value / 1e3,
+               measured->when);
+  fmt::print("\n");
 }
 
 struct DevicesOptions {
@@ -92,7 +91,7 @@ void add_devices(CLI::App& app, int& exit_code) {
                                         exit_code, run_devices);
   command.add_option("--backend", options.backend,
                      fmt::format("list only the devices of this backend: {}, or loop (simulated cards)",
-                                 fmt::join(card_backends(), ", ")));
+                                 fmt::join(names_of(sound_backends()), ", ")));
   command.add_flag("--json", options.json, "print the list as JSON");
   command.footer(
       "Examples:\n  tactus devices\n  tactus devices --backend jack --json\nPass an id, or an unambiguous "

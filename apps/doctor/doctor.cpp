@@ -1,17 +1,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cstdio>
+#include <regex>
 #include <set>
 #include <sstream>
 #include <thread>
 
-#include "apps/cli/commands.h"
+#include "apps/cli/console.h"
 #include "apps/cli/json.h"
 #include "apps/doctor/findings.h"
 #include "backends/realtime_thread.h"
+#include "engine/core/named.h"
 
 namespace tactus::app {
 namespace {
@@ -29,10 +30,13 @@ SystemFinding warn(std::string what, std::string command) {
 SystemFinding unknown(std::string what, std::string command = "") {
   return {SystemFinding::State::Unknown, std::move(what), std::move(command)};
 }
-SystemFinding named(std::string name, SystemFinding finding) {
-  finding.name = std::move(name);
-  return finding;
-}
+
+struct Findings : std::vector<SystemFinding> {
+  void add(const char* name, SystemFinding finding) {
+    finding.name = name;
+    push_back(std::move(finding));
+  }
+};
 
 bool contains(const Text& text, const std::string& word) {
   return text && text->find(word) != std::string::npos;
@@ -63,16 +67,11 @@ bool in_audio_group(const SystemFiles& system) {
   return false;
 }
 
-/// The value of an option, given short or long: "-p 64", "-p64", "--period=64".
-std::optional<int> option_in(const std::vector<std::string>& arguments, std::size_t from,
-                             const std::array<std::string, 2>& names) {
-  for (std::size_t i = from; i < arguments.size(); ++i)
-    for (const auto& name : names) {
-      if (arguments[i] == name && i + 1 < arguments.size()) return number_in(arguments[i + 1]);
-      if (!arguments[i].starts_with(name)) continue;
-      return number_in(arguments[i].substr(name.size() + (arguments[i][name.size()] == '=' ? 1 : 0)));
-    }
-  return std::nullopt;
+/// The number behind one of the `names` of an option: "-p 64", "-p64", "--period=64".
+std::optional<int> option_in(const std::string& arguments, const std::string& names) {
+  std::smatch found;
+  const std::regex option{" (" + names + ")[ =]?([0-9]+)"};
+  return std::regex_search(arguments, found, option) ? number_in(found[2]) : std::nullopt;
 }
 
 /// Warns of a block of a sound server that is long.
@@ -88,9 +87,9 @@ SystemFinding check_jack(const std::vector<std::string>& all) {
   if (driver == all.end())
     return unknown("a JACK server is running but does not report its settings",
                    "jack_bufsize; jack_samplerate");
-  const auto at = static_cast<std::size_t>(driver - all.begin());
-  const int period = option_in(all, at + 1, {"-p", "--period"}).value_or(1024);
-  const int rate = option_in(all, at + 1, {"-r", "--rate"}).value_or(48000);
+  const auto options = fmt::format(" {}", fmt::join(driver + 1, all.end(), " "));
+  const int period = option_in(options, "-p|--period").value_or(1024);
+  const int rate = option_in(options, "-r|--rate").value_or(48000);
   const auto what = fmt::format("jackd runs at {} Hz with {} frames per period", rate, period);
   if (std::any_of(all.begin(), driver,
                   [](const auto& text) { return text == "-r" || text == "--no-realtime"; }))
@@ -143,18 +142,17 @@ bool is_realtime(const SystemFiles& system) {
          contains(system.text("proc/version"), "PREEMPT_RT");
 }
 
-/// Of every processor that has such a file.
-template <class Use>
-void for_each_processor(const SystemFiles& system, const std::string& file, Use use) {
-  const std::string all = "sys/devices/system/cpu/";
-  for (const auto& processor : system.names(all)) use(all + processor + "/" + file);
+/// Of every processor.
+std::vector<std::string> processor_files(const SystemFiles& system, const std::string& file) {
+  auto files = system.names("sys/devices/system/cpu/");
+  for (auto& name : files) name = "sys/devices/system/cpu/" + name + "/" + file;
+  return files;
 }
 
-}  // namespace
-
-const char* name_of(SystemFinding::State state) {
-  return state == SystemFinding::State::Ok ? "ok" : state == SystemFinding::State::Warn ? "warn" : "unknown";
-}
+struct Process {
+  std::string name;
+  std::vector<std::string> arguments;
+};
 
 std::vector<Process> processes_of(const SystemFiles& system) {
   std::vector<Process> all;
@@ -168,10 +166,10 @@ std::vector<Process> processes_of(const SystemFiles& system) {
   return all;
 }
 
-SystemFinding check_right(const SystemFiles& system, const Status& tried, const char* item) {
-  if (tried)
-    return ok(item == std::string{"rtprio"} ? "this user's threads can use SCHED_FIFO"
-                                            : "the program can lock its memory");
+/// `item`: "rtprio", "memlock".
+SystemFinding check_right(const SystemFiles& system, const Status& tried, const char* item,
+                          const char* granted) {
+  if (tried) return ok(granted);
   const auto& what = tried.error().what;
   if (!system.exists("proc")) return warn(what, tried.error().remedy);
   if (!contains(system.text("etc/security/limits.d/audio.conf"), item))
@@ -183,10 +181,10 @@ SystemFinding check_right(const SystemFiles& system, const Status& tried, const 
               "exec su - $USER   # or log in again: the limits of this session are older than their file");
 }
 
-SystemFinding check_governor(const SystemFiles& system) {
+SystemFinding check_governor(const SystemState& system) {
   std::set<std::string> governors;
-  for_each_processor(system, "cpufreq/scaling_governor",
-                     [&](const std::string& file) { governors.insert(system.line(file)); });
+  for (const auto& file : processor_files(system, "cpufreq/scaling_governor"))
+    governors.insert(system.line(file));
   governors.erase("");
   if (governors.empty()) return unknown("the processor clock cannot be read (a virtual machine?)");
   governors.erase("performance");
@@ -195,13 +193,12 @@ SystemFinding check_governor(const SystemFiles& system) {
               "sudo cpupower frequency-set -g performance");
 }
 
-SystemFinding check_idle(const SystemFiles& system) {
+SystemFinding check_idle(const SystemState& system) {
   int longest = -1;
-  for_each_processor(system, "cpuidle", [&](const std::string& folder) {
+  for (const auto& folder : processor_files(system, "cpuidle"))
     for (const auto& state : system.names(folder))
       if (system.line(folder + "/" + state + "/disable") != "1")
         longest = std::max(longest, number_in(system.line(folder + "/" + state + "/latency")).value_or(-1));
-  });
   if (longest < 0) return unknown("idle states cannot be read");
   const auto what = fmt::format("processors wake up within {} us", longest);
   if (longest <= kSlowWake_us) return ok(what);
@@ -209,7 +206,7 @@ SystemFinding check_idle(const SystemFiles& system) {
               fmt::format("sudo cpupower idle-set -D {}", kSlowWake_us + 1));
 }
 
-SystemFinding check_kernel(const SystemFiles& system) {
+SystemFinding check_kernel(const SystemState& system) {
   constexpr auto* kFull = "echo full | sudo tee /sys/kernel/debug/sched/preempt";
   const auto version = system.text("proc/version"), command_line = system.text("proc/cmdline"),
              preemption = system.text("sys/kernel/debug/sched/preempt");
@@ -230,7 +227,7 @@ SystemFinding check_kernel(const SystemFiles& system) {
               "sudo apt-get install linux-image-rt-amd64   # then boot it");
 }
 
-SystemFinding check_interrupts(const SystemFiles& system) {
+SystemFinding check_interrupts(const SystemState& system) {
   const auto command_line = system.text("proc/cmdline");
   if (!system.text("proc/version") || !command_line) return unknown("the interrupt settings cannot be read");
   if (!is_realtime(system) && !contains(command_line, "threadirqs"))
@@ -244,11 +241,11 @@ SystemFinding check_interrupts(const SystemFiles& system) {
               "sudo apt-get install rtirq-init");
 }
 
-SystemFinding check_swap(const SystemFiles& system, bool memory_locked) {
+SystemFinding check_swap(const SystemState& system) {
   const auto swaps = system.text("proc/swaps");
   if (!swaps) return unknown("swap cannot be read");
   if (std::count(swaps->begin(), swaps->end(), '\n') <= 1) return ok("no swap");
-  if (memory_locked) return ok("swap is in use, but the program's memory is locked");
+  if (system.memory) return ok("swap is in use, but the program's memory is locked");
   const auto swappiness = number_in(system.line("proc/sys/vm/swappiness"));
   if (swappiness && *swappiness <= kLowSwappiness)
     return ok(fmt::format("memory is rarely swapped out (swappiness {})", *swappiness));
@@ -258,7 +255,7 @@ SystemFinding check_swap(const SystemFiles& system, bool memory_locked) {
                   kLowSwappiness));
 }
 
-SystemFinding check_machine(const SystemFiles& system) {
+SystemFinding check_machine(const SystemState& system) {
   const auto processors = system.text("proc/cpuinfo");
   if (!processors) return unknown("the processor cannot be read");
   if (!contains(processors, " hypervisor")) return ok("no virtual machine");
@@ -267,7 +264,7 @@ SystemFinding check_machine(const SystemFiles& system) {
       "systemd-detect-virt   # shows which one; play on the host instead");
 }
 
-SystemFinding check_cards(const SystemFiles& system) {
+SystemFinding check_cards(const SystemState& system) {
   const auto cards = system.text("proc/asound/cards");
   if (!cards) return unknown("the kernel does not list sound cards (no ALSA)");
   std::vector<std::string> names;
@@ -281,8 +278,9 @@ SystemFinding check_cards(const SystemFiles& system) {
               "sudo dmesg | tail   # shows what happened when it was connected");
 }
 
-std::vector<SystemFinding> check_usb(const SystemFiles& system) {
-  std::vector<SystemFinding> findings;
+/// A finding for each sound card on USB, or one that says that there is none.
+void check_usb(const SystemFiles& system, Findings& findings) {
+  const auto before = findings.size();
   auto devices = system.names(kUsb);
   std::erase_if(devices, [](const std::string& name) {
     return name.find('-') == std::string::npos || name.find(':') != std::string::npos;
@@ -294,81 +292,55 @@ std::vector<SystemFinding> check_usb(const SystemFiles& system) {
       return other != device && !parent.empty() && usb_parent(other) == parent &&
              system.line(kUsb + other + "/bDeviceClass") != "09";
     });
-    findings.push_back(
-        system.line(kUsb + device + "/power/control") == "auto"
-            ? warn(name + " may be suspended when idle",
-                   "echo on | sudo tee /sys/bus/usb/devices/" + device + "/power/control")
-        : neighbour != devices.end()
-            ? warn(name + " shares a hub with " + usb_name(system, *neighbour),
-                   "lsusb -t   # shows the ports; connect the card to a port of the computer itself")
-            : ok(name + " is never suspended and does not share a hub"));
+    findings.add("USB",
+                 system.line(kUsb + device + "/power/control") == "auto"
+                     ? warn(name + " may be suspended when idle",
+                            "echo on | sudo tee /sys/bus/usb/devices/" + device + "/power/control")
+                 : neighbour != devices.end()
+                     ? warn(name + " shares a hub with " + usb_name(system, *neighbour),
+                            "lsusb -t   # shows the ports; connect the card to a port of the computer itself")
+                     : ok(name + " is never suspended and does not share a hub"));
   }
-  if (findings.empty())
-    findings.push_back(devices.empty() ? unknown("USB devices cannot be read")
-                                       : ok("no sound card is connected by USB"));
-  return findings;
+  if (findings.size() == before)
+    findings.add("USB", devices.empty() ? unknown("USB devices cannot be read")
+                                        : ok("no sound card is connected by USB"));
 }
 
-std::vector<SystemFinding> check_servers(const std::vector<Process>& processes, const std::string& pipewire) {
-  std::vector<SystemFinding> findings;
+/// The same for sound servers that run.
+void check_servers(const SystemState& system, Findings& findings) {
+  const auto before = findings.size();
   std::set<std::string> seen;
-  for (const auto& [name, arguments] : processes) {
+  for (const auto& [name, arguments] : processes_of(system)) {
     const bool first = seen.insert(name).second;
-    if (name == "jackd") findings.push_back(named("JACK", check_jack(arguments)));
-    if (name == "jackdbus" && first)
-      findings.push_back(
-          named("JACK", unknown("jackdbus is running but does not report its settings", "jack_control dp")));
-    if (name == "pipewire" && first) findings.push_back(named("PipeWire", check_pipewire(pipewire)));
-    if (name == "pulseaudio" && first)
-      findings.push_back(
-          named("PulseAudio", warn("PulseAudio occupies the sound cards", "pasuspender -- tactus play …")));
+    if (name == "jackd") findings.add("JACK", check_jack(arguments));
+    if (!first) continue;
+    if (name == "jackdbus")
+      findings.add("JACK",
+                   unknown("jackdbus is running but does not report its settings", "jack_control dp"));
+    if (name == "pipewire") findings.add("PipeWire", check_pipewire(system.pipewire));
+    if (name == "pulseaudio")
+      findings.add("PulseAudio", warn("PulseAudio occupies the sound cards", "pasuspender -- tactus play …"));
   }
-  if (findings.empty())
-    findings.push_back(
-        named("sound server", ok("none is running: Tactus has exclusive access to the cards")));
-  return findings;
+  if (findings.size() == before)
+    findings.add("sound server", ok("none is running: Tactus has exclusive access to the cards"));
 }
 
-std::vector<SystemFinding> check_system(const SystemFiles& system, const Status& priority,
-                                        const Status& memory, const std::string& pipewire) {
-  std::vector<SystemFinding> all{named("real-time priority", check_right(system, priority, "rtprio")),
-                                 named("memory lock", check_right(system, memory, "memlock"))};
-  if (!system.exists("proc")) {
-    all.push_back(
-        named("system", unknown("processors, kernel, sound servers and USB can only be checked on Linux")));
-    return all;
-  }
-  all.push_back(named("CPU governor", check_governor(system)));
-  all.push_back(named("CPU idle states", check_idle(system)));
-  all.push_back(named("kernel", check_kernel(system)));
-  all.push_back(named("interrupts", check_interrupts(system)));
-  all.push_back(named("swap", check_swap(system, memory.has_value())));
-  all.push_back(named("machine", check_machine(system)));
-  for (auto& finding : check_servers(processes_of(system), pipewire)) all.push_back(std::move(finding));
-  all.push_back(named("sound cards", check_cards(system)));
-  for (auto& finding : check_usb(system)) all.push_back(named("USB", std::move(finding)));
-  return all;
-}
-
-namespace {
+constexpr std::pair<const char*, SystemFinding (*)(const SystemState&)> kChecks[] = {
+    {"CPU governor", check_governor},
+    {"CPU idle states", check_idle},
+    {"kernel", check_kernel},
+    {"interrupts", check_interrupts},
+    {"swap", check_swap},
+    {"machine", check_machine}};
 
 constexpr int kPriority = 70;  // below that of the threads of interrupts, 50 + 40 with rtirq
-
-/// On a thread of its own, which takes its priority with it when it ends.
-Status try_priority() {
-  Status tried;
-  std::thread{[&] { tried = become_realtime(kPriority); }}.join();
-  return tried;
-}
 
 /// The settings of a PipeWire that runs; empty where there is none.
 std::string pipewire_settings([[maybe_unused]] const SystemFiles& system) {
   std::string text;
 #if defined(__linux__)
   const auto processes = processes_of(system);
-  if (std::none_of(processes.begin(), processes.end(),
-                   [](const Process& process) { return process.name == "pipewire"; }))
-    return text;
+  if (find_named(processes, "pipewire") == nullptr) return text;
   std::FILE* pipe = popen("timeout 2 pw-metadata -n settings 0 2>/dev/null </dev/null", "r");
   if (pipe == nullptr) return text;
   for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) text += static_cast<char>(c);
@@ -377,9 +349,8 @@ std::string pipewire_settings([[maybe_unused]] const SystemFiles& system) {
   return text;
 }
 
-void print(const SystemFinding& finding) {
-  fmt::print("{:8} {:18}  {}\n", name_of(finding.state), finding.name, finding.what);
-  if (!finding.command.empty()) fmt::print("{:29}{}\n", "", finding.command);
+const char* name_of(SystemFinding::State state) {
+  return state == SystemFinding::State::Ok ? "ok" : state == SystemFinding::State::Warn ? "warn" : "unknown";
 }
 
 Json finding_json(const SystemFinding& finding) {
@@ -394,18 +365,39 @@ struct DoctorOptions {
 };
 
 int run_doctor(const DoctorOptions& options) {
-  const SystemFiles system;
-  const auto findings = check_system(system, try_priority(), lock_memory(), pipewire_settings(system));
-  const bool warned = std::any_of(findings.begin(), findings.end(), [](const SystemFinding& finding) {
-    return finding.state == SystemFinding::State::Warn;
-  });
+  SystemState system;
+  // A thread takes its priority with it when it ends.
+  std::thread{[&] { system.priority = become_realtime(kPriority); }}.join();
+  system.memory = lock_memory();
+  system.pipewire = pipewire_settings(system);
+  const auto findings = check_system(system);
+  const bool warned = std::ranges::count(findings, SystemFinding::State::Warn, &SystemFinding::state) > 0;
   if (options.json) print_json({{"ok", !warned}, {"findings", list_of(findings, finding_json)}});
-  for (const auto& finding : findings)
-    if (!options.json) print(finding);
+  for (const auto& [state, what, command, name] : findings) {
+    if (options.json) continue;
+    fmt::print("{:8} {:18}  {}\n", name_of(state), name, what);
+    if (!command.empty()) fmt::print("{:29}{}\n", "", command);
+  }
   return warned ? kNo : kDone;
 }
 
 }  // namespace
+
+std::vector<SystemFinding> check_system(const SystemState& system) {
+  Findings all;
+  all.add("real-time priority",
+          check_right(system, system.priority, "rtprio", "this user's threads can use SCHED_FIFO"));
+  all.add("memory lock", check_right(system, system.memory, "memlock", "the program can lock its memory"));
+  if (!system.exists("proc")) {
+    all.add("system", unknown("processors, kernel, sound servers and USB can only be checked on Linux"));
+    return all;
+  }
+  for (const auto& [name, check] : kChecks) all.add(name, check(system));
+  check_servers(system, all);
+  all.add("sound cards", check_cards(system));
+  check_usb(system, all);
+  return all;
+}
 
 void add_doctor(CLI::App& app, int& exit_code) {
   auto [command, options] = add_command(

@@ -55,6 +55,13 @@ class SystemFiles {
   std::filesystem::path root_;
 };
 
+/// A system as it can be read, and what it granted.
+struct SystemState : SystemFiles {
+  using SystemFiles::SystemFiles;
+  Status priority, memory;  ///< a thread asked for real-time priority; the program asked to stay in memory
+  std::string pipewire;     ///< what `pw-metadata -n settings 0` prints
+};
+
 /// One result of `tactus doctor`.
 struct SystemFinding {
   enum class State { Ok, Warn, Unknown };
@@ -64,35 +71,8 @@ struct SystemFinding {
   std::string name{};     ///< of what was checked
 };
 
-/// "ok", "warn", "unknown"
-const char* name_of(SystemFinding::State state);
-
-struct Process {
-  std::string name;
-  std::vector<std::string> arguments;
-};
-std::vector<Process> processes_of(const SystemFiles& system);
-
-// Each checks one thing, without its name.
-
-/// `tried`: a thread asked for real-time priority, or the program asked to stay in memory; `item`: "rtprio",
-/// "memlock".
-SystemFinding check_right(const SystemFiles& system, const Status& tried, const char* item);
-SystemFinding check_governor(const SystemFiles& system);
-SystemFinding check_idle(const SystemFiles& system);
-SystemFinding check_kernel(const SystemFiles& system);
-SystemFinding check_interrupts(const SystemFiles& system);
-SystemFinding check_swap(const SystemFiles& system, bool memory_locked);
-SystemFinding check_machine(const SystemFiles& system);
-SystemFinding check_cards(const SystemFiles& system);
-/// One for each sound card on USB, or one that says that there is none.
-std::vector<SystemFinding> check_usb(const SystemFiles& system);
-/// With names: one for each sound server that runs, or one that says that there is none. `pipewire`: what
-/// `pw-metadata -n settings 0` prints.
-std::vector<SystemFinding> check_servers(const std::vector<Process>& processes, const std::string& pipewire);
-
-/// All of them, the most important first. `priority`, `memory`: see check_right.
-std::vector<SystemFinding> check_system(const SystemFiles& system, const Status& priority,
-                                        const Status& memory, const std::string& pipewire);
+/// All findings, the most important first. Each sound server that runs and each sound card on USB has its
+/// own.
+std::vector<SystemFinding> check_system(const SystemState& system);
 
 }  // namespace tactus::app

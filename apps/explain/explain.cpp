@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/cli/json.h"
 #include "engine/core/channels.h"
@@ -46,22 +45,17 @@ std::vector<double> measure_steps(Player& engine, int block) {
   return least;
 }
 
-const char* kind_of(const Step& step) {
+Json step_json(const Plan& plan, const Step& step, double cost) {
   static constexpr const char* kKinds[] = {"process", "emit", "absorb", "operations", "outside"};
-  return kKinds[static_cast<int>(step.kind)];
-}
-
-const Vertex& vertex_of(const Plan& plan, const Step& step) { return plan.vertices[index(step.vertex)]; }
-
-std::string name_of(const Plan& plan, const Step& step) {
-  return step.vertex < 0 ? "outside" : vertex_of(plan, step).path;
-}
-
-std::string what_runs(const Plan& plan, const Step& step) {
-  if (step.kind == Step::Kind::Operations)
-    return fmt::format("{} operation{}", step.operations, step.operations == 1 ? "" : "s");
-  if (step.node < 0) return "the instrument runs";
-  return vertex_of(plan, step).description();
+  const auto* vertex = step.vertex < 0 ? nullptr : &plan.vertices[index(step.vertex)];
+  const auto what = step.kind == Step::Kind::Operations
+                        ? fmt::format("{} operation{}", step.operations, step.operations == 1 ? "" : "s")
+                    : step.node < 0 ? "the instrument runs"
+                                    : vertex->description();
+  return {{"name", vertex == nullptr ? "outside" : vertex->path},
+          {"what", what},
+          {"how", kKinds[static_cast<int>(step.kind)]},
+          {"ns_per_frame", cost}};
 }
 
 std::size_t memory_of(const Plan& plan) {
@@ -78,13 +72,13 @@ std::string about_step(const Plan& plan, const Step& step) {
 
 Json left_out_json(const LeftOut& left) { return {{"name", left.path}, {"why", left.reason}}; }
 
-Json cut_loop_json(const LoopReport& loop) {
-  return {{"through", loop.paths}, {"delay_frames", loop.delay_frames}, {"sub_block_frames", loop.sub_block}};
-}
-
 Json explain_engine(Player& engine, const std::string& title, int block) {
   const auto& plan = engine.plan();
   const auto costs = measure_steps(engine, block);
+  const auto cut_loop_json = [](const LoopReport& loop) -> Json {
+    return {
+        {"through", loop.paths}, {"delay_frames", loop.delay_frames}, {"sub_block_frames", loop.sub_block}};
+  };
   Json json{{"graph", title},
             {"sample_rate_hz", plan.sample_rate.value},
             {"signal_memory_bytes", memory_of(plan)},
@@ -96,12 +90,9 @@ Json explain_engine(Player& engine, const std::string& title, int block) {
     Json part{{"loop", section.loop}, {"sub_block_frames", section.sub_block}, {"steps", Json::array()}};
     for (int s = section.first_step; s < section.end_step; ++s) {
       const auto& step = plan.steps[index(s)];
+      part["steps"].push_back(step_json(plan, step, costs[index(s)]));
       if (const auto about = about_step(plan, step); !about.empty())
-        json["about"].push_back({{"name", name_of(plan, step)}, {"what", about}});
-      part["steps"].push_back({{"name", name_of(plan, step)},
-                               {"what", what_runs(plan, step)},
-                               {"how", kind_of(step)},
-                               {"ns_per_frame", costs[index(s)]}});
+        json["about"].push_back({{"name", part["steps"].back()["name"]}, {"what", about}});
     }
     json["sections"].push_back(part);
   }
@@ -138,35 +129,19 @@ void print(const Json& json) {
   if (json["left_out"].empty()) fmt::print("omitted: nothing\n");
 }
 
-/// What lies around the engines and is not there: nothing is opened or started here.
-std::vector<LeftOut> around_everything() {
-  return {{"sound card", "is not opened: everything runs in the simulation or offline"},
-          {"threads", "are not started: everything runs on the calling thread"}};
-}
-
-std::vector<LeftOut> around(const GraphSpec& graph) {
-  std::vector<LeftOut> left = around_everything();
-  for (const auto& tap : event_taps(graph, standard_nodes()))
-    left.push_back({"tap " + tap, "is not read here; scenes and `tactus render --events` read it"});
-  return left;
-}
-
-std::vector<LeftOut> around(const SceneSpec& scene, const BuiltScene& built) {
-  std::vector<LeftOut> left = around_everything();
-  if (!scene.converters.on) left.push_back({"converters", "are off in this scene"});
-  if (built.delay_frames == 0) left.push_back({"delay line", "the system delay is 0 frames"});
-  return left;
-}
-
-int finish(const ExplainOptions& options, const std::vector<LeftOut>& around,
+/// `omitted`: what lies around the engines and is not there.
+int finish(const ExplainOptions& options, std::vector<LeftOut> omitted,
            std::vector<std::pair<std::string, Player*>> engines) {
+  omitted.insert(omitted.begin(),
+                 {{"sound card", "is not opened: everything runs in the simulation or offline"},
+                  {"threads", "are not started: everything runs on the calling thread"}});
   Json all = Json::array();
   for (const auto& [title, engine] : engines) {
     or_exit(engine->prepare(
         {engine->plan().sample_rate, engine->in_channels(), engine->out_channels(), options.block}));
     all.push_back(explain_engine(*engine, title, options.block));
   }
-  for (const auto& left : around) all[0]["left_out"].push_back(left_out_json(left));
+  for (const auto& left : omitted) all[0]["left_out"].push_back(left_out_json(left));
   if (options.json) print_json(all.size() == 1 ? all[0] : Json{{"graphs", all}});
   for (const auto& json : all)
     if (!options.json) print(json);
@@ -181,12 +156,15 @@ bool is_scene(const std::filesystem::path& file) {
 int run_explain(const ExplainOptions& options) {
   const auto file = resolve_target(options.target, "instrument.toml");
   const auto rate = parse_rate(options.rate);
+  std::vector<LeftOut> omitted;
   if (is_scene(file)) {
     const auto loaded = load_scene_leniently(file, root_of(file));
     SceneOptions with;
     with.rate = rate;
     const auto built = or_exit(build_scene(loaded, standard_nodes(), with));
-    return finish(options, around(*loaded.scene, built),
+    if (!loaded.scene->converters.on) omitted.push_back({"converters", "are off in this scene"});
+    if (built.delay_frames == 0) omitted.push_back({"delay line", "the system delay is 0 frames"});
+    return finish(options, std::move(omitted),
                   {{"instrument of " + loaded.scene->name, built.instrument.get()},
                    {"simulation of " + loaded.scene->name, built.plant.get()}});
   }
@@ -194,7 +172,9 @@ int run_explain(const ExplainOptions& options) {
   CompileOptions compile_options;
   compile_options.sample_rate = rate;
   Player engine{or_exit(compile(loaded, standard_nodes(), compile_options))};
-  return finish(options, around(*loaded.spec), {{loaded.spec->name, &engine}});
+  for (const auto& tap : event_taps(*loaded.spec, standard_nodes()))
+    omitted.push_back({"tap " + tap, "is not read here; scenes and `tactus render --events` read it"});
+  return finish(options, std::move(omitted), {{loaded.spec->name, &engine}});
 }
 
 }  // namespace

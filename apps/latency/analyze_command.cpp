@@ -55,7 +55,6 @@ int captured_channel(const AnalyzeOptions& options, int first, int channels) {
                            : fmt::format("it has channels {} to {}", first, first + channels - 1)});
 }
 
-/// The probe at the rate of what was captured.
 Samples at_rate(Samples probe, Hertz rate) {
   if (probe.sample_rate == rate) return probe;
   fmt::print(stderr,
@@ -65,53 +64,43 @@ Samples at_rate(Samples probe, Hertz rate) {
   return resample(probe, rate);
 }
 
-/// Two files as one recording, as if they had begun together.
-Capture joined(const AnalyzeOptions& options, Samples captured) {
-  auto played = at_rate(read(options.probe, options), captured.sample_rate);
-  const int channel = captured_channel(options, 1, static_cast<int>(captured.channels.size()));
-  auto& first = played.channels.front();
-  first.resize(static_cast<std::size_t>(std::max(captured.frames(), played.frames())));
-  return {{captured.sample_rate, std::move(first), std::move(captured.channels)}, channel};
-}
-
-/// A file whose first channel is what was played.
-Capture cut(const AnalyzeOptions& options, Samples both) {
-  if (both.channels.size() < 2)
+/// A file whose first channel is what was played, or two files as if they had begun together.
+Capture capture_of(const AnalyzeOptions& options) {
+  auto samples = read(options.capture, options);
+  auto& channels = samples.channels;
+  const bool together = options.probe.empty();
+  if (together && channels.size() < 2)
     exit_with({Errc::BadFile, options.capture, "it has one channel, and no probe file is given",
                "give the file that was played as --probe"});
-  const int channel = captured_channel(options, 2, static_cast<int>(both.channels.size()) - 1);
-  auto played = std::move(both.channels.front());
-  both.channels.erase(both.channels.begin());
-  return {{both.sample_rate, std::move(played), std::move(both.channels)}, channel};
-}
-
-LatencyReport report_of(const std::string& source, Capture capture, Analysis analysis) {
-  LatencyReport report;
-  report.source = source;
-  auto& measurement = report.measurement;
-  measurement.finding = analysis.finding;
-  measurement.delay_frames = analysis.delay_frames;
-  measurement.standard_error_frames = analysis.standard_error_frames;
-  auto& opening = measurement.openings.emplace_back();
-  opening.finding = analysis.finding;
-  opening.recording = std::move(capture.recording);
-  opening.analysis = std::move(analysis);
-  return report;
+  const int first = together ? 2 : 1;
+  const int channel = captured_channel(options, first, static_cast<int>(channels.size()) + 1 - first);
+  std::vector<double> played;
+  if (together) {
+    played = std::move(channels.front());
+    channels.erase(channels.begin());
+  } else {
+    auto probe = at_rate(read(options.probe, options), samples.sample_rate);
+    played = std::move(probe.channels.front());
+    played.resize(std::max(played.size(), channels.front().size()));
+  }
+  return {{samples.sample_rate, std::move(played), std::move(channels)}, channel};
 }
 
 int run_latency_analyze(const AnalyzeOptions& options) {
-  auto samples = read(options.capture, options);
-  auto capture =
-      options.probe.empty() ? cut(options, std::move(samples)) : joined(options, std::move(samples));
+  auto capture = capture_of(options);
   const auto rate = capture.recording.sample_rate;
-  AnalysisSettings settings;
-  settings.channel = capture.channel;
+  AnalysisSettings settings{capture.channel, {}};
   if (!options.profile.empty()) settings.profile = read_profile(options.profile, rate);
-  auto analysis = or_exit(analyze(capture.recording, settings), kBadFile);
-  if (analysis.detected && analysis.delay_frames < -0.5)
+  LatencyReport report;
+  report.source = fmt::format("{}, {:g} kHz", options.capture, rate.value / 1e3);
+  auto& opening = report.measurement.openings.emplace_back();
+  opening.analysis = or_exit(analyze(capture.recording, settings), kBadFile);
+  opening.recording = std::move(capture.recording);
+  opening.finding = opening.analysis.finding;
+  static_cast<DelayEstimate&>(report.measurement) = opening.analysis;
+  if (opening.analysis.detected && opening.analysis.delay_frames < -0.5)
     fmt::print(stderr, "note: the recording started after the probe, so this is not the delay of a device\n");
-  const auto source = fmt::format("{}, {:g} kHz", options.capture, rate.value / 1e3);
-  return publish(report_of(source, std::move(capture), std::move(analysis)), options.report);
+  return publish(std::move(report), options.report);
 }
 
 }  // namespace
@@ -127,10 +116,8 @@ void add_latency_analyze(CLI::App& latency, int& exit_code) {
       "channel of FILE with the captured signal, counted from 1; default: 1, or 2 if channel 1 is the probe",
       1, 1024);
   command.add_option("--rate", options.rate, "actual sample rate, if the headers of the files are wrong");
-  command.add_option("--profile", options.profile,
-                     "profile of the actuator and sensor in the loop, saved by tactus latency calibrate; "
-                     "default: none (a cable)");
-  add_report_options(command, options.report);
+  add_profile_option(command, options.profile);
+  add_report_options(command, options.report, true, false);
   command.footer(
       "Examples:\n  tactus latency analyze capture.wav --probe probe.wav\n  tactus latency analyze "
       "capture.wav --probe probe.wav --channel 2 --report delay.svg\n  tactus latency analyze raw.wav     # "

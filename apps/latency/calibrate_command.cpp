@@ -16,8 +16,8 @@ namespace {
 
 struct CalibrateOptions {
   LoopOptions loop;
-  std::string electrical, out, picture, sound;
-  bool json = false;
+  std::string electrical, out;
+  ReportFiles report;
 };
 
 /// The card's own delay [frames]: given by the user or the rig, or measured here.
@@ -35,9 +35,8 @@ double electrical_frames(const CalibrateOptions& options, const Loop& loop, cons
 Json json_of(const Calibration& calibration, Hertz rate) {
   const auto& profile = calibration.profile;
   // The swing begins somewhere within a frame.
-  const double error = std::hypot(calibration.analysis.standard_error_frames, 1.0 / std::sqrt(12.0));
-  auto json =
-      essentials_json(calibration.finding, rate, calibration.arrival_frames, error, calibration.analysis);
+  const double error = std::hypot(calibration.standard_error_frames, 1.0 / std::sqrt(12.0));
+  auto json = essentials_json({calibration.finding, calibration.arrival_frames, error}, rate, calibration);
   json["delay_is"] =
       "from the drive signal to the first swing of the captured signal, without the delay of the card";
   if (profile.taps.empty()) return json;
@@ -48,8 +47,7 @@ Json json_of(const Calibration& calibration, Hertz rate) {
             {"standard_error_frames", octave.standard_error_frames}};
   };
   const auto& resonance = calibration.resonance;
-  json.update({{"polarity", calibration.polarity},
-               {"low_hz", profile.low.value},
+  json.update({{"low_hz", profile.low.value},
                {"high_hz", profile.high.value},
                {"resonance_hz", known(resonance.has_value(), resonance ? resonance->frequency_hz : 0)},
                {"resonance_q", known(resonance.has_value(), resonance ? resonance->q : 0)},
@@ -64,15 +62,14 @@ void print(const Calibration& calibration, Hertz rate) {
     return fmt::print("no profile      {}\ncause           {}\nremedy          {}\n", code(finding.verdict),
                       finding.what, finding.remedy);
   fmt::print("arrival         {:.3f} ms after the delay of the card alone, {}\n",
-             1e3 * calibration.arrival_frames / rate.value,
-             calibration.polarity > 0 ? "not inverted" : "inverted");
+             1e3 * calibration.arrival_frames / rate.value, polarity_text(calibration.polarity));
   fmt::print("measured band   {:.0f} Hz to {:.0f} Hz\n", calibration.profile.low.value,
              calibration.profile.high.value);
   if (calibration.resonance)
     fmt::print("resonance       {:.1f} Hz, Q {:.2f}\n", calibration.resonance->frequency_hz,
                calibration.resonance->q);
   fmt::print("noise           {:.1f} dB below the probes\nunexplained     {:.2g} of the captured signal\n",
-             calibration.analysis.snr_db, calibration.unexplained);
+             calibration.snr_db, calibration.unexplained);
   fmt::print("group delay    ");
   for (const auto& octave : calibration.group_delay) fmt::print(" {:>9.0f} Hz", octave.centre_hz);
   fmt::print("\n               ");
@@ -87,26 +84,10 @@ std::string description_of(const Calibration& calibration, const std::string& de
       "Measured {} on {} at {:g} kHz: valid from {:.0f} Hz to {:.0f} Hz, arrives after {:.3f} ms, {}",
       fmt::format("{:%Y-%m-%d}", fmt::gmtime(std::time(nullptr))), device, profile.sample_rate.value / 1e3,
       profile.low.value, profile.high.value, 1e3 * calibration.arrival_frames / profile.sample_rate.value,
-      calibration.polarity > 0 ? "not inverted" : "inverted");
+      polarity_text(calibration.polarity));
   if (const auto& resonance = calibration.resonance)
     text += fmt::format(", resonance {:.1f} Hz, Q {:.2f}", resonance->frequency_hz, resonance->q);
   return text + ".";
-}
-
-/// The profile as a graph that scenes can use (engine/scene/file/path_file.h), with what was measured, on
-/// which device.
-void write_profile(const std::string& file, const Calibration& calibration, const std::string& device) {
-  const auto& profile = calibration.profile;
-  or_exit(write_file(
-      file, to_text(PathFile{std::filesystem::path{file}.stem().string(), description_of(calibration, device),
-                             "tactus latency calibrate", profile.sample_rate, profile.taps})));
-}
-
-/// The picture and the recording, if requested.
-void write_evidence(const CalibrateOptions& options, const Calibration& calibration, const Opening& opening) {
-  if (!options.sound.empty()) or_exit(write_recording(options.sound, opening.recording));
-  if (!options.picture.empty() && !calibration.spectrum.empty())
-    or_exit(write_svg(options.picture, picture_of(calibration)));
 }
 
 int run_latency_calibrate(const CalibrateOptions& options) {
@@ -116,17 +97,23 @@ int run_latency_calibrate(const CalibrateOptions& options) {
   if (!measured) exit_with(measured.error(), exit_of(measured.error()));
   const auto& opening = measured->openings.front();
   const auto rate = opening.granted.format.sample_rate;
-  Calibration calibration;
+  Calibration calibration{opening.analysis};
   calibration.finding = opening.finding;
-  calibration.analysis = opening.analysis;
   if (!spoils(opening.finding.verdict))
     calibration = or_exit(calibrate(opening.recording,
                                     {loop.settings.input, electrical_frames(options, loop, opening.granted)}),
                           kUsage);
-  options.json ? print_json(json_of(calibration, rate)) : print(calibration, rate);
-  write_evidence(options, calibration, opening);
+  const auto& [folder, picture, sound, as_json] = options.report;
+  as_json ? print_json(json_of(calibration, rate)) : print(calibration, rate);
+  const auto& profile = calibration.profile;
+  if (!sound.empty()) or_exit(write_recording(sound, opening.recording));
+  if (!picture.empty() && !profile.taps.empty()) or_exit(write_svg(picture, picture_of(calibration)));
   if (calibration.finding.verdict != Verdict::Ok) return kNo;
-  write_profile(options.out, calibration, opening.granted.device);
+  // A graph that scenes can use, with what was measured, on which device.
+  const PathFile path{std::filesystem::path{options.out}.stem().string(),
+                      description_of(calibration, opening.granted.device), "tactus latency calibrate",
+                      profile.sample_rate, profile.taps};
+  or_exit(write_file(options.out, to_text(path)));
   fmt::print(stderr, "{} is written\n", options.out);
   return kDone;
 }
@@ -139,8 +126,7 @@ void add_latency_calibrate(CLI::App& latency, int& exit_code) {
                   exit_code, run_latency_calibrate);
   auto& loop = options.loop;
   loop.openings = 1;
-  add_loop_options(command, loop);
-  add_setting_options(command, loop);
+  add_loop_options(command, loop, true, false);
   command.add_option("--electrical", options.electrical,
                      "delay of the card without actuator and sensor, such as \"3.92 ms\"; default: from the "
                      "rig, or from the last measurement on this computer");
@@ -149,13 +135,7 @@ void add_latency_calibrate(CLI::App& latency, int& exit_code) {
                   "file for the profile (a graph file that a scene can use as its plant)")
       ->check(writable_file())
       ->required();
-  command.add_option("--report", options.picture, "write a plot of the response to this SVG file")
-      ->check(writable_file());
-  command
-      .add_option("--wav", options.sound,
-                  "write the played and the captured signal to this WAV file, for tactus latency analyze")
-      ->check(writable_file());
-  command.add_flag("--json", options.json, "print the report as JSON");
+  add_report_options(command, options.report, false, true);
   command.footer(
       "Examples:\n  tactus latency measure --rig desk.toml                          # first, with a loopback "
       "cable\n  tactus latency calibrate --rig desk.toml --save woofer.toml     # then through woofer and "

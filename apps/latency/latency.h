@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "apps/cli/backends.h"
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/cli/json.h"
 #include "engine/plot/plot.h"
@@ -16,9 +15,6 @@
 #include "latency/measurement.h"
 
 namespace tactus::app {
-
-/// The opening that shows best what was found: the first with the verdict of the whole. nullptr: none.
-const Opening* shown_of(const Measurement& measurement);
 
 /// The report of a measurement. One recorded elsewhere has a single opening without a stream.
 struct LatencyReport {
@@ -30,18 +26,15 @@ struct LatencyReport {
 
   bool ok() const { return measurement.finding.verdict == Verdict::Ok; }
   Hertz sample_rate() const;
-  const Opening* shown() const { return shown_of(measurement); }
 };
 
-/// Was there anything to analyse? Not if the measurement was given up before.
-bool is_known(const Analysis& analysis);
-
 /// What the delay is, in a sentence.
-extern const char* const kDelayIs;
+inline constexpr const char* kDelayIs =
+    "This is the delay from a voltage at the input to the response at the output if the program responds "
+    "within the same block; it includes converters, driver, blocks and cable.";
 
 /// Part of every report.
-Json essentials_json(const Finding& finding, Hertz sample_rate, double delay_frames,
-                     double standard_error_frames, const Analysis& analysis);
+Json essentials_json(const DelayEstimate& delay, Hertz sample_rate, const Analysis& analysis);
 
 /// One object, the same keys for every measurement; null is what is not known or not to be trusted.
 Json json_of(const LatencyReport& report);
@@ -56,6 +49,10 @@ std::vector<Plot> picture_of(const Calibration& calibration);
 std::string fixed(double value, int digits);
 /// "960.0031 ± 0.0004": as many digits as the error leaves.
 std::string with_error(double value, double standard_error);
+/// "960.0031 ± 0.0004 frames, 20.000065 ± 0.000008 ms"
+std::string delay_text(const DelayEstimate& delay, Hertz sample_rate);
+/// "not inverted", "inverted"
+const char* polarity_text(int polarity);
 
 // Each adds itself below `tactus latency`.
 void add_latency_measure(CLI::App& latency, int& exit_code);
@@ -72,8 +69,10 @@ struct ReportFiles {
   bool json = false;    ///< stdout is for machines
 };
 
-/// --folder, --report, --json
-void add_report_options(CLI::App& command, ReportFiles& files);
+/// --report and --json, and on request --folder and --wav.
+void add_report_options(CLI::App& command, ReportFiles& files, bool folder, bool sound);
+/// --profile
+void add_profile_option(CLI::App& command, std::string& profile);
 /// Writes the files, prints the report, and gives the exit code. Throws a CommandError.
 int publish(LatencyReport report, const ReportFiles& files);
 
@@ -96,13 +95,6 @@ struct SweepRow {
   Analysis analysis;
 };
 
-/// Those of one rate and one number of periods, and the line through them.
-struct LawOfGroup {
-  Hertz sample_rate;
-  int periods = 0;
-  BlockLaw law;
-};
-
 struct SweepReport {
   std::string source;
   std::vector<SweepRow> rows;
@@ -112,7 +104,8 @@ struct SweepReport {
   std::vector<SettingDelay> settings() const;
   /// The row to play with; without one, the last that was measured; nullptr: none was.
   const SweepRow* recommended() const;
-  std::vector<LawOfGroup> laws() const;
+  /// Of each rate and number of periods.
+  std::vector<BlockLaw> laws() const;
 };
 
 Json json_of(const SweepReport& report);
@@ -121,22 +114,17 @@ std::string text_of(const SweepReport& report);
 Plot picture_of(const SweepReport& report);
 
 /// Which loop is to be measured, and how loud.
-struct LoopOptions {
-  std::string backend, device, input_device, rig;
+struct LoopOptions : DeviceOptions {
   std::optional<int> input, output;  ///< channels of the device, from 1
   std::string rate, level;
-  std::optional<int> block, periods;
+  std::optional<int> block;
   int openings = 5, probes = 8;
   std::string profile;  ///< of what is in the loop, a file; empty: a cable
 };
 
-/// --backend to --level: which card, which channels, how loud.
-void add_loop_options(CLI::App& command, LoopOptions& options);
-/// --rate, --block and --periods: one setting.
-void add_setting_options(CLI::App& command, LoopOptions& options);
-
-/// --openings and --sweeps
-void add_repetition_options(CLI::App& command, LoopOptions& options);
+/// Which card, which channels, how loud; on request --rate, --block and --periods, and --openings and
+/// --sweeps.
+void add_loop_options(CLI::App& command, LoopOptions& options, bool setting, bool repetitions);
 
 /// A loop that can be measured.
 struct Loop {

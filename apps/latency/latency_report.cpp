@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <iterator>
+#include <span>
 #include <utility>
 
 #include "apps/latency/latency.h"
@@ -11,6 +12,11 @@
 
 namespace tactus::app {
 namespace {
+
+/// Was there anything to analyse? Not if the measurement was given up before.
+bool is_known(const Analysis& analysis) {
+  return analysis.detected || analysis.finding.verdict != Verdict::Ok;
+}
 
 Json harmonics_json(const Analysis& analysis) {
   Json all = Json::object();
@@ -60,19 +66,16 @@ Json granted_json(const StreamGranted& granted) {
 }
 
 Json health_json(const Health& health) {
-  Json by_cause = Json::object();
-  for (std::size_t g = 0; g < kGaps; ++g) by_cause[name_of(static_cast<Gap>(g))] = health.gaps[g];
   return {{"xruns", health.xruns},
-          {"xruns_by_cause", by_cause},
+          {"xruns_by_cause", gaps_json(health)},
           {"lost_frames_counted", health.lost_frames},
           {"late_blocks", health.late_blocks}};
 }
 
 Json opening_json(const Opening& opening, bool live) {
   const auto& analysis = opening.analysis;
-  const auto rate = live ? opening.granted.format.sample_rate : analysis.sample_rate;
-  auto json =
-      essentials_json(opening.finding, rate, analysis.delay_frames, analysis.standard_error_frames, analysis);
+  auto json = essentials_json({opening.finding, analysis.delay_frames, analysis.standard_error_frames},
+                              live ? opening.granted.format.sample_rate : analysis.sample_rate, analysis);
   if (live) {
     json["level_dbfs"] = opening.level_dbfs;
     json["setting"] = granted_json(opening.granted);
@@ -122,10 +125,7 @@ std::string frequency(double hertz) {
 void add_delay(const LatencyReport& report, Lines& lines) {
   const auto& measurement = report.measurement;
   if (report.ok()) {
-    const double ms = 1e3 / report.sample_rate().value;
-    lines.add("delay", "{} frames, {} ms",
-              with_error(measurement.delay_frames, measurement.standard_error_frames),
-              with_error(measurement.delay_frames * ms, measurement.standard_error_frames * ms));
+    lines.add("delay", "{}", delay_text(measurement, report.sample_rate()));
     lines.wrap("", kDelayIs);
     lines.wrap("note", measurement.finding.what);
   } else {
@@ -137,24 +137,23 @@ void add_delay(const LatencyReport& report, Lines& lines) {
 
 void add_openings(const LatencyReport& report, Lines& lines) {
   const auto& measurement = report.measurement;
-  const auto& shown = *report.shown();
+  const auto& analysis = measurement.shown().analysis;
   if (report.live) {
-    std::string delays;
-    bool numbers = false;
+    std::vector<std::string> delays;
+    const char* unit = "";
     for (const auto& opening : measurement.openings) {
       const bool ok = opening.finding.verdict == Verdict::Ok;
-      delays += (delays.empty() ? "" : "  ") + (ok ? fmt::format("{:.3f}", opening.analysis.delay_frames)
-                                                   : std::string{code(opening.finding.verdict)});
-      numbers = numbers || ok;
+      delays.push_back(ok ? fmt::format("{:.3f}", opening.analysis.delay_frames)
+                          : code(opening.finding.verdict));
+      if (ok) unit = " [frames]";
     }
-    lines.wrap("openings", delays + (numbers ? " [frames]" : ""));
+    lines.wrap("openings", fmt::format("{}{}", fmt::join(delays, "  "), unit));
   }
   if (measurement.openings.size() > 1 && report.ok())
     lines.add("spread", "{:.2g} frames between openings, {:.2g} between {} probes", measurement.spread_frames,
-              shown.analysis.spread_frames, shown.analysis.probes.size());
-  else if (shown.analysis.detected && shown.analysis.probes.size() > 1)
-    lines.add("spread", "{:.2g} frames between {} probes", shown.analysis.spread_frames,
-              shown.analysis.probes.size());
+              analysis.spread_frames, analysis.probes.size());
+  else if (analysis.detected && analysis.probes.size() > 1)
+    lines.add("spread", "{:.2g} frames between {} probes", analysis.spread_frames, analysis.probes.size());
 }
 
 void add_driver(const LatencyReport& report, Lines& lines) {
@@ -173,56 +172,51 @@ std::string detected_gaps(const Analysis& analysis) {
   constexpr std::size_t kMaxSteps = 4;
   const auto& steps = analysis.steps;
   if (steps.empty()) return analysis.compared ? "none detected" : "not known";
-  std::string text;
-  for (std::size_t i = 0; i < std::min(kMaxSteps, steps.size()); ++i)
-    text += fmt::format("{}{} {:.0f} frames at {:.2f} s", i == 0 ? "" : ", ",
-                        steps[i].frames < 0 ? "lost" : "repeated", std::abs(steps[i].frames),
-                        static_cast<double>(steps[i].frame) / analysis.sample_rate.value);
-  return steps.size() > kMaxSteps ? text + fmt::format(", and {} more times", steps.size() - kMaxSteps)
-                                  : text;
+  std::vector<std::string> gaps;
+  for (const auto& step : std::span{steps}.first(std::min(kMaxSteps, steps.size())))
+    gaps.push_back(fmt::format("{} {:.0f} frames at {:.2f} s", step.frames < 0 ? "lost" : "repeated",
+                               std::abs(step.frames),
+                               static_cast<double>(step.frame) / analysis.sample_rate.value));
+  if (steps.size() > kMaxSteps) gaps.push_back(fmt::format("and {} more times", steps.size() - kMaxSteps));
+  return fmt::format("{}", fmt::join(gaps, ", "));
 }
 
 void add_gaps(const LatencyReport& report, Lines& lines) {
-  const auto& analysis = report.shown()->analysis;
-  auto text = analysis.detected ? detected_gaps(analysis) : std::string{};
-  if (report.live) {
-    const auto health = health_of(report.measurement);
-    text += text.empty() ? "" : "; ";
-    text += health.xruns == 0
-                ? "none counted by the driver"
-                : fmt::format("{} counted by the driver, {} frames", health.xruns, health.lost_frames);
-  }
-  lines.wrap("gaps", text);
+  const auto& analysis = report.measurement.shown().analysis;
+  std::vector<std::string> counts;
+  if (analysis.detected) counts.push_back(detected_gaps(analysis));
+  const auto health = health_of(report.measurement);
+  if (report.live)
+    counts.push_back(health.xruns == 0 ? "none counted by the driver"
+                                       : fmt::format("{} counted by the driver, {} frames", health.xruns,
+                                                     health.lost_frames));
+  lines.wrap("gaps", fmt::format("{}", fmt::join(counts, "; ")));
 }
 
 std::string noise_text(const Analysis& analysis) {
   constexpr double kNone = -200.0;  // dBFS; no converter is so quiet
   if (analysis.noise_floor_dbfs < kNone) return "none: the path contains no converter";
-  const auto level = fmt::format("{:.1f} dBFS, ", analysis.noise_floor_dbfs);
-  const auto dc = fmt::format("DC {:.2g}", analysis.dc);
-  if (!analysis.detected) return level + dc;
-  return level +
-         fmt::format("{:.1f} dB {} the probes, ", std::abs(analysis.snr_db),
-                     analysis.snr_db < 0 ? "above" : "below") +
-         dc;
+  const auto ratio = fmt::format("{:.1f} dB {} the probes, ", std::abs(analysis.snr_db),
+                                 analysis.snr_db < 0 ? "above" : "below");
+  return fmt::format("{:.1f} dBFS, {}DC {:.2g}", analysis.noise_floor_dbfs, analysis.detected ? ratio : "",
+                     analysis.dc);
 }
 
 void add_path(const Analysis& analysis, Lines& lines) {
   if (analysis.detected)
     lines.add("path", "{} dB, {}, {} to {} within 3 dB", fixed(analysis.gain_db, 2),
-              analysis.polarity > 0 ? "not inverted" : "inverted", frequency(analysis.low_hz),
-              frequency(analysis.high_hz));
+              polarity_text(analysis.polarity), frequency(analysis.low_hz), frequency(analysis.high_hz));
   if (is_known(analysis)) lines.add("noise", "{}", noise_text(analysis));
-  std::string harmonics;
+  std::vector<std::string> harmonics;
   for (std::size_t k = 0; k < analysis.harmonics_db.size(); ++k)
     if (const auto& level = analysis.harmonics_db[k])
-      harmonics += fmt::format("{}H{} {:.0f} dB", harmonics.empty() ? "" : ", ", k + 2, *level);
-  if (!harmonics.empty()) lines.add("distortion", "{}", harmonics);
-  if (analysis.detected && !analysis.compared)
-    lines.add("clock", "not known (nor lost frames): fewer than three probes can be compared");
-  if (analysis.detected && analysis.compared)
-    lines.add("clock", "drift {} ppm",
-              with_error(analysis.drift_ppm, std::max(0.001, analysis.drift_standard_error_ppm)));
+      harmonics.push_back(fmt::format("H{} {:.0f} dB", k + 2, *level));
+  if (!harmonics.empty()) lines.add("distortion", "{}", fmt::join(harmonics, ", "));
+  if (!analysis.detected) return;
+  if (!analysis.compared)
+    return lines.add("clock", "not known (nor lost frames): fewer than three probes can be compared");
+  lines.add("clock", "drift {} ppm",
+            with_error(analysis.drift_ppm, std::max(0.001, analysis.drift_standard_error_ppm)));
 }
 
 /// "±0.004", and no more digits than fit.
@@ -280,35 +274,11 @@ void write_folder(LatencyReport& report, const fs::path& folder) {
   or_exit(write_json(report.written.back(), json_of(report)));
 }
 
-void write_files(LatencyReport& report, const ReportFiles& files) {
-  if (!files.sound.empty()) write_sounds(report, files.sound);
-  if (!files.picture.empty()) write_picture(report, files.picture);
-  if (!files.folder.empty()) write_folder(report, files.folder);
-}
-
 }  // namespace
 
-const char* const kDelayIs =
-    "This is the delay from a voltage at the input to the response at the output if the program responds "
-    "within the same block; it includes converters, driver, blocks and cable.";
-
-bool is_known(const Analysis& analysis) {
-  return analysis.detected || analysis.finding.verdict != Verdict::Ok;
-}
-
 Hertz LatencyReport::sample_rate() const {
-  const auto* opening = shown();
-  if (opening == nullptr) return 48_kHz;
-  return live ? opening->granted.format.sample_rate : opening->analysis.sample_rate;
-}
-
-const Opening* shown_of(const Measurement& measurement) {
-  const auto& openings = measurement.openings;
-  const auto found = std::find_if(openings.begin(), openings.end(), [&](const Opening& opening) {
-    return opening.finding.verdict == measurement.finding.verdict;
-  });
-  if (found != openings.end()) return &*found;
-  return openings.empty() ? nullptr : &openings.front();
+  const auto& opening = measurement.shown();
+  return live ? opening.granted.format.sample_rate : opening.analysis.sample_rate;
 }
 
 std::string fixed(double value, int digits) {
@@ -322,15 +292,23 @@ std::string with_error(double value, double standard_error) {
   return fixed(value, digits) + " ± " + fixed(standard_error, digits);
 }
 
-Json essentials_json(const Finding& finding, Hertz sample_rate, double delay_frames,
-                     double standard_error_frames, const Analysis& analysis) {
+std::string delay_text(const DelayEstimate& delay, Hertz sample_rate) {
+  const double ms = 1e3 / sample_rate.value, error = delay.standard_error_frames;
+  return with_error(delay.delay_frames, error) + " frames, " +
+         with_error(delay.delay_frames * ms, error * ms) + " ms";
+}
+
+const char* polarity_text(int polarity) { return polarity > 0 ? "not inverted" : "inverted"; }
+
+Json essentials_json(const DelayEstimate& delay, Hertz sample_rate, const Analysis& analysis) {
+  const auto& finding = delay.finding;
   const bool ok = finding.verdict == Verdict::Ok, detected = analysis.detected;
   return {{"verdict", code(finding.verdict)},
           {"what", finding.what},
           {"remedy", finding.remedy},
-          {"delay_frames", known(ok, delay_frames)},
-          {"delay_ms", known(ok, 1e3 * delay_frames / sample_rate.value)},
-          {"standard_error_frames", known(ok, standard_error_frames)},
+          {"delay_frames", known(ok, delay.delay_frames)},
+          {"delay_ms", known(ok, 1e3 * delay.delay_frames / sample_rate.value)},
+          {"standard_error_frames", known(ok, delay.standard_error_frames)},
           {"polarity", known(detected, analysis.polarity)},
           {"gain_db", known(detected, analysis.gain_db)},
           {"snr_db", known(detected, analysis.snr_db)},
@@ -340,19 +318,17 @@ Json essentials_json(const Finding& finding, Hertz sample_rate, double delay_fra
 Json json_of(const LatencyReport& report) {
   const auto& measurement = report.measurement;
   const auto rate = report.sample_rate();
-  const auto* shown = report.shown();
-  const auto analysis = shown == nullptr ? Analysis{} : shown->analysis;
+  const auto& shown = measurement.shown();
   Json json{{"source", report.source}};
-  json.update(essentials_json(measurement.finding, rate, measurement.delay_frames,
-                              measurement.standard_error_frames, analysis));
+  json.update(essentials_json(measurement, rate, shown.analysis));
   json["delay_is"] = kDelayIs;
   json["sample_rate_hz"] = rate.value;
-  if (shown != nullptr) add_evidence(analysis, json);
+  add_evidence(shown.analysis, json);
   if (report.live) {
     json["spread_over_openings_frames"] = measurement.spread_frames;
     json["reported_frames"] = known(measurement.reported_frames);
     json.update(health_json(health_of(measurement)));
-    if (shown != nullptr) json["setting"] = granted_json(shown->granted);
+    json["setting"] = granted_json(shown.granted);
   }
   json["openings"] = list_of(measurement.openings,
                              [&](const Opening& opening) { return opening_json(opening, report.live); });
@@ -366,26 +342,35 @@ std::string text_of(const LatencyReport& report) {
   add_delay(report, lines);
   lines.blank();
   lines.add("measured", "{}", report.source);
-  if (report.shown() != nullptr) {
-    const auto& analysis = report.shown()->analysis;
-    add_openings(report, lines);
-    if (report.live) add_driver(report, lines);
-    if (report.live || analysis.detected) add_gaps(report, lines);
-    add_path(analysis, lines);
-    if (analysis.detected) add_group_delay(analysis, lines);
-  }
-  const char* heading = "saved";
-  for (const auto& line : report.saved) lines.add(std::exchange(heading, ""), "{}", line);
-  heading = "written";
-  for (const auto& file : report.written) lines.add(std::exchange(heading, ""), "{}", file);
+  const auto& analysis = report.measurement.shown().analysis;
+  add_openings(report, lines);
+  if (report.live) add_driver(report, lines);
+  if (report.live || analysis.detected) add_gaps(report, lines);
+  add_path(analysis, lines);
+  if (analysis.detected) add_group_delay(analysis, lines);
+  for (auto [heading, texts] : {std::pair{"saved", &report.saved}, {"written", &report.written}})
+    for (const auto& text : *texts) lines.add(std::exchange(heading, ""), "{}", text);
   return lines.take();
 }
 
-void add_report_options(CLI::App& command, ReportFiles& files) {
-  command.add_option("--folder", files.folder, "folder for the plot, the report as JSON and the recordings")
-      ->check(writable_folder());
+void add_report_options(CLI::App& command, ReportFiles& files, bool folder, bool sound) {
+  if (folder)
+    command
+        .add_option("--folder", files.folder, "folder for the plot, the report as JSON and the recordings")
+        ->check(writable_folder());
   command.add_option("--report", files.picture, "write the plot to this SVG file")->check(writable_file());
+  if (sound)
+    command
+        .add_option("--wav", files.sound,
+                    "write the played and the captured signal to this WAV file, for tactus latency analyze")
+        ->check(writable_file());
   command.add_flag("--json", files.json, "print the report as JSON");
+}
+
+void add_profile_option(CLI::App& command, std::string& profile) {
+  command.add_option("--profile", profile,
+                     "profile of the actuator and sensor in the loop, saved by tactus latency calibrate; "
+                     "default: none (a cable)");
 }
 
 Status write_recording(const std::string& path, const LoopRecording& recording) {
@@ -397,14 +382,13 @@ Status write_recording(const std::string& path, const LoopRecording& recording) 
 int publish(LatencyReport report, const ReportFiles& files) {
   int failed = kDone;
   try {
-    write_files(report, files);
+    if (!files.sound.empty()) write_sounds(report, files.sound);
+    if (!files.picture.empty()) write_picture(report, files.picture);
+    if (!files.folder.empty()) write_folder(report, files.folder);
   } catch (const CommandError& error) {
     failed = app::report(error);
   }
-  if (files.json)
-    print_json(json_of(report));
-  else
-    fmt::print("{}", text_of(report));
+  files.json ? print_json(json_of(report)) : fmt::print("{}", text_of(report));
   return failed != kDone ? failed : report.ok() ? kDone : kNo;
 }
 

@@ -46,32 +46,27 @@ int first_channel(const Ports& ports) {
   return 1;
 }
 
-/// What is connected to an output, from 1, as far as the rig has it; nullptr: nothing.
-const RigOutput* port_on(const Rig& rig, int channel) {
-  if (const auto* actuator = rig.actuator_on(channel)) return actuator;
-  for (const auto& output : rig.outputs)
-    if (output.uses(channel)) return &output;
-  return nullptr;
-}
-
-/// The guard of the output from the rig; else a cable, with the level as its ceiling.
-GuardedChannel guard_of(const Rig* rig, int output, double loudest_dbfs) {
-  const auto* port = rig == nullptr ? nullptr : port_on(*rig, output);
-  if (port != nullptr) return {DriveGuard::Kind::Drive, port->drive.limits};
+/// What the rig has on the output, from 1; else a cable, with the level as its ceiling.
+GuardedChannel guard_of(const std::optional<Rig>& rig, int output, double loudest_dbfs) {
+  if (rig) {
+    if (const auto* actuator = rig->actuator_on(output))
+      return {DriveGuard::Kind::Drive, actuator->drive.limits};
+    for (const auto& port : rig->outputs)
+      if (port.uses(output)) return {DriveGuard::Kind::Drive, port.drive.limits};
+  }
   GuardedChannel guard{DriveGuard::Kind::Audio, {}};
   guard.limits.ceiling = amplitude_from_db(loudest_dbfs);
   return guard;
 }
 
 void check_channel(int channel, int there, const Device& device, const char* option) {
-  const std::string kind = option[2] == 'i' ? "input" : "output";
-  if (there == 0)
-    exit_with({Errc::OutOfRange, option, fmt::format("'{}' has no {}s", device.id, kind),
-               fmt::format("choose a device that has some with --{}device; see tactus devices",
-                           kind == "input" ? "input-" : "")});
-  if (channel > there)
-    exit_with({Errc::OutOfRange, option, fmt::format("'{}' has no {} {}", device.id, kind, channel),
-               fmt::format("it has channels 1 to {}", there)});
+  if (channel <= there) return;
+  const bool input = option[2] == 'i';
+  exit_with({Errc::OutOfRange, option,
+             fmt::format("'{}' has no {} {}", device.id, input ? "input" : "output", channel),
+             there > 0 ? fmt::format("it has channels 1 to {}", there)
+                       : fmt::format("choose a device that has some with --{}; see tactus devices",
+                                     input ? "input-device" : "device")});
 }
 
 void set_channels(const LoopOptions& options, Loop& loop) {
@@ -87,18 +82,15 @@ void set_channels(const LoopOptions& options, Loop& loop) {
 void set_level(const LoopOptions& options, Loop& loop) {
   auto& settings = loop.settings;
   if (!options.level.empty()) settings.loudest_dbfs = parse_level(options.level);
-  settings.guard = guard_of(loop.rig ? &*loop.rig : nullptr, settings.output + 1, settings.loudest_dbfs);
+  settings.guard = guard_of(loop.rig, settings.output + 1, settings.loudest_dbfs);
   settings.loudest_dbfs = std::min(settings.loudest_dbfs, amplitude_to_db(settings.guard.limits.ceiling));
   settings.softest_dbfs = std::min(settings.softest_dbfs, settings.loudest_dbfs);
 }
 
 }  // namespace
 
-void add_loop_options(CLI::App& command, LoopOptions& options) {
-  command.add_option("--backend", options.backend, "audio backend: jack, rtaudio, …; see tactus devices");
-  command.add_option("--device", options.device, "id of a device, or part of its name");
-  command.add_option("--input-device", options.input_device, "input device, if different from --device");
-  command.add_option("--rig", options.rig,
+void add_loop_options(CLI::App& command, LoopOptions& options, bool setting, bool repetitions) {
+  add_device_options(command, options,
                      "rig file: device, sample rate, block size and what is connected to the output; "
                      "latency measure saves the delay there");
   add_number(command, "--in,--input", options.input, "input channel of the loop, counted from 1", 1, 1024);
@@ -106,15 +98,12 @@ void add_loop_options(CLI::App& command, LoopOptions& options) {
              1024);
   command.add_option("--level", options.level,
                      "highest peak level to play, such as \"-20 dBFS\"; default: -6 dBFS");
-}
-
-void add_setting_options(CLI::App& command, LoopOptions& options) {
-  command.add_option("--rate", options.rate, "sample rate; default: the device's");
-  add_number(command, "--block", options.block, "block size in frames; default: the device's", 1, 8192);
-  add_number(command, "--periods", options.periods, "blocks in the driver's buffer", 1, 64);
-}
-
-void add_repetition_options(CLI::App& command, LoopOptions& options) {
+  if (setting) {
+    command.add_option("--rate", options.rate, "sample rate; default: the device's");
+    add_number(command, "--block", options.block, "block size in frames; default: the device's", 1, 8192);
+    add_number(command, "--periods", options.periods, "blocks in the driver's buffer", 1, 64);
+  }
+  if (!repetitions) return;
   add_number(command, "--openings", options.openings, "number of times the stream is opened", 1, 100);
   add_number(command, "--sweeps", options.probes,
              "number of probe signals (sine sweeps) played each time the stream is opened", 2, 100);
@@ -129,10 +118,8 @@ Loop make_loop(const LoopOptions& options) {
     check_against_rig(options);
     loop.rig = or_exit(load_rig(options.rig, profiles_near(options.rig)), kBadFile);
   }
-  const auto device =
-      loop.rig ? loop.rig->device : Rig::Device{{}, options.device, options.input_device, {}, {}, {}};
-  if (!options.backend.empty()) or_exit(backends_called(options.backend), kUsage);
-  loop.devices = or_exit(choose_devices(options.backend, device.output, device.input), kDevice);
+  const auto device = loop.rig ? loop.rig->device : Rig::Device{};
+  loop.devices = choose_devices(options, device);
   settings.request = request_for(loop.devices, device, options.rate, options.block, options.periods);
   set_channels(options, loop);
   set_level(options, loop);
@@ -152,10 +139,7 @@ Result<Measurement> measure_now(Backend& backend, const MeasureSettings& setting
 
 PathProfile read_profile(const std::string& file, Hertz sample_rate) {
   const auto path = or_exit(read_path(load_graph_leniently(file)), kBadFile);
-  PathProfile profile;
-  profile.sample_rate = sample_rate;
-  profile.taps = taps_at_rate(path.taps, path.rate, sample_rate);
-  return profile;
+  return {sample_rate, taps_at_rate(path.taps, path.rate, sample_rate), {}, {}};
 }
 
 std::string source_text(const MeasureSettings& settings, const StreamGranted& granted) {

@@ -1,7 +1,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include <chrono>
+#include <ctime>
 
 #include "apps/latency/latency.h"
 #include "apps/play/save_rig.h"
@@ -20,20 +20,8 @@ Seconds in_seconds(double frames, const StreamGranted& granted) {
   return Seconds{frames / granted.format.sample_rate.value};
 }
 
-std::string now() {
-  const auto seconds = std::chrono::time_point_cast<std::chrono::seconds>(std::chrono::system_clock::now());
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)));
-}
-
-/// Writes a measured delay where `tactus devices` and `tactus play` look for it. Errors: BadFile.
-Status save_on_machine(const Measurement& measurement) {
-  const auto& granted = measurement.openings.front().granted;
-  return MeasuredDelays::load().save({key_of(granted), in_seconds(measurement.delay_frames, granted),
-                                      in_seconds(measurement.spread_frames, granted), now()});
-}
-
-/// The same into a rig; what the file was stays beside it with a "~". The setting that was left to the card
-/// is written too: with another one the delay would be wrong. Errors: BadFile.
+/// Writes a measured delay into a rig; what the file was stays beside it with a "~". The setting that was
+/// left to the card is written too: with another one the delay would be wrong. Errors: BadFile.
 Status save_in_rig(const Measurement& measurement, Rig rig, const std::filesystem::path& file) {
   const auto& granted = measurement.openings.front().granted;
   auto& device = rig.device;
@@ -53,7 +41,10 @@ int save(LatencyReport& report, const Loop& loop, const MeasureOptions& options)
     app::report({{status.error()}});
     exit = kBadFile;
   };
-  note(save_on_machine(report.measurement),
+  const auto& granted = report.measurement.openings.front().granted;
+  note(MeasuredDelays::load().save({key_of(granted), in_seconds(report.measurement.delay_frames, granted),
+                                    in_seconds(report.measurement.spread_frames, granted),
+                                    fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))}),
        MeasuredDelays::default_file().string() + ", where tactus play reads it");
   const auto& file = options.loop.rig;
   if (loop.rig)
@@ -70,7 +61,7 @@ int run_latency_measure(const MeasureOptions& options) {
   LatencyReport found;
   found.live = true;
   found.measurement = std::move(*measured);
-  if (const auto* shown = found.shown()) found.source = source_text(loop.settings, shown->granted);
+  found.source = source_text(loop.settings, found.measurement.shown().granted);
   const int saved = save(found, loop, options);
   const int published = publish(std::move(found), options.report);
   return published != kDone ? published : saved;
@@ -83,17 +74,9 @@ void add_latency_measure(CLI::App& latency, int& exit_code) {
       add_command(latency, "measure", "Measure the round-trip latency of a card with a loopback cable",
                   exit_code, run_latency_measure);
   auto& loop = options.loop;
-  add_loop_options(command, loop);
-  add_setting_options(command, loop);
-  command.add_option("--profile", loop.profile,
-                     "profile of the actuator and sensor in the loop, saved by tactus latency calibrate; "
-                     "default: none (a cable)");
-  add_repetition_options(command, loop);
-  add_report_options(command, options.report);
-  command
-      .add_option("--wav", options.report.sound,
-                  "write the played and the captured signal to this WAV file, for tactus latency analyze")
-      ->check(writable_file());
+  add_loop_options(command, loop, true, true);
+  add_profile_option(command, loop.profile);
+  add_report_options(command, options.report, true, true);
   command.add_flag("--no-keep", options.no_keep, "do not save the measured delay");
   command.footer(
       "Examples:\n  tactus latency measure --device jack:system\n  tactus latency measure --device USB --in "

@@ -14,20 +14,15 @@ constexpr double kBefore_s = 0.001, kAfter_s = 0.004;  // that the impulse respo
 constexpr double kRinging_s = 0.06;                    // and of an actuator, after the drive
 constexpr double kFloor_db = -120.0;
 
-/// The part of the response that is shown.
-struct Shown {
-  std::vector<double> delay_s, samples;
-};
-
-Shown around_delay(const Analysis& analysis, double after_s) {
+PlotSeries around_delay(const Analysis& analysis, double after_s) {
   const double rate = analysis.sample_rate.value;
-  Shown shown;
+  PlotSeries shown;
   for (std::size_t n = 0; n < analysis.response.size(); ++n) {
     const double at = (static_cast<double>(analysis.response_at) + static_cast<double>(n)) / rate;
     const double from_delay = at - analysis.delay_frames / rate;
     if (from_delay < -kBefore_s || from_delay > after_s) continue;
-    shown.delay_s.push_back(at);
-    shown.samples.push_back(analysis.response[n]);
+    shown.x.push_back(at);
+    shown.y.push_back(analysis.response[n]);
   }
   return shown;
 }
@@ -51,32 +46,33 @@ std::vector<double> envelope_db(const std::vector<double>& samples) {
 
 /// `marked`: the delay is one to be trusted.
 Plot response_plot(const Analysis& analysis, bool marked, double after_s) {
-  const auto shown = around_delay(analysis, after_s);
+  auto shown = around_delay(analysis, after_s);
   Plot plot;
   plot.x = {.label = "delay", .unit = "s"};
   Subplot linear, envelope;
   linear.y = {.label = "impulse response"};
-  linear.series = {{.label = {}, .x = shown.delay_s, .y = shown.samples}};
+  linear.series = {shown};
   linear.height = 1.3;
   if (marked)
     linear.events = {{.x = analysis.delay_frames / analysis.sample_rate.value,
                       .label = fmt::format("{:.2f} frames", analysis.delay_frames),
                       .color = PlotColor::Vermillion}};
   envelope.y = {.label = "envelope", .unit = "dB", .high = 3.0};
-  envelope.series = {{.label = {}, .x = shown.delay_s, .y = envelope_db(shown.samples)}};
+  shown.y = envelope_db(shown.y);
+  envelope.series = {shown};
   plot.subplots = {linear, envelope};
   return plot;
 }
 
-/// A short upright line for each error.
-PlotSeries error_bars(const std::vector<BandDelay>& bands, double less) {
-  PlotSeries bars{.label = {}, .color = PlotColor::Blue};
-  for (const auto& band : bands)
-    for (const double sign : {-1.0, 1.0, std::nan("")}) {
-      bars.x.push_back(band.centre_hz);
-      bars.y.push_back(band.delay_frames - less + sign * band.standard_error_frames);
+/// The group delay of each octave, beside the delay and so many standard errors from it.
+PlotSeries delays_of(const Analysis& analysis, std::initializer_list<double> errors) {
+  PlotSeries delays{.label = {}, .color = PlotColor::Blue};
+  for (const auto& band : analysis.group_delay)
+    for (const double error : errors) {
+      delays.x.push_back(band.centre_hz);
+      delays.y.push_back(band.delay_frames - analysis.delay_frames + error * band.standard_error_frames);
     }
-  return bars;
+  return delays;
 }
 
 Plot spectrum_plot(const Analysis& analysis) {
@@ -99,12 +95,8 @@ Plot spectrum_plot(const Analysis& analysis) {
   if (analysis.group_delay.empty()) return plot;
   Subplot groups;
   groups.y = {.label = "group delay per octave, minus the delay", .unit = "frames"};
-  PlotSeries points{.label = {}, .mark = PlotMark::Points, .color = PlotColor::Blue};
-  for (const auto& band : analysis.group_delay) {
-    points.x.push_back(band.centre_hz);
-    points.y.push_back(band.delay_frames - analysis.delay_frames);
-  }
-  groups.series = {error_bars(analysis.group_delay, analysis.delay_frames), points};
+  groups.series = {delays_of(analysis, {-1.0, 1.0, std::nan("")}), delays_of(analysis, {0.0})};
+  groups.series.back().mark = PlotMark::Points;
   groups.levels = {{.y = 0.0}};
   plot.subplots.push_back(groups);
   return plot;
@@ -149,21 +141,12 @@ Plot probes_plot(const LatencyReport& report) {
   return plot;
 }
 
-std::string headline(const LatencyReport& report) {
-  const auto& measurement = report.measurement;
-  if (!report.ok()) return fmt::format("No delay: {}", code(measurement.finding.verdict));
-  const double ms = 1e3 / report.sample_rate().value;
-  return fmt::format("Delay {} frames, {} ms",
-                     with_error(measurement.delay_frames, measurement.standard_error_frames),
-                     with_error(measurement.delay_frames * ms, measurement.standard_error_frames * ms));
-}
-
 std::string describe_analysis(const LatencyReport& report, const Analysis& analysis) {
   auto text = report.source;
   if (!report.ok()) text += ". Cause: " + report.measurement.finding.what;
   if (!analysis.detected) return text;
   text += fmt::format(". Gain {} dB, {}; {:.0f} dB above the noise", fixed(analysis.gain_db, 1),
-                      analysis.polarity > 0 ? "not inverted" : "inverted", analysis.snr_db);
+                      polarity_text(analysis.polarity), analysis.snr_db);
   if (report.measurement.reported_frames)
     text += fmt::format("; the driver reports {:.0f} frames", *report.measurement.reported_frames);
   return text + ".";
@@ -172,35 +155,30 @@ std::string describe_analysis(const LatencyReport& report, const Analysis& analy
 }  // namespace
 
 std::vector<Plot> picture_of(const LatencyReport& report) {
-  const auto* shown = report.shown();
-  const auto analysis = shown == nullptr ? Analysis{} : shown->analysis;
+  const auto& analysis = report.measurement.shown().analysis;
   auto page = analysis.detected ? std::vector{response_plot(analysis, report.ok(), kAfter_s),
                                               spectrum_plot(analysis), probes_plot(report)}
                                 : std::vector{Plot{}};
-  page.front().title = headline(report);
+  page.front().title = report.ok() ? "Delay " + delay_text(report.measurement, report.sample_rate())
+                                   : fmt::format("No delay: {}", code(report.measurement.finding.verdict));
   page.front().subtitle = describe_analysis(report, analysis);
   return page;
 }
 
 std::vector<Plot> picture_of(const Calibration& calibration) {
-  Analysis path;
-  path.sample_rate = calibration.profile.sample_rate;
+  Analysis path = calibration;
   path.response = calibration.profile.taps;
-  path.spectrum = calibration.spectrum;
-  path.group_delay = calibration.group_delay;
+  path.response_at = 0;
+  path.delay_frames = 0;
   std::vector page{response_plot(path, false, kRinging_s), spectrum_plot(path)};
-  const auto& finding = calibration.finding;
-  page.front().title = finding.verdict == Verdict::Ok
-                           ? fmt::format("Path, {}", calibration.polarity > 0 ? "not inverted" : "inverted")
-                           : fmt::format("No profile: {}", code(finding.verdict));
-  page.front().subtitle =
-      calibration.resonance
-          ? fmt::format(
-                "Resonance {:.1f} Hz, Q {:.2f}; {:.0f} dB above the noise. The delay of the card is "
-                "subtracted.",
-                calibration.resonance->frequency_hz, calibration.resonance->q, calibration.analysis.snr_db)
-          : fmt::format("{:.0f} dB above the noise. The delay of the card is subtracted.",
-                        calibration.analysis.snr_db);
+  const auto verdict = calibration.finding.verdict;
+  page.front().title = verdict == Verdict::Ok ? fmt::format("Path, {}", polarity_text(calibration.polarity))
+                                              : fmt::format("No profile: {}", code(verdict));
+  auto& subtitle = page.front().subtitle;
+  if (const auto& resonance = calibration.resonance)
+    subtitle = fmt::format("Resonance {:.1f} Hz, Q {:.2f}; ", resonance->frequency_hz, resonance->q);
+  subtitle +=
+      fmt::format("{:.0f} dB above the noise. The delay of the card is subtracted.", calibration.snr_db);
   return page;
 }
 

@@ -14,11 +14,12 @@ bool same(const SettingDelay& a, const SettingDelay& b) {
   return a.sample_rate == b.sample_rate && a.block_frames == b.block_frames && a.periods == b.periods;
 }
 
-bool same_group(const SettingDelay& a, const SettingDelay& b) {
-  return a.sample_rate == b.sample_rate && a.periods == b.periods;
+/// "48 kHz, 2 periods"
+std::string rate_text(Hertz rate, int periods) {
+  const auto text = fmt::format("{:g} kHz", rate.value / 1e3);
+  return periods > 0 ? text + fmt::format(", {} periods", periods) : text;
 }
 
-/// The note behind a row.
 std::string note_of(const SweepRow& row) {
   if (row.refused) return "refused: " + row.refused->what;
   std::string note;
@@ -30,55 +31,48 @@ std::string note_of(const SweepRow& row) {
 
 std::string line_of(const SweepRow& row) {
   const auto& setting = row.setting;
-  if (row.refused)
-    return fmt::format("{:>8g}  {:>6}  {:>7}  {}\n", setting.sample_rate.value / 1e3, row.asked_block,
-                       periods_text(row.asked_periods.value_or(0)), note_of(row));
-  const auto head = fmt::format("{:>8g}  {:>6}  {:>7}", setting.sample_rate.value / 1e3, setting.block_frames,
-                                periods_text(setting.periods));
-  const bool known = setting.finding.verdict == Verdict::Ok;
   const auto note = note_of(row);
-  return head + fmt::format("  {:>24}  {:>9}  {:>5}  {:>6}  {:>6}{}\n",
+  const auto line = fmt::format("{:>8g}  {:>6}  {:>7}  ", setting.sample_rate.value / 1e3,
+                                row.refused ? row.asked_block : setting.block_frames,
+                                periods_text(row.refused ? row.asked_periods.value_or(0) : setting.periods));
+  if (row.refused) return line + note + "\n";
+  const bool known = setting.finding.verdict == Verdict::Ok;
+  return line + fmt::format("{:>24}  {:>9}  {:>5}  {:>6}  {:>6}{}{}\n",
                             known ? with_error(setting.delay_frames, setting.standard_error_frames)
-                                  : std::string{code(setting.finding.verdict)},
+                                  : code(setting.finding.verdict),
                             known ? fmt::format("{:.3f}", 1e3 * setting.delay().value) : "", row.xruns,
                             row.lost_frames,
                             row.reported_frames ? fmt::format("{:.0f}", *row.reported_frames) : "?",
-                            note.empty() ? "" : "  " + note);
+                            note.empty() ? "" : "  ", note);
 }
 
 /// Settings that the device turned into ones that it has.
 std::string changed_settings_text(const std::vector<SweepRow>& rows) {
-  std::string asked;
+  std::vector<std::string> asked;
   for (const auto& row : rows)
     if (row.again)
-      asked += fmt::format("{}{} frames{}", asked.empty() ? "" : "; ", row.asked_block,
-                           row.asked_periods ? fmt::format(", {} periods", *row.asked_periods) : "");
+      asked.push_back(fmt::format("{} frames{}", row.asked_block,
+                                  row.asked_periods ? fmt::format(", {} periods", *row.asked_periods) : ""));
   if (asked.empty()) return "";
   return fmt::format(
       "Also requested, but changed to one of these settings by the device or its server: {}. Change it there "
       "if needed.\n",
-      asked);
+      fmt::join(asked, "; "));
 }
 
-std::string law_text(const LawOfGroup& group) {
-  const auto& law = group.law;
+std::string law_text(const BlockLaw& law) {
   const auto number = [](double value, const std::optional<double>& error) {
     return error ? "(" + with_error(value, *error) + ")" : fmt::format("{:.4g}", value);
   };
-  auto text =
-      fmt::format("delay = {} frames + {} x block", number(law.fixed_frames, law.fixed_standard_error),
-                  number(law.per_frame, law.per_frame_standard_error));
-  text += fmt::format("   at {:g} kHz", group.sample_rate.value / 1e3);
-  if (group.periods > 0) text += fmt::format(", {} periods", group.periods);
-  return text + (law.settings > 2
-                     ? fmt::format("; {} settings, residual {:.2g} frames", law.settings, law.residual_frames)
-                     : "; from two settings, so the fit is exact");
+  return fmt::format(
+      "delay = {} frames + {} x block   at {}; {}\n", number(law.fixed_frames, law.fixed_standard_error),
+      number(law.per_frame, law.per_frame_standard_error), rate_text(law.sample_rate, law.periods),
+      law.settings > 2 ? fmt::format("{} settings, residual {:.2g} frames", law.settings, law.residual_frames)
+                       : "from two settings, so the fit is exact");
 }
 
 Json essentials_of(const SweepRow& row) {
-  const auto& setting = row.setting;
-  return essentials_json(setting.finding, setting.sample_rate, setting.delay_frames,
-                         setting.standard_error_frames, row.analysis);
+  return essentials_json(row.setting, row.setting.sample_rate, row.analysis);
 }
 
 Json json_of(const SweepRow& row) {
@@ -103,10 +97,9 @@ Json json_of(const SweepRow& row) {
   return json;
 }
 
-Json json_of(const LawOfGroup& group) {
-  const auto& law = group.law;
-  return {{"sample_rate_hz", group.sample_rate.value},
-          {"periods", known(group.periods > 0, group.periods)},
+Json law_json(const BlockLaw& law) {
+  return {{"sample_rate_hz", law.sample_rate.value},
+          {"periods", known(law.periods > 0, law.periods)},
           {"fixed_frames", law.fixed_frames},
           {"fixed_standard_error_frames", known(law.fixed_standard_error)},
           {"per_frame", law.per_frame},
@@ -115,14 +108,11 @@ Json json_of(const LawOfGroup& group) {
           {"settings", law.settings}};
 }
 
-std::string group_name(const SettingDelay& setting) {
-  return fmt::format("{:g} kHz{}", setting.sample_rate.value / 1e3,
-                     setting.periods > 0 ? fmt::format(", {} periods", setting.periods) : "");
-}
-
 /// Of a group: its points, its line, and what is no good.
 void add_group(const std::vector<SettingDelay>& group, PlotColor color, Subplot& subplot) {
-  PlotSeries good{.label = group_name(group.front()), .mark = PlotMark::Points, .color = color};
+  const auto& first = group.front();
+  PlotSeries good{
+      .label = rate_text(first.sample_rate, first.periods), .mark = PlotMark::Points, .color = color};
   PlotSeries gaps{.label = "lost frames", .mark = PlotMark::Points, .color = PlotColor::Vermillion};
   for (const auto& setting : group) {
     if (setting.finding.verdict != Verdict::Ok) {
@@ -141,25 +131,12 @@ void add_group(const std::vector<SettingDelay>& group, PlotColor color, Subplot&
     const double last = *std::max_element(good.x.begin(), good.x.end());
     for (const double block : {0.0, last}) {
       line.x.push_back(block);
-      line.y.push_back(law->at(block) / group.front().sample_rate.value);
+      line.y.push_back(law->at(block) / first.sample_rate.value);
     }
     subplot.series.push_back(line);
   }
   if (!good.x.empty()) subplot.series.push_back(good);
   if (!gaps.x.empty()) subplot.series.push_back(gaps);
-}
-
-std::vector<std::vector<SettingDelay>> groups_of(const std::vector<SettingDelay>& settings) {
-  std::vector<std::vector<SettingDelay>> groups;
-  for (const auto& setting : settings) {
-    const auto group = std::find_if(groups.begin(), groups.end(),
-                                    [&](const auto& other) { return same_group(other.front(), setting); });
-    if (group == groups.end())
-      groups.push_back({setting});
-    else
-      group->push_back(setting);
-  }
-  return groups;
 }
 
 }  // namespace
@@ -183,11 +160,10 @@ const SweepRow* SweepReport::recommended() const {
   return last;
 }
 
-std::vector<LawOfGroup> SweepReport::laws() const {
-  std::vector<LawOfGroup> laws;
-  for (const auto& group : groups_of(settings()))
-    if (const auto law = fit_block_law(group))
-      laws.push_back({group.front().sample_rate, group.front().periods, *law});
+std::vector<BlockLaw> SweepReport::laws() const {
+  std::vector<BlockLaw> laws;
+  for (const auto& group : by_rate_and_periods(settings()))
+    if (const auto law = fit_block_law(group)) laws.push_back(*law);
   return laws;
 }
 
@@ -196,7 +172,7 @@ Json json_of(const SweepReport& report) {
   Json json{{"source", report.source}};
   if (const auto* row = report.recommended()) json.update(essentials_of(*row));
   json["settings"] = list_of(report.rows, [](const SweepRow& row) { return json_of(row); });
-  json["laws"] = list_of(report.laws(), [](const LawOfGroup& law) { return json_of(law); });
+  json["laws"] = list_of(report.laws(), law_json);
   const auto* shortest = shortest_good(settings);
   json["shortest"] = nullptr;
   if (shortest != nullptr)
@@ -218,7 +194,7 @@ std::string text_of(const SweepReport& report) {
   for (const auto& row : report.rows)
     if (!row.again) text += line_of(row);
   text += "\n" + changed_settings_text(report.rows);
-  for (const auto& law : report.laws()) text += law_text(law) + "\n";
+  for (const auto& law : report.laws()) text += law_text(law);
   text += recommendation(report.settings()) + "\n";
   for (const auto& file : report.written) text += "written: " + file + "\n";
   return text;
@@ -233,7 +209,7 @@ Plot picture_of(const SweepReport& report) {
   Subplot subplot;
   subplot.y = {.label = "delay", .unit = "s", .low = 0.0};
   int color = static_cast<int>(PlotColor::Blue);
-  for (const auto& group : groups_of(report.settings())) {
+  for (const auto& group : by_rate_and_periods(report.settings())) {
     add_group(group, static_cast<PlotColor>(color), subplot);
     // Vermillion is for what lost frames.
     color = color == static_cast<int>(PlotColor::Blue) ? static_cast<int>(PlotColor::Green) : color % 6 + 1;
@@ -249,8 +225,7 @@ struct LatencySweepOptions {
   std::vector<int> blocks = {16, 32, 64, 128, 256, 512, 1024};
   std::vector<int> periods;
   std::vector<std::string> rates;
-  std::string picture;
-  bool json = false;
+  ReportFiles report;
 };
 
 /// Only to be opened with: nothing is played.
@@ -275,11 +250,9 @@ Result<StreamGranted> ask(Backend& backend, const MeasureSettings& settings) {
 
 void take(const Measurement& measurement, SweepRow& row) {
   auto& setting = row.setting;
-  setting.finding = measurement.finding;
-  setting.delay_frames = measurement.delay_frames;
-  setting.standard_error_frames = measurement.standard_error_frames;
+  static_cast<DelayEstimate&>(setting) = measurement;
   row.reported_frames = measurement.reported_frames;
-  row.analysis = shown_of(measurement)->analysis;
+  row.analysis = measurement.shown().analysis;
   for (const auto& opening : measurement.openings) {
     row.xruns += opening.health.xruns;
     row.lost_frames += opening.health.lost_frames;
@@ -335,14 +308,11 @@ int run_latency_sweep(const LatencySweepOptions& options) {
   install_signal_handlers();
   auto report = measure_all(loop, options);
   Status written;
-  if (!options.picture.empty()) {
-    written = write_svg(options.picture, {picture_of(report)});
-    if (written) report.written.push_back(options.picture);
+  if (const auto& picture = options.report.picture; !picture.empty()) {
+    written = write_svg(picture, {picture_of(report)});
+    if (written) report.written.push_back(picture);
   }
-  if (options.json)
-    print_json(app::json_of(report));
-  else
-    fmt::print("{}", text_of(report));
+  options.report.json ? print_json(app::json_of(report)) : fmt::print("{}", text_of(report));
   or_exit(written);
   if (report.settings().empty()) return kDevice;
   return shortest_good(report.settings()) == nullptr ? kNo : kDone;
@@ -357,18 +327,14 @@ void add_latency_sweep(CLI::App& latency, int& exit_code) {
   auto& loop = options.loop;
   loop.openings = 2;
   loop.probes = 4;
-  add_loop_options(command, loop);
+  add_loop_options(command, loop, false, true);
   add_number(command, "--blocks", options.blocks, "block sizes in frames", 1, 8192)->delimiter(',');
   command.add_option("--periods", options.periods, "numbers of blocks in the driver's buffer, such as 2,3")
       ->delimiter(',')
       ->check(CLI::Range(1, 64));
   command.add_option("--rates", options.rates, "sample rates, such as 48kHz,96kHz; default: the device's")
       ->delimiter(',');
-  add_repetition_options(command, loop);
-  command
-      .add_option("--report", options.picture, "write a plot of delay against block size to this SVG file")
-      ->check(writable_file());
-  command.add_flag("--json", options.json, "print the report as JSON");
+  add_report_options(command, options.report, false, false);
   command.footer(
       "Examples:\n  tactus latency sweep --device jack:system\n  tactus latency sweep --device USB --blocks "
       "32,64,128 --periods 2,3 --report blocks.svg\nNo delay is saved: run tactus latency measure with the "

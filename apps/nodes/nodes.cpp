@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/cli/json.h"
 #include "apps/nodes/schema.h"
@@ -58,7 +57,7 @@ Json entry_json(const Setting& setting) {
   Json json{{"name", setting.name},
             {"kind", setting_kind_name(setting.kind)},
             {"doc", setting.doc},
-            {"required", setting.fallback.empty() && !setting.optional}};
+            {"required", setting.required}};
   if (choice || !setting.choices.empty()) json[choice ? "choices" : "units"] = setting.choices;
   if (!setting.fallback.empty()) json["default"] = setting.fallback;
   add_range(json, setting.low, setting.high);

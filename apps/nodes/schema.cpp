@@ -121,9 +121,13 @@ Json section_schema(const SectionType& section);
 
 Json of_field(const FieldType& field) {
   using Kind = FieldType::Kind;
-  const auto doc = field.doc + (field.fallback.empty() ? "" : "; default: " + field.fallback);
+  const auto of = field.kind == Kind::Quantity ? field.unit() : "";
+  const auto doc =
+      described(field.doc, of, {}) + (field.fallback.empty() ? "" : "; default: " + field.fallback);
   switch (field.kind) {
     case Kind::Text:
+    case Kind::File:
+    case Kind::Unit:
       break;
     case Kind::Prose:
       return {{"description", doc}, {"type", "string"}};
@@ -132,7 +136,7 @@ Json of_field(const FieldType& field) {
       return quantity(doc, field.low, field.high);
     case Kind::Signal:
       return signal(doc);
-    case Kind::Whole:
+    case Kind::Integer:
       return whole_number(doc, field.low, field.high);
     case Kind::Flag:
       return {{"description", doc}, {"type", "boolean"}};
@@ -142,6 +146,10 @@ Json of_field(const FieldType& field) {
       return range(doc);
     case Kind::Points:
       return list(doc, range(""));
+    case Kind::Numbers:
+      return list(doc, quantity(""));
+    case Kind::Names:
+      return list(doc, text(""));
     case Kind::Channels:
       return channels(doc);
     case Kind::Format:
@@ -153,35 +161,20 @@ Json of_field(const FieldType& field) {
     case Kind::Settings:
       return entries(doc, quantity(""));
     case Kind::Reference:
-      return entries(doc, reference(field.unit));
+      return entries(doc, reference(field.unit()));
   }
   return text(doc);
 }
 
 Json section_schema(const SectionType& section) {
   Keys keys;
-  for (const auto& field : section.fields) keys.add(field.key, of_field(field), field.required);
+  for (const auto& field : section.fields) keys.add(field.name, of_field(field), field.required);
   auto json = keys.object(section.doc);
   for (const auto& key : section.one_of) json["anyOf"].push_back({{"required", {key}}});
   if (section.together.size() == 2)
     json["dependencies"] = {{section.together[0], {section.together[1]}},
                             {section.together[1], {section.together[0]}}};
   return json;
-}
-
-Json of_setting(const Setting& setting) {
-  using Kind = FieldType::Kind;
-  if (setting.kind == Setting::Kind::Numbers) return list(setting.doc, quantity(""));
-  if (setting.kind == Setting::Kind::Names) return list(setting.doc, text(""));
-  static constexpr Kind kKinds[] = {Kind::Choice, Kind::Whole, Kind::Quantity, Kind::Flag,
-                                    Kind::Text,   Kind::Text,  Kind::Points};
-  FieldType field{setting.name, kKinds[static_cast<int>(setting.kind)], setting.doc};
-  if (field.kind == Kind::Quantity && !setting.choices.empty())
-    field.doc = described(setting.doc, setting.choices[0], {});
-  field.low = setting.low;
-  field.high = setting.high;
-  field.choices = setting.choices;
-  return of_field(field);
 }
 
 /// The keys that name other elements.
@@ -201,8 +194,7 @@ Json node(const NodeType& type) {
   for (const auto& port : type.inputs)
     keys.add(port.name, signal(described(port.doc, port.unit, port.fallback), port.low, port.high),
              !port.fallback);
-  for (const auto& setting : type.settings)
-    keys.add(setting.name, of_setting(setting), setting.fallback.empty() && !setting.optional);
+  for (const auto& setting : type.settings) keys.add(setting.name, of_field(setting), setting.required);
   keys.add("voices", whole_number("number of lanes", 1, 1024));
   keys.add("about", text("for people"));
   return keys.object(type.summary);
@@ -212,8 +204,7 @@ Json element(const ElementType& type) {
   Keys keys;
   keys.add("type", {{"const", type.name}}, true);
   add_ends(type, keys);
-  for (const auto& setting : type.settings)
-    keys.add(setting.name, of_setting(setting), setting.fallback.empty());
+  for (const auto& setting : type.settings) keys.add(setting.name, of_field(setting), setting.required);
   for (const auto& field : type.fields)
     keys.add(field.name, signal(described(field.doc, field.unit, field.fallback), field.low, field.high),
              !field.fallback && !field.optional);
@@ -261,13 +252,8 @@ Json part() {
 }
 
 Json network() {
-  std::vector<std::string> solvers;
-  for (const auto solver : kSolvers) solvers.emplace_back(name_of(solver));
-  const SectionType options{"",
-                            {choice_field("solver", solvers, "solver of the network", "passive"),
-                             whole_field("oversample", 1, 64, "solver steps per frame", "1")}};
   auto json = entries("masses on a line and the elements between them", reference("element"));
-  json["properties"] = section_schema(options)["properties"];
+  json["properties"] = section_schema(network_options())["properties"];
   json["minProperties"] = 1;
   return json;
 }
@@ -285,8 +271,8 @@ Json scene() {
 }
 
 std::string range_of(const FieldType& field) {
-  if (!field.choices.empty()) return fmt::format("`{}`", fmt::join(field.choices, "`, `"));
-  const auto dimension = parse_unit(field.unit).value_or(Unit{}).dimension;
+  if (field.kind == FieldType::Kind::Choice) return fmt::format("`{}`", fmt::join(field.choices, "`, `"));
+  const auto dimension = parse_unit(field.unit()).value_or(Unit{}).dimension;
   const auto number = [&](double si) { return std::isfinite(si) ? short_quantity(si, dimension) : "any"; };
   if (!std::isfinite(field.low) && !std::isfinite(field.high)) return "";
   return number(field.low) + " to " + number(field.high);
@@ -298,12 +284,13 @@ std::string table_of(const std::string& title, const SectionType& section) {
   auto text = fmt::format("\n### {}\n\n{}.\n\n| key | range | default | meaning |\n|---|---|---|---|\n",
                           title, section.doc);
   for (const auto& field : section.fields)
-    text += fmt::format("| `{}` | {} | {} | {} |\n", field.key, field.key == "measure" ? "" : range_of(field),
-                        field.required ? "required" : field.fallback, field.doc);
+    text +=
+        fmt::format("| `{}` | {} | {} | {} |\n", field.name, field.name == "measure" ? "" : range_of(field),
+                    field.required ? "required" : field.fallback, field.doc);
   for (const auto& field : section.fields)
     if (field.inside != nullptr)
-      text += table_of(field.kind == FieldType::Kind::Entries ? fmt::format("entries of [{}]", field.key)
-                                                              : fmt::format("[{}]", field.key),
+      text += table_of(field.kind == FieldType::Kind::Entries ? fmt::format("entries of [{}]", field.name)
+                                                              : fmt::format("[{}]", field.name),
                        *field.inside);
   return text;
 }

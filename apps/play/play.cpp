@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/play/live/plan.h"
 #include "apps/play/play_report.h"
@@ -76,15 +75,12 @@ void print(const Report& report) {
                outcome.unit.empty() ? "" : " " + outcome.unit, outcome.wanted);
 }
 
-/// The options that only a sound card has.
 void add_live_options(CLI::App& command, LiveOptions& options) {
   auto* group = command.add_option_group("on a sound card");
-  group->add_option("--rig", options.rig, "rig file: device, channels, actuators, sensors, measured delay");
-  group->add_option("--backend", options.backend,
-                    fmt::format("audio backend: {}; see tactus devices", fmt::join(card_backends(), ", ")));
-  group->add_option("--device", options.device, "id of a device, or part of its name")
-      ->check([](const std::string& text) { return text.empty() ? "it is empty" : std::string{}; });
-  group->add_option("--input-device", options.input_device, "input device, if different from --device");
+  add_device_options(*group, options, "rig file: device, channels, actuators, sensors, measured delay");
+  group->get_option("--device")->check([](const std::string& text) {
+    return text.empty() ? "it is empty" : std::string{};
+  });
   for (const auto& [name, channels, help] :
        {std::tuple{"--inputs", &options.in, "channels of the device for the inputs, such as --inputs 2,5"},
         {"--outputs", &options.out, "channels of the device for the outputs"}})

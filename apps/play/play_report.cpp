@@ -4,10 +4,8 @@
 
 #include <algorithm>
 #include <cctype>
-#include <filesystem>
 #include <utility>
 
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "engine/core/decibels.h"
 #include "engine/core/index.h"
@@ -17,9 +15,6 @@
 
 namespace tactus::app {
 namespace {
-
-/// Levels count the highest envelope of a hit's first 5 ms.
-constexpr double kLevelAfter_s = 5e-3;
 
 using Signals = std::vector<const RecordedSignal*>;
 
@@ -183,34 +178,16 @@ PlayedScene play_file(const std::filesystem::path& file, const PlayerOptions& op
   return {std::move(scene), std::move(recording)};
 }
 
-Json events_json(const std::vector<std::string>& names, const std::vector<std::vector<double>>& taps,
-                 Hertz sample_rate) {
-  std::vector<std::pair<double, Json>> events;  // with their times
-  for (std::size_t t = 0; t < names.size(); ++t) {
-    const auto node = names[t].substr(0, names[t].rfind('.'));
-    if (names[t] == node + ".level") continue;
-    const auto level = std::find(names.begin(), names.end(), node + ".level");
-    const auto times = trigger_times(taps[t], sample_rate);
-    for (std::size_t i = 0; i < times.size(); ++i) {
-      events.push_back({times[i], {{"time_s", times[i]}, {"node", node}}});
-      if (level == names.end()) continue;
-      const auto& levels = taps[index(level - names.begin())];
-      const double next_s = i + 1 < times.size() ? times[i + 1] : times[i] + kLevelAfter_s;
-      const double until_s = std::min(times[i] + kLevelAfter_s, next_s);
-      const double highest =
-          levels[std::min(levels.size() - 1, static_cast<std::size_t>(until_s * sample_rate.value))];
-      if (highest > 0) events.back().second["level_db"] = amplitude_to_db(highest);
-    }
-  }
-  std::stable_sort(events.begin(), events.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  return {{"events", list_of(events, [](const auto& event) { return event.second; })}};
-}
-
 Json faults_json(const std::vector<FaultCount>& faults) {
   return list_of(faults, [](const FaultCount& fault) -> Json {
     return {{"node", fault.path}, {"count", fault.count}};
   });
+}
+
+Json gaps_json(const Health& health) {
+  Json json = Json::object();
+  for (std::size_t g = 0; g < kGaps; ++g) json[name_of(static_cast<Gap>(g))] = health.gaps[g];
+  return json;
 }
 
 Json ports_json(const std::vector<PortEnergy>& ports) {
@@ -228,19 +205,6 @@ Json ports_json(const std::vector<PortEnergy>& ports) {
 void print_ports(const std::vector<PortEnergy>& ports) {
   const char* title = "energy";
   for (const auto& port : ports) fmt::print("  {:<20}{}\n", std::exchange(title, ""), describe(port));
-}
-
-Json events_of(const SceneRecording& recording) {
-  std::vector<std::string> names;
-  std::vector<std::vector<double>> taps;
-  const std::string prefix = "instrument.";
-  for (const auto& signal : recording.signals) {
-    if (!signal.name.starts_with(prefix) || signal.name.find('.', prefix.size()) == std::string::npos)
-      continue;
-    names.push_back(signal.name.substr(prefix.size()));
-    taps.push_back(signal.samples);
-  }
-  return events_json(names, taps, recording.sample_rate);
 }
 
 std::string base_of(const std::string& folder, const PlayedScene& played) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apps/cli/json.h"
+#include "backends/health.h"
 #include "backends/wav_file.h"
 #include "engine/core/error.h"
 #include "engine/plot/plot.h"
@@ -56,12 +57,9 @@ struct PlayedScene {
 PlayedScene play_file(const std::filesystem::path& file, const PlayerOptions& options,
                       const std::map<std::string, double>* compared = nullptr);
 
-/// {"events": [{"time_s", "node", "level_db"}]} from taps "node.output" and "node.level".
-Json events_json(const std::vector<std::string>& names, const std::vector<std::vector<double>>& taps,
-                 Hertz sample_rate);
-Json events_of(const SceneRecording& recording);
-
 Json faults_json(const std::vector<FaultCount>& faults);
+/// Numbers of gaps by their causes.
+Json gaps_json(const Health& health);
 
 /// The energy that passed the ports of a scene, for machines and for people.
 Json ports_json(const std::vector<PortEnergy>& ports);

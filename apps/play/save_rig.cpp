@@ -6,7 +6,6 @@
 #include <functional>
 #include <sstream>
 
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "engine/core/files.h"
 #include "engine/graph/file/error_list.h"
@@ -52,29 +51,6 @@ std::string title_of(const PortSpec& port) {
   return "'" + port.name + "'" + (about.empty() ? "" : " (" + about + ")");
 }
 
-/// Asks until `take` accepts the answer. `proposed`: what an empty line stands for; empty: nothing.
-void ask(const Dialog& dialog, const std::string& question, const std::string& proposed,
-         const UseAnswer& take) {
-  while (true) {
-    std::string answer;
-    if (!dialog.take_defaults) {
-      dialog.out << question << (proposed.empty() ? "" : " [" + proposed + "]") << ": " << std::flush;
-      if (!std::getline(dialog.in, answer))
-        exit_with({Errc::Missing, "--save-rig", "the input ended before all questions were answered",
-                   "answer on a terminal, or accept all defaults with --yes"});
-    }
-    answer = CLI::detail::trim_copy(answer);
-    if (answer.empty()) answer = proposed;
-    try {
-      if (answer.empty()) refuse("this question has no default", "give an answer");
-      return take(answer);
-    } catch (const CommandError& error) {
-      if (dialog.take_defaults) throw;
-      dialog.out << "  " << to_string(error.errors) << "\n";
-    }
-  }
-}
-
 /// Volts from `least` to 1 kV.
 UseAnswer take_volts(double least, const char* least_text, const std::string& example,
                      std::optional<double>& to) {
@@ -86,65 +62,80 @@ UseAnswer take_volts(double least, const char* least_text, const std::string& ex
   };
 }
 
-/// The questions, one port after the other.
-class Interview {
- public:
-  Interview(Rig& rig, int inputs, int outputs, const fs::path& root, const Dialog& dialog)
-      : rig_(rig), device_inputs_(inputs), device_outputs_(outputs), root_(root), dialog_(dialog) {}
+struct Interview {
+  Rig& rig;
+  int device_inputs, device_outputs;
+  const fs::path& root;
+  const Dialog& dialog;
 
   void ask_input(const PortSpec& port) {
-    auto& input = rig_.inputs.emplace_back();
+    auto& input = rig.inputs.emplace_back();
     input.name = port.name;
-    const auto proposed = static_cast<int>(rig_.inputs.size());
-    ask(dialog_,
-        fmt::format("Which input of the card is {}? 1 to {}, or none", title_of(port), device_inputs_),
-        proposed <= device_inputs_ ? std::to_string(proposed) : kNone,
-        [&](const std::string& text) { return take_channels(text, input, device_inputs_, true); });
+    const auto proposed = static_cast<int>(rig.inputs.size());
+    ask(fmt::format("Which input of the card is {}? 1 to {}, or none", title_of(port), device_inputs),
+        proposed <= device_inputs ? std::to_string(proposed) : kNone,
+        [&](const std::string& text) { return take_channels(text, input, device_inputs, true); });
     if (!input.channels.empty()) ask_sensitivity(port, input);
   }
 
   void ask_output(const PortSpec& port) {
-    auto& output = rig_.outputs.emplace_back();
+    auto& output = rig.outputs.emplace_back();
     output.name = port.name;
     const bool audio = port.use == OutputUse::Audio;
     int free = 1;
     while (used_by_output(free)) ++free;
-    ask(dialog_,
-        fmt::format("Which output of the card is {}? {}; 1 to {}, or none", title_of(port),
-                    audio ? "It is a monitor output" : "It drives an actuator", device_outputs_),
-        free <= device_outputs_ ? std::to_string(free) : kNone,
-        [&](const std::string& text) { return take_channels(text, output, device_outputs_, false); });
+    ask(fmt::format("Which output of the card is {}? {}; 1 to {}, or none", title_of(port),
+                    audio ? "It is a monitor output" : "It drives an actuator", device_outputs),
+        free <= device_outputs ? std::to_string(free) : kNone,
+        [&](const std::string& text) { return take_channels(text, output, device_outputs, false); });
     if (audio || output.channels.empty()) return;
-    ask(dialog_,
-        "What does '" + port.name +
+    ask("What does '" + port.name +
             "' drive? woofer, bass_shaker, tactor_lra, …, or a file; unknown: conservative limits",
         "unknown", [&](const std::string& text) { return take_profile(text, output); });
     // There is no conservative guess: too few volts would allow too much.
     if (output.has_actuator())
-      ask(dialog_,
-          "Which voltage at the actuator, after the amplifier, does a sample value of 1 give? Such as 10 V",
+      ask("Which voltage at the actuator, after the amplifier, does a sample value of 1 give? Such as 10 V",
           "", take_volts(1e-3, "1 mV", "10 V", output.drive.volts));
   }
 
   void ask_actuators() {
-    if (device_outputs_ <= static_cast<int>(rig_.outputs.size())) return;
+    if (device_outputs <= static_cast<int>(rig.outputs.size())) return;
     RigPort others;
-    ask(dialog_,
-        "Are actuators connected to other outputs (which must never carry sound)? Channel numbers, or none",
-        kNone, [&](const std::string& text) { return take_channels(text, others, device_outputs_, false); });
+    ask("Are actuators connected to other outputs (which must never carry sound)? Channel numbers, or none",
+        kNone, [&](const std::string& text) { return take_channels(text, others, device_outputs, false); });
     for (const int channel : others.channels) {
-      auto& actuator = rig_.actuators.emplace_back();
+      auto& actuator = rig.actuators.emplace_back();
       actuator.name = fmt::format("on_{}", channel);
       actuator.channels = {channel};
     }
   }
 
- private:
+  /// Asks until `take` accepts the answer. `proposed`: what an empty line stands for; empty: nothing.
+  void ask(const std::string& question, const std::string& proposed, const UseAnswer& take) const {
+    while (true) {
+      std::string answer;
+      if (!dialog.take_defaults) {
+        dialog.out << question << (proposed.empty() ? "" : " [" + proposed + "]") << ": " << std::flush;
+        if (!std::getline(dialog.in, answer))
+          exit_with({Errc::Missing, "--save-rig", "the input ended before all questions were answered",
+                     "answer on a terminal, or accept all defaults with --yes"});
+      }
+      answer = CLI::detail::trim_copy(answer);
+      if (answer.empty()) answer = proposed;
+      try {
+        if (answer.empty()) refuse("this question has no default", "give an answer");
+        return take(answer);
+      } catch (const CommandError& error) {
+        if (dialog.take_defaults) throw;
+        dialog.out << "  " << to_string(error.errors) << "\n";
+      }
+    }
+  }
+
   void ask_sensitivity(const PortSpec& port, RigInput& input) {
     const auto &dimension = port.dimension, per_volt = volt() / dimension;
     const auto unit = dimension.plain() ? std::string{"V"} : volts_per(per_volt);
-    ask(dialog_,
-        "Which voltage at that input is full scale? Such as 1 V; unknown: a sample value of 1 counts as 1" +
+    ask("Which voltage at that input is full scale? Such as 1 V; unknown: a sample value of 1 counts as 1" +
             (dimension.plain() ? "" : " " + to_string(dimension)),
         "unknown", [&](const std::string& text) {
           if (text != "unknown") return take_volts(1e-6, "1 uV", "1 V", input.volts)(text);
@@ -153,8 +144,7 @@ class Interview {
           input.sensitivity = QuantityValue{1.0, Unit{per_volt}, false};
         });
     if (!input.volts || input.sensitivity) return;
-    ask(dialog_,
-        dimension.plain()
+    ask(dimension.plain()
             ? "Which sensor voltage counts as full scale? Such as 50 mV (or determine it with --learn)"
             : "How sensitive is the sensor? In " + unit + ", such as 2 " + unit,
         fmt::format("{} {}", *input.volts, unit),
@@ -162,7 +152,7 @@ class Interview {
   }
 
   bool used_by_output(int channel) const {
-    return std::any_of(rig_.outputs.begin(), rig_.outputs.end(),
+    return std::any_of(rig.outputs.begin(), rig.outputs.end(),
                        [channel](const RigOutput& output) { return output.uses(channel); });
   }
 
@@ -183,14 +173,9 @@ class Interview {
 
   void take_profile(const std::string& text, RigOutput& output) {
     if (text == "unknown" || text == kNone) return;
-    or_exit(load_profile(or_exit(find_profile(text, root_, ""))));
+    or_exit(load_profile(or_exit(find_profile(text, root, ""))));
     output.drive.profile = text;
   }
-
-  Rig& rig_;
-  int device_inputs_, device_outputs_;
-  const fs::path& root_;
-  const Dialog& dialog_;
 };
 
 }  // namespace

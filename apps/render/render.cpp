@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/study/study.h"
-#include "backends/offline.h"
+#include "backends/take/replay.h"
+#include "engine/core/decibels.h"
 #include "engine/core/index.h"
 #include "engine/dsp/delays/resample.h"
 #include "engine/nodes/table.h"
-#include "engine/runtime/player.h"
+#include "engine/scene/measures/events.h"
 
 namespace tactus::app {
 namespace {
@@ -36,15 +36,56 @@ Samples read_input(const RenderOptions& options) {
 
 /// A recording must not be lost to its own rendering.
 void check_overwriting(const RenderOptions& options) {
+  const auto& input = options.replay.empty() ? options.in : options.replay;
   std::error_code none;
   for (const auto& [option, written] :
        {std::pair{"--out ", &options.out}, {"--sound ", &options.sound}, {"--events ", &options.events}})
-    if (!written->empty() && !options.in.empty() && std::filesystem::equivalent(*written, options.in, none))
+    if (!written->empty() && !input.empty() && std::filesystem::equivalent(*written, input, none))
       exit_with(
           {Errc::BadArgument, option + *written, "would overwrite the input file", "choose another name"});
 }
 
-/// The results of a run.
+/// Levels count the highest envelope of a hit's first 5 ms.
+constexpr double kLevelAfter_s = 5e-3;
+
+/// {"events": [{"time_s", "node", "level_db"}]} from taps "node.output" and "node.level".
+Json events_json(const std::vector<std::string>& names, const std::vector<std::vector<double>>& taps,
+                 Hertz sample_rate) {
+  std::vector<std::pair<double, Json>> events;  // with their times
+  for (std::size_t t = 0; t < names.size(); ++t) {
+    const auto node = names[t].substr(0, names[t].rfind('.'));
+    if (names[t] == node + ".level") continue;
+    const auto level = std::find(names.begin(), names.end(), node + ".level");
+    const auto times = trigger_times(taps[t], sample_rate);
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      events.push_back({times[i], {{"time_s", times[i]}, {"node", node}}});
+      if (level == names.end()) continue;
+      const auto& levels = taps[index(level - names.begin())];
+      const double next_s = i + 1 < times.size() ? times[i + 1] : times[i] + kLevelAfter_s;
+      const double until_s = std::min(times[i] + kLevelAfter_s, next_s);
+      const double highest =
+          levels[std::min(levels.size() - 1, static_cast<std::size_t>(until_s * sample_rate.value))];
+      if (highest > 0) events.back().second["level_db"] = amplitude_to_db(highest);
+    }
+  }
+  std::stable_sort(events.begin(), events.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  return {{"events", list_of(events, [](const auto& event) { return event.second; })}};
+}
+
+Json events_of(const SceneRecording& recording) {
+  std::vector<std::string> names;
+  std::vector<std::vector<double>> taps;
+  const std::string prefix = "instrument.";
+  for (const auto& signal : recording.signals) {
+    if (!signal.name.starts_with(prefix) || signal.name.find('.', prefix.size()) == std::string::npos)
+      continue;
+    names.push_back(signal.name.substr(prefix.size()));
+    taps.push_back(signal.samples);
+  }
+  return events_json(names, taps, recording.sample_rate);
+}
+
 struct Rendered {
   Samples output;                            ///< a channel for each of `outputs`
   std::vector<std::string> outputs, sounds;  ///< names; of the monitor output
@@ -112,7 +153,6 @@ void print(const RenderOptions& options, const std::string& name, const Samples&
 }
 
 int render_instrument(const RenderOptions& options, const std::filesystem::path& file) {
-  check_overwriting(options);
   const auto loaded = load_graph_leniently(file, root_of(file));
   if (loaded.spec == nullptr) throw CommandError{loaded.errors};
   const auto input = read_input(options);
@@ -189,6 +229,7 @@ int report_accuracy(const RenderOptions& options, const std::filesystem::path& f
 }
 
 int run_render(const RenderOptions& options) {
+  check_overwriting(options);
   if (!options.replay.empty()) return render_take(options);
   if (options.target.empty())
     exit_with({Errc::Missing, "", "there is nothing to render", "name an instrument, a scene or a take"});

@@ -1,7 +1,6 @@
 #pragma once
 // Thread: [control]
 
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
@@ -26,24 +25,10 @@ struct RenderOptions : PlayerOptions {
 /// All channels at another rate: see engine/dsp/delays/resample.h.
 Samples resample(const Samples& samples, Hertz to);
 
-/// Compiles versions of the graph of a take, unpacked below a temporary folder.
-class TakeCompiler {
- public:
-  explicit TakeCompiler(const TakeHeader& header);
-  ~TakeCompiler() { clear(); }
-  TakeCompiler(const TakeCompiler&) = delete;
-  TakeCompiler& operator=(const TakeCompiler&) = delete;
-
-  /// Errors: of the texts; BadFile for sound files that have changed.
-  Checked<std::unique_ptr<Plan>> compile(const TakeFiles& files,
-                                         const std::map<std::string, double>& settings) const;
-
- private:
-  void clear() const;
-
-  const TakeHeader& header_;
-  std::filesystem::path folder_;
-};
+/// Compiles a version of the graph of a take, unpacked in a temporary folder. Errors: of the texts; BadFile
+/// for sound files that have changed.
+Checked<std::unique_ptr<Plan>> compile_take(const TakeHeader& header, const TakeFiles& files,
+                                            const std::map<std::string, double>& settings);
 
 /// The changes of controls of a take as another graph counts them, by name; those that it does not have are
 /// left out, like edits.

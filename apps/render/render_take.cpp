@@ -1,12 +1,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <memory>
 #include <optional>
 
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/cli/take_files.h"
 #include "apps/render/render.h"
@@ -34,32 +32,23 @@ Rig leaving_out(const std::vector<std::string>& ports) {
 
 }  // namespace
 
-TakeCompiler::TakeCompiler(const TakeHeader& header) : header_(header) {
-  static std::atomic<int> count{0};
-  const auto ticks = std::chrono::steady_clock::now().time_since_epoch().count();
-  folder_ = fs::temp_directory_path() / fmt::format("tactus_replay_{}_{}", ticks, count++);
-}
-
-Checked<std::unique_ptr<Plan>> TakeCompiler::compile(const TakeFiles& files,
-                                                     const std::map<std::string, double>& settings) const {
+Checked<std::unique_ptr<Plan>> compile_take(const TakeHeader& header, const TakeFiles& files,
+                                            const std::map<std::string, double>& settings) {
   // All versions in one place: a node that plays a sound file is another one if the path is another one.
-  clear();
-  const auto file = unpack(files, folder_);
-  if (!file) return tl::unexpected(std::vector{file.error()});
-  auto loaded = load_graph_leniently(*file, folder_);
-  if (loaded.spec == nullptr) return tl::unexpected(loaded.errors);
-  loaded.spec = without_left_out(leaving_out(header_.left_out), loaded.spec);
-  CompileOptions options;
-  options.sample_rate = header_.sample_rate;
-  options.system_delay = header_.system_delay;
-  options.taps = header_.taps;
-  options.controls.insert(settings.begin(), settings.end());
-  return tactus::compile(loaded, standard_nodes(), options);
-}
-
-void TakeCompiler::clear() const {
+  static const auto ticks = std::chrono::steady_clock::now().time_since_epoch().count();
+  const auto folder = fs::temp_directory_path() / fmt::format("tactus_replay_{}", ticks);
   std::error_code ignored;
-  fs::remove_all(folder_, ignored);
+  const std::shared_ptr<void> at_end{nullptr, [&](void*) { fs::remove_all(folder, ignored); }};
+  const auto file = unpack(files, folder);
+  if (!file) return tl::unexpected(std::vector{file.error()});
+  auto loaded = load_graph_leniently(*file, folder);
+  if (loaded.spec == nullptr) return tl::unexpected(loaded.errors);
+  loaded.spec = without_left_out(leaving_out(header.left_out), loaded.spec);
+  return compile(loaded, standard_nodes(),
+                 {.sample_rate = header.sample_rate,
+                  .system_delay = header.system_delay,
+                  .controls = {settings.begin(), settings.end()},
+                  .taps = header.taps});
 }
 
 std::vector<JournalEntry> journal_for(const Take& take, const Player& engine) {
@@ -80,7 +69,7 @@ std::vector<JournalEntry> journal_for(const Take& take, const Player& engine) {
 std::vector<int> sensors_for(const TakeHeader& header, const std::vector<std::string>& inputs) {
   std::vector<int> sensors;
   for (const auto& input : inputs) {
-    const auto found = std::find(header.inputs.begin(), header.inputs.end(), input);
+    const auto found = std::ranges::find(header.inputs, input);
     sensors.push_back(found == header.inputs.end() ? -1 : static_cast<int>(found - header.inputs.begin()));
   }
   return sensors;
@@ -123,7 +112,6 @@ struct OpenTake {
   WavReader wav;
 };
 
-/// Plays into the file that was asked for, if any.
 Replayed play_into(const RenderOptions& options, OpenTake& open, const ReplayHost& host) {
   std::optional<WavWriter> writer;
   if (!options.out.empty())
@@ -141,32 +129,33 @@ Replayed play_into(const RenderOptions& options, OpenTake& open, const ReplayHos
   return replayed;
 }
 
-void print_rest(const RenderOptions& options, const OpenTake& open) {
-  if (!open.take.finished)
-    fmt::print(
-        "the recording was cut off; it is complete up to {:.3f} s\n",
-        static_cast<double>(frames_to_replay(open.take, open.wav)) / open.take.header.sample_rate.value);
-  if (!open.take.ended.empty()) fmt::print("it ended early: {}\n", open.take.ended);
+/// The replay as JSON, with `more`, or as text.
+void report(const RenderOptions& options, const OpenTake& open, const std::string& instrument,
+            const Replayed& replayed, const Json& more, const std::string& text) {
+  const auto& take = open.take;
+  Json json{{"instrument", instrument},
+            {"sample_rate_hz", take.header.sample_rate.value},
+            {"frames", replayed.frames},
+            {"finished", take.finished},
+            {"ended", take.ended}};
+  json.update(more);
+  if (options.json) return print_json(json);
+  fmt::print("{}: {}\n", instrument, text);
+  if (!take.finished)
+    fmt::print("the recording was cut off; it is complete up to {:.3f} s\n",
+               static_cast<double>(frames_to_replay(take, open.wav)) / take.header.sample_rate.value);
+  if (!take.ended.empty()) fmt::print("it ended early: {}\n", take.ended);
   if (!options.out.empty()) fmt::print("{}: the drives\n", options.out);
-}
-
-Json take_json(const OpenTake& open, const Replayed& replayed, const std::string& instrument) {
-  return {{"instrument", instrument},
-          {"sample_rate_hz", open.take.header.sample_rate.value},
-          {"frames", replayed.frames},
-          {"finished", open.take.finished},
-          {"ended", open.take.ended}};
 }
 
 int render_recorded(const RenderOptions& options, OpenTake& open) {
   const auto& header = open.take.header;
-  const TakeCompiler compiler{header};
-  Player engine{or_exit(compiler.compile(header.files, header.settings))};
+  Player engine{or_exit(compile_take(header, header.files, header.settings))};
   engine.set_journal(open.take.engine);
   RigInputs rig{engine, header.input_scales, header.padding_frames};
   Guarded guarded{rig, header.guard, header.armed};
   const auto replace = [&](const TakeEdit& edit) -> Status {
-    auto plan = compiler.compile(edit.files, edit.settings);
+    auto plan = compile_take(header, edit.files, edit.settings);
     if (!plan) return tl::unexpected(plan.error().front());
     return engine.replace(std::move(*plan));
   };
@@ -174,17 +163,10 @@ int render_recorded(const RenderOptions& options, OpenTake& open) {
       options, open, {guarded, sensors_for(header, header.inputs), engine.out_channels(), replace, true});
   const auto result = verdict(open.take, replayed);
   const bool same = is_same(open.take, replayed);
-  if (options.json) {
-    auto json = take_json(open, replayed, engine.plan().name);
-    json["same"] = same;
-    json["verdict"] = result;
-    if (const auto& first = replayed.first_difference)
-      json["first_difference"] = {{"frame", first->frame}, {"output", first->channel}};
-    print_json(json);
-  } else {
-    fmt::print("{}: {}\n", engine.plan().name, result);
-    print_rest(options, open);
-  }
+  Json json{{"same", same}, {"verdict", result}};
+  if (const auto& first = replayed.first_difference)
+    json["first_difference"] = {{"frame", first->frame}, {"output", first->channel}};
+  report(options, open, engine.plan().name, replayed, json, result);
   return same ? kDone : kNo;
 }
 
@@ -201,12 +183,12 @@ int render_other(const RenderOptions& options, OpenTake& open) {
   const auto& header = open.take.header;
   const auto file = resolve_target(options.target, "instrument.toml");
   const auto loaded = load_graph_leniently(file, root_of(file));
-  if (loaded.spec == nullptr) throw CommandError{loaded.errors};
-  CompileOptions compiling;
-  compiling.sample_rate = header.sample_rate;
-  compiling.system_delay = options.delay.empty() ? header.system_delay : parse_delay(options.delay);
-  compiling.controls = parse_settings(options.set);
-  Player engine{or_exit(compile(loaded, standard_nodes(), compiling))};
+  const auto delay = options.delay.empty() ? header.system_delay : parse_delay(options.delay);
+  Player engine{or_exit(compile(loaded, standard_nodes(),
+                                {.sample_rate = header.sample_rate,
+                                 .system_delay = delay,
+                                 .controls = parse_settings(options.set),
+                                 .taps = {}}))};
   engine.set_journal(journal_for(open.take, engine));
   const auto drives = apply(options.guard, recorded_drives(header), root_of(file));
   const auto& inputs = engine.plan().input_names;
@@ -214,28 +196,18 @@ int render_other(const RenderOptions& options, OpenTake& open) {
   RigInputs rig{engine, scales_for(header, sensors), header.padding_frames};
   Guarded guarded{rig, guarded_channels(engine.plan(), drives), header.armed};
   const auto replayed = play_into(options, open, {guarded, sensors, engine.out_channels(), {}, false});
-  const auto& name = loaded.spec->name;
-  if (options.json) {
-    auto json = take_json(open, replayed, name);
-    json["outputs"] = output_names(engine.plan());
-    print_json(json);
-    return kDone;
-  }
-  fmt::print("{}: rendered with the sensor signals of the take, {:.3f} s\n", name,
-             static_cast<double>(replayed.frames) / header.sample_rate.value);
+  auto text = fmt::format("rendered with the sensor signals of the take, {:.3f} s",
+                          static_cast<double>(replayed.frames) / header.sample_rate.value);
   for (std::size_t i = 0; i < inputs.size(); ++i)
-    if (sensors[i] < 0) fmt::print("the take has no sensor '{}': it was silent\n", inputs[i]);
-  if (!open.take.edits.empty()) fmt::print("edits made during the recording are ignored\n");
-  print_rest(options, open);
+    if (sensors[i] < 0) text += fmt::format("\nthe take has no sensor '{}': it was silent", inputs[i]);
+  if (!open.take.edits.empty()) text += "\nedits made during the recording are ignored";
+  report(options, open, loaded.spec->name, replayed, {{"outputs", output_names(engine.plan())}}, text);
   return kDone;
 }
 
 }  // namespace
 
 int render_take(const RenderOptions& options) {
-  std::error_code none;
-  if (!options.out.empty() && fs::equivalent(options.out, options.replay, none))
-    exit_with({Errc::BadArgument, "--out " + options.out, "would overwrite the take", "choose another name"});
   if (options.target.empty() && (!options.set.empty() || !options.delay.empty()))
     exit_with({Errc::BadArgument, "--replay", "a take is replayed with its recorded settings",
                "name an instrument to feed it the recorded sensor signals with other settings"});

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/cli/json.h"
 #include "engine/plot/plot.h"

@@ -235,6 +235,7 @@ std::vector<Device> devices_of(const Client& client, const std::vector<Card>& ca
     device.input_latency_frames = latency(client, card.captures, JackCaptureLatency);
     device.output_latency_frames = latency(client, card.playbacks, JackPlaybackLatency);
     device.is_default = devices.empty();
+    device.index = static_cast<int>(devices.size());
     devices.push_back(std::move(device));
   }
   return devices;
@@ -316,10 +317,10 @@ class JackBackend final : public Backend {
  public:
   std::string name() const override { return "jack"; }
   Result<std::vector<Device>> devices() override {
-    return ask_server([]() -> Result<std::vector<Device>> {
-      const auto client = Client::open("tactus-devices");
-      if (!client) return tl::unexpected(client.error());
-      return devices_of(**client, cards(**client));
+    return ask_server([] {
+      return Client::open("tactus-devices").map([](const auto& client) {
+        return devices_of(*client, cards(*client));
+      });
     });
   }
   Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override {
@@ -327,8 +328,7 @@ class JackBackend final : public Backend {
     if (!opened) return tl::unexpected(opened.error());
     const auto& client = *opened;
     const auto found = cards(*client);
-    const auto devices = devices_of(*client, found);
-    const auto choice = choose(devices, request);
+    const auto choice = choose(devices_of(*client, found), request);
     if (!choice) return tl::unexpected(choice.error());
     const auto add_ports = [client, in = request.in_channels, out = request.out_channels] {
       return client->add_ports(in, out);
@@ -337,11 +337,11 @@ class JackBackend final : public Backend {
     auto granted = choice->granted;
     // A longer block, when the server changes to one, is cut.
     granted.format.max_frames = granted.block_frames = client->block_frames;
-    if (request.in_channels > 0) granted.input_latency_frames = devices[choice->input].input_latency_frames;
-    if (request.out_channels > 0)
-      granted.output_latency_frames = devices[choice->output].output_latency_frames;
+    if (request.in_channels > 0) granted.input_latency_frames = choice->input.input_latency_frames;
+    if (request.out_channels > 0) granted.output_latency_frames = choice->output.output_latency_frames;
     if (auto status = processor.prepare(granted.format); !status) return tl::unexpected(status.error());
-    client->wires = wires(*client, request, found[choice->input], found[choice->output]);
+    client->wires =
+        wires(*client, request, found[index(choice->input.index)], found[index(choice->output.index)]);
     auto unmapped = request;  // our ports are the channels themselves: what is mapped are the wires
     unmapped.in_map = unmapped.out_map = {};
     return std::make_unique<JackStream>(client, std::move(granted), unmapped, processor);

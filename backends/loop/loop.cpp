@@ -221,7 +221,7 @@ LoopCard LoopBackend::card(const std::string& id) const {
 Result<std::unique_ptr<Stream>> LoopBackend::open(const StreamRequest& request, Guarded& processor) {
   const auto choice = choose(*devices(), request);
   if (!choice) return tl::unexpected(choice.error());
-  if (choice->input != choice->output)
+  if (choice->input.id != choice->output.id)
     return fail(Errc::BadArgument, "", "a simulated card has no path from another device",
                 "omit the input device");
   const auto card = this->card(choice->granted.device);

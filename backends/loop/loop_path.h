@@ -7,7 +7,7 @@
 
 #include "backends/loop/loop_card.h"
 #include "engine/core/index.h"
-#include "engine/dsp/envelopes/follower_kernel.h"
+#include "engine/dsp/envelopes/envelope_kernel.h"
 #include "engine/dsp/filters/linear_filter.h"
 #include "engine/dsp/generators/counter_noise.h"
 

@@ -80,10 +80,10 @@ std::string name_of(const PaHostApiInfo& api) {
 /// "HDA Intel: Analog (hw:0,0)" -> "HDA Intel: Analog": cards are numbered in the order in which they come.
 std::string without_number(std::string name) { return name.substr(0, name.rfind(" (hw:")); }
 
-LibraryDevice described(int index) {
+Device described(int index) {
   const auto& info = *Pa_GetDeviceInfo(index);
   const auto& api = *Pa_GetHostApiInfo(info.hostApi);
-  LibraryDevice device;
+  Device device;
   device.api = name_of(api);
   device.library_name = info.name;
   device.index = index;
@@ -97,8 +97,8 @@ LibraryDevice described(int index) {
 }
 
 /// PortAudio takes all clients whose names end like a JACK client's for that one, and would open their ports.
-bool has_ambiguous_name(const LibraryDevice& one, const std::vector<LibraryDevice>& all) {
-  return one.api == "jack" && std::any_of(all.begin(), all.end(), [&](const LibraryDevice& other) {
+bool has_ambiguous_name(const Device& one, const std::vector<Device>& all) {
+  return one.api == "jack" && std::any_of(all.begin(), all.end(), [&](const Device& other) {
            return other.api == "jack" && other.index != one.index &&
                   other.library_name.ends_with(one.library_name);
          });
@@ -132,12 +132,12 @@ class Session {
   }
 
   /// As of when the session began.
-  std::vector<LibraryDevice> devices() const {
-    std::vector<LibraryDevice> all, devices;
+  std::vector<Device> devices() const {
+    std::vector<Device> all, devices;
     for (int index = 0; index < Pa_GetDeviceCount(); ++index) all.push_back(described(index));
     number_same_ids(all);
     std::copy_if(all.begin(), all.end(), std::back_inserter(devices),
-                 [&](const LibraryDevice& one) { return !has_ambiguous_name(one, all); });
+                 [&](const Device& one) { return !has_ambiguous_name(one, all); });
     const auto output = Pa_GetDefaultOutputDevice();
     const auto wanted = output != paNoDevice ? output : Pa_GetDefaultInputDevice();
     for (auto& one : devices) one.is_default = one.index == wanted;
@@ -214,7 +214,7 @@ std::optional<double> believable(double seconds, double rate) {
   return std::nullopt;
 }
 
-PaStreamParameters parameters(const LibraryDevice& at, int channels, bool input, const StreamRequest& request,
+PaStreamParameters parameters(const Device& at, int channels, bool input, const StreamRequest& request,
                               double rate) {
   const auto* info = Pa_GetDeviceInfo(at.index);
   PaStreamParameters wanted{};
@@ -229,7 +229,7 @@ PaStreamParameters parameters(const LibraryDevice& at, int channels, bool input,
   return wanted;
 }
 
-Status open_line(const std::shared_ptr<Line>& line, const LibraryDevice& input, const LibraryDevice& output,
+Status open_line(const std::shared_ptr<Line>& line, const Device& input, const Device& output,
                  const StreamRequest& request, StreamGranted& granted) {
   const double rate = granted.format.sample_rate.value;
   const int ins = channels_to_open(request.in_channels, request.in_map);
@@ -311,24 +311,19 @@ class PortAudioBackend final : public Backend {
  public:
   std::string name() const override { return "portaudio"; }
   Result<std::vector<Device>> devices() override {
-    const auto session = Session::enter("tactus-devices");
-    if (!session) return tl::unexpected(session.error());
-    const auto found = (*session)->devices();
-    return std::vector<Device>(found.begin(), found.end());
+    return Session::enter("tactus-devices").map([](const auto& session) { return session->devices(); });
   }
   Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override {
     const auto session = Session::enter(request.client_name);
     if (!session) return tl::unexpected(session.error());
-    const auto found = (*session)->devices();
-    const auto choice = choose(found, request);
+    const auto choice = choose((*session)->devices(), request);
     if (!choice) return tl::unexpected(choice.error());
-    const auto& input = found[choice->input];
-    const auto& output = found[choice->output];
+    const auto& [input, output, chosen] = *choice;
     auto line = std::make_shared<Line>();
     line->session = *session;
     line->jack = output.api == "jack";
     line->own_thread = output.api == "alsa" || output.api == "oss";
-    auto granted = choice->granted;
+    auto granted = chosen;
     auto status = open_line(line, input, output, request, granted);
     if (status) status = processor.prepare(granted.format);
     if (!status) {

@@ -16,7 +16,7 @@ namespace tactus {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using Devices = std::vector<LibraryDevice>;
+using Devices = std::vector<Device>;
 using std::chrono::milliseconds;
 
 constexpr int kPriority = 70;      // below a sound server's, above everything ordinary
@@ -47,7 +47,7 @@ class Line {
     own_thread_ = which == RtAudio::LINUX_ALSA || which == RtAudio::LINUX_PULSE;
   }
   /// [control] `granted` has the rate; the latencies of the driver are added.
-  Status open(const LibraryDevice& input, const LibraryDevice& output, const StreamRequest& request,
+  Status open(const Device& input, const Device& output, const StreamRequest& request,
               StreamGranted& granted) {
     return checked([&] {
       rate_ = static_cast<unsigned>(granted.format.sample_rate.value);
@@ -204,8 +204,8 @@ void close(std::shared_ptr<Line> line) {
   call_with_timeout([line = std::move(line)] {}, patience);
 }
 
-LibraryDevice described(const std::string& api, unsigned index, const RtAudio::DeviceInfo& info) {
-  LibraryDevice device;
+Device described(const std::string& api, unsigned index, const RtAudio::DeviceInfo& info) {
+  Device device;
   device.api = api;
   device.library_name = info.name;
   device.index = static_cast<int>(index);
@@ -238,7 +238,7 @@ Devices probe(RtAudio::Api api) {
 /// with those of "b". A client whose ports come before those of all that it is taken for keeps its own; any
 /// other cannot be opened. A client whose ports do not lie together is there twice.
 Devices own_ports_only(Devices devices) {
-  std::stable_sort(devices.begin(), devices.end(), [](const LibraryDevice& a, const LibraryDevice& b) {
+  std::stable_sort(devices.begin(), devices.end(), [](const Device& a, const Device& b) {
     return a.library_name.size() > b.library_name.size();
   });
   Devices usable;
@@ -253,15 +253,14 @@ Devices own_ports_only(Devices devices) {
     }
     if (first) usable.push_back(*one);
   }
-  std::sort(usable.begin(), usable.end(),
-            [](const LibraryDevice& a, const LibraryDevice& b) { return a.index < b.index; });
+  std::sort(usable.begin(), usable.end(), [](const Device& a, const Device& b) { return a.index < b.index; });
   return usable;
 }
 
 /// The outputs' default of the first API that has one, or else the first device with inputs.
 void one_default(Devices& devices) {
-  auto chosen = std::find_if(devices.begin(), devices.end(),
-                             [](const LibraryDevice& found) { return found.is_default; });
+  auto chosen =
+      std::find_if(devices.begin(), devices.end(), [](const Device& found) { return found.is_default; });
   if (chosen == devices.end()) chosen = devices.begin();
   for (auto one = devices.begin(); one != devices.end(); ++one) one->is_default = one == chosen;
 }
@@ -334,8 +333,7 @@ class RtAudioBackend final : public Backend {
   std::string name() const override { return "rtaudio"; }
   Result<std::vector<Device>> devices() override {
     silence_library_logs();
-    return rtaudio_devices("").map(
-        [](const Devices& all) { return std::vector<Device>(all.begin(), all.end()); });
+    return rtaudio_devices("");
   }
   Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override {
     silence_library_logs();
@@ -343,10 +341,11 @@ class RtAudioBackend final : public Backend {
     if (!found) return tl::unexpected(found.error());
     const auto choice = choose(*found, request);
     if (!choice) return tl::unexpected(choice.error());
-    const auto input = (*found)[choice->input], output = (*found)[choice->output];
-    auto line = std::make_shared<Line>(output.api, request);
+    auto line = std::make_shared<Line>(choice->output.api, request);
     const auto granted = std::make_shared<StreamGranted>(choice->granted);
-    auto status = in_time(line, [=](Line& opened) { return opened.open(input, output, request, *granted); });
+    auto status = in_time(line, [=, choice = *choice](Line& opened) {
+      return opened.open(choice.input, choice.output, request, *granted);
+    });
     if (!status) return tl::unexpected(status.error());
     status = processor.prepare(granted->format);
     if (!status) {

@@ -7,7 +7,6 @@
 #include <thread>
 #include <utility>
 
-#include "backends/find_device.h"
 #include "backends/library_calls.h"
 #include "backends/midi.h"
 #include "engine/core/spsc_queue.h"
@@ -50,15 +49,15 @@ void note_error(RtMidiError::Type type, const std::string&, void* failed) {
 
 /// Looks for ports and keeps them open, on its own thread; the control thread asks it for what came. Whoever
 /// of the two lives longer keeps it.
-class Worker {
+class Worker final : public MidiInputs {
  public:
-  explicit Worker(RtMidiSettings settings) : settings_(std::move(settings)) {}
+  Worker(std::string api, std::chrono::milliseconds interval) : api_(std::move(api)), interval_(interval) {}
 
   void run() {
     for (int checks = 0;; ++checks) {
       try {
         const bool retry = checks % kChecksPerRetry == 0;
-        if (scout_ != nullptr && retry && server_died()) start_again();
+        if (scout_ != nullptr && retry && server_died()) close();
         if (scout_ == nullptr && retry) scout_ = make_client();
         if (scout_ != nullptr) update_ports();
       } catch (const std::exception& error) {
@@ -66,10 +65,9 @@ class Worker {
         report_error(error.what());
       }
       std::unique_lock lock{mutex_};
-      if (wake_.wait_for(lock, settings_.look_every, [this] { return stop_; })) break;
+      if (wake_.wait_for(lock, interval_, [this] { return stop_; })) break;
     }
-    close_missing({});
-    scout_.reset();
+    close();
     const std::lock_guard lock{mutex_};
     stopped_ = true;
     wake_.notify_all();
@@ -83,14 +81,14 @@ class Worker {
     wake_.wait_for(lock, kPatience, [this] { return stopped_; });
   }
 
-  std::vector<std::string> ports() const {
+  std::vector<std::string> ports() override {
     const std::lock_guard lock{mutex_};
     std::vector<std::string> ids;
     for (const auto& port : ports_) ids.push_back(port.first);
     return ids;
   }
 
-  std::vector<MidiEvent> poll() {
+  std::vector<MidiEvent> poll() override {
     const std::lock_guard lock{mutex_};
     std::vector<MidiEvent> events;
     for (const auto& [id, port] : ports_)
@@ -98,18 +96,17 @@ class Worker {
     return events;
   }
 
-  std::vector<std::string> news() {
+  std::vector<std::string> news() override {
     const std::lock_guard lock{mutex_};
     return std::exchange(news_, {});
   }
 
  private:
   std::unique_ptr<RtMidiIn> make_client() const {
-    const auto api =
-        settings_.api.empty() ? RtMidi::UNSPECIFIED : RtMidi::getCompiledApiByName(settings_.api);
-    if (api == RtMidi::UNSPECIFIED && !settings_.api.empty())
-      throw RtMidiError("this program was built without the MIDI backend '" + settings_.api + "'");
-    auto client = std::make_unique<RtMidiIn>(api, settings_.client_name);
+    const auto api = api_.empty() ? RtMidi::UNSPECIFIED : RtMidi::getCompiledApiByName(api_);
+    if (api == RtMidi::UNSPECIFIED && !api_.empty())
+      throw RtMidiError("this program was built without the MIDI backend '" + api_ + "'");
+    auto client = std::make_unique<RtMidiIn>(api, "tactus_midi");
     client->setErrorCallback(note_error);
     return client;
   }
@@ -125,7 +122,7 @@ class Worker {
     return failed;
   }
 
-  void start_again() {
+  void close() {
     close_missing({});
     scout_.reset();
   }
@@ -133,10 +130,8 @@ class Worker {
   void update_ports() {
     const auto available = names_by_id(*scout_);
     close_missing(available);
-    for (const auto& [id, name] : available) {
-      const bool wanted = lower_case(id).find(lower_case(settings_.only)) != std::string::npos;
-      if (wanted && !is_open(id)) open(id, name);
-    }
+    for (const auto& [id, name] : available)
+      if (!is_open(id)) open(id, name);
   }
 
   static std::map<std::string, std::string> names_by_id(RtMidiIn& client) {
@@ -193,7 +188,8 @@ class Worker {
     news_.push_back("no MIDI: " + text);
   }
 
-  const RtMidiSettings settings_;
+  const std::string api_;
+  const std::chrono::milliseconds interval_;
   std::unique_ptr<RtMidiIn> scout_;  ///< only looks
   std::string reported_error_;
   mutable std::mutex mutex_;  ///< of what follows; never held while the library is called
@@ -204,27 +200,14 @@ class Worker {
   bool stopped_ = false;
 };
 
-class RtMidiInputs final : public MidiInputs {
- public:
-  explicit RtMidiInputs(const RtMidiSettings& settings) : worker_(std::make_shared<Worker>(settings)) {
-    std::thread{[worker = worker_] { worker->run(); }}.detach();
-  }
-  /// A library that hangs keeps its thread, and what that needs, to itself.
-  ~RtMidiInputs() override { worker_->stop(); }
-
-  std::vector<std::string> ports() override { return worker_->ports(); }
-  std::vector<MidiEvent> poll() override { return worker_->poll(); }
-  std::vector<std::string> news() override { return worker_->news(); }
-
- private:
-  std::shared_ptr<Worker> worker_;
-};
-
 }  // namespace
 
-std::unique_ptr<MidiInputs> make_rtmidi(const RtMidiSettings& settings) {
+// A library that hangs keeps its thread, and what that needs, to itself.
+std::shared_ptr<MidiInputs> make_rtmidi(const std::string& api, std::chrono::milliseconds interval) {
   silence_library_logs();
-  return std::make_unique<RtMidiInputs>(settings);
+  const auto worker = std::make_shared<Worker>(api, interval);
+  std::thread{[worker] { worker->run(); }}.detach();
+  return {worker.get(), [worker](MidiInputs*) { worker->stop(); }};
 }
 
 }  // namespace tactus

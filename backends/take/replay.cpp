@@ -4,18 +4,41 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <utility>
 
 #include "engine/core/channels.h"
+#include "engine/core/index.h"
 
 namespace tactus {
 namespace {
 
 using Kind = JournalEntry::Kind;
 
-class Player {
+/// Copies a block of `input`; non-finite samples become 0.
+void copy_block(const Samples& input, std::int64_t at, int frames, const ChannelBuffers& to) {
+  for (int c = 0; c < to.size(); ++c)
+    std::transform(input.channels[index(c)].data() + at, input.channels[index(c)].data() + at + frames, to[c],
+                   [](double sample) { return std::isfinite(sample) ? sample : 0.0; });
+}
+
+/// Calls play(done, frames) with block sizes in turn until `total` frames are done; it returns how many it
+/// did.
+template <class Play>
+Status play_blocks(std::int64_t total, const std::vector<int>& block_frames, Play play) {
+  std::size_t turn = 0;
+  for (std::int64_t done = 0; done < total; ++turn) {
+    const int size = block_frames[turn % block_frames.size()];
+    const Result<int> frames = play(done, static_cast<int>(std::min<std::int64_t>(size, total - done)));
+    if (!frames) return tl::unexpected(frames.error());
+    done += *frames;
+  }
+  return {};
+}
+
+class TakePlayer {
  public:
-  Player(const Take& take, WavReader& wav, const ReplayHost& host, int longest)
+  TakePlayer(const Take& take, WavReader& wav, const ReplayHost& host, int longest)
       : out(host.out_channels, longest),
         take_(take),
         wav_(wav),
@@ -130,6 +153,24 @@ Status check(const Take& take, const WavReader& wav, const ReplayHost& host) {
 
 }  // namespace
 
+Status run_offline(Guarded& processor, const Samples& input, int out_channels,
+                   const std::vector<int>& block_frames,
+                   const std::function<Status(const double* const*, int)>& sink) {
+  const int longest = *std::max_element(block_frames.begin(), block_frames.end());
+  ChannelBuffers in{static_cast<int>(input.channels.size()), longest}, out{out_channels, longest};
+  if (auto status = processor.prepare({input.sample_rate, in.size(), out_channels, longest}); !status)
+    return status;
+  processor.skip_soft_start();
+  processor.disable_sensor_watch();
+  auto status = play_blocks(input.frames(), block_frames, [&](std::int64_t done, int frames) {
+    copy_block(input, done, frames, in);
+    processor.process({in.data(), out.data(), frames});
+    return sink(out.data(), frames).map([&] { return frames; });
+  });
+  processor.finish({in.data(), out.data(), block_frames.front()});
+  return status;
+}
+
 std::int64_t frames_to_replay(const Take& take, const WavReader& wav) {
   return std::min(wav.frames(), take.complete);
 }
@@ -138,16 +179,13 @@ Result<Replayed> replay(const Take& take, WavReader& wav, const ReplayHost& host
                         const std::vector<int>& block_frames,
                         const std::function<Status(const double* const*, int)>& sink) {
   if (auto status = check(take, wav, host); !status) return tl::unexpected(status.error());
-  Player player{take, wav, host, *std::max_element(block_frames.begin(), block_frames.end())};
+  TakePlayer player{take, wav, host, *std::max_element(block_frames.begin(), block_frames.end())};
   if (auto status = player.prepare(); !status) return tl::unexpected(status.error());
-  const auto frames = frames_to_replay(take, wav);
-  for (std::size_t turn = 0; player.played.frames < frames; ++turn) {
-    const auto left = frames - player.played.frames;
-    const auto wanted = std::min<std::int64_t>(block_frames[turn % block_frames.size()], left);
-    const auto frames_played = player.play(static_cast<int>(wanted));
-    if (!frames_played) return tl::unexpected(frames_played.error());
-    if (auto status = sink(player.out.data(), *frames_played); !status) return tl::unexpected(status.error());
-  }
+  const auto status = play_blocks(frames_to_replay(take, wav), block_frames, [&](std::int64_t, int frames) {
+    return player.play(frames).and_then(
+        [&](int played) { return sink(player.out.data(), played).map([&] { return played; }); });
+  });
+  if (!status) return tl::unexpected(status.error());
   return player.played;
 }
 

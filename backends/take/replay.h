@@ -12,6 +12,14 @@
 
 namespace tactus {
 
+/// Prepares `processor` and runs it on `input`, without hardware and without a clock, as fast as the machine
+/// goes. Block sizes (at least one, >= 1 frame each) are used in turn and over again; the last block is as
+/// long as what is left. `sink` takes each block of outputs. However the run ends, the processor gets one
+/// block more, in `Guarded::finish`. Errors: those of `prepare` and of `sink`.
+[[nodiscard]] Status run_offline(Guarded& processor, const Samples& input, int out_channels,
+                                 const std::vector<int>& block_frames,
+                                 const std::function<Status(const double* const* out, int frames)>& sink);
+
 /// What a take is played through. The entries of the engine (`Take::engine`) are its own affair: give them to
 /// Player::set_journal.
 struct ReplayHost {

@@ -36,8 +36,8 @@ void TakeRing::observe(const BlockIo& io, std::int64_t first_frame) noexcept {
   if (first_frame < next_frame_) restarted_.store(true, kRelaxed);
   if (restarted()) return;
   if (gap_.frames == 0) gap_ = {next_frame_, first_frame - next_frame_};  // not there from the beginning
-  if (has_room(io.frames) && close_gap()) {
-    const auto at = written_.load(kRelaxed);
+  const auto at = written_.load(kRelaxed);
+  if (at - read_.load(std::memory_order_acquire) + io.frames <= capacity_ && close_gap()) {
     copy(io, at);
     written_.store(at + io.frames, std::memory_order_release);
   } else {
@@ -45,10 +45,6 @@ void TakeRing::observe(const BlockIo& io, std::int64_t first_frame) noexcept {
     dropped_.fetch_add(io.frames, kRelaxed);
   }
   next_frame_ = first_frame + io.frames;
-}
-
-bool TakeRing::has_room(int frames) noexcept {
-  return written_.load(kRelaxed) - read_.load(std::memory_order_acquire) + frames <= capacity_;
 }
 
 /// A gap must be known before what follows it.
@@ -130,10 +126,6 @@ void TakeWriter::drain_events() {
     else if (error_.empty())
       journal_ << entry_line(*entry);
   }
-  match_edits();
-}
-
-void TakeWriter::match_edits() {
   while (!replaced_.empty() && !edits_.empty()) {
     edits_.front().frame = replaced_.front();
     if (error_.empty()) journal_ << edit_line(edits_.front());
@@ -164,14 +156,10 @@ Status TakeWriter::write_samples(std::int64_t written) {
   return {};
 }
 
-void TakeWriter::note_progress() {
+void TakeWriter::settle() {
   progress_.complete = replaced_.empty() ? wav_.frames() : std::min(wav_.frames(), replaced_.front());
   progress_.lost_entries = ring_->lost_entries();
   progress_.rounded_sensors = ring_->rounded_sensors();
-}
-
-void TakeWriter::settle() {
-  note_progress();
   journal_ << progress_line(progress_) << std::flush;
   if (!journal_) return fail_with(why_not_written());
   if (const auto status = wav_.settle(); !status) return fail_with(status.error().what);
@@ -242,9 +230,7 @@ TakeStatus TakeRecorder::status() const {
   const std::lock_guard lock{mutex_};
   auto status = status_;
   status.dropped_frames = ring_->dropped_frames();
-  status.lost_entries = ring_->lost_entries();
-  status.restarted = ring_->restarted();
-  status.messages = messages_of(status);
+  status.messages = messages();
   return status;
 }
 
@@ -259,20 +245,20 @@ std::vector<std::string> TakeRecorder::finish() {
   return status().messages;
 }
 
-std::vector<std::string> TakeRecorder::messages_of(const TakeStatus& status) const {
-  const double dropped_s = static_cast<double>(status.dropped_frames) / sample_rate_.value;
+std::vector<std::string> TakeRecorder::messages() const {
+  const double dropped_s = static_cast<double>(ring_->dropped_frames()) / sample_rate_.value;
   std::vector<std::string> messages;
-  if (!status.error.empty())
-    messages.push_back(fmt::format("the take ends at {:.3f} s: {}", status.recorded.value, status.error));
-  else if (status.dropped_frames > 0)
+  if (!status_.error.empty())
+    messages.push_back(fmt::format("the take ends at {:.3f} s: {}", status_.recorded.value, status_.error));
+  else if (dropped_s > 0)
     messages.push_back(
         fmt::format("the disk was too slow: {:.3f} s of the take are missing and marked as gaps", dropped_s));
-  if (status.lost_entries > 0)
+  if (ring_->lost_entries() > 0)
     messages.push_back(fmt::format("{} changes were not recorded: the take cannot be replayed bit for bit",
-                                   status.lost_entries));
-  if (status.restarted)
+                                   ring_->lost_entries()));
+  if (ring_->restarted())
     messages.push_back(
-        fmt::format("the stream restarted at {:.3f} s; the take ends there", status.recorded.value));
+        fmt::format("the stream restarted at {:.3f} s; the take ends there", status_.recorded.value));
   if (ring_->rounded_sensors() > 0)
     messages.push_back(fmt::format("{} sensor samples were rounded: the take cannot be replayed bit for bit",
                                    ring_->rounded_sensors()));

@@ -61,7 +61,6 @@ class TakeRing final : public BlockTap {
   bool restarted() const noexcept { return restarted_.load(std::memory_order_relaxed); }
 
  private:
-  bool has_room(int frames) noexcept;
   bool close_gap() noexcept;
   void copy(const BlockIo& io, std::int64_t at) noexcept;
 
@@ -101,11 +100,9 @@ class TakeWriter {
   TakeWriter(GrowingWav wav, std::filesystem::path journal, const TakeHeader& header, TakeRing& ring);
 
   void drain_events();
-  void match_edits();
   void write_gap(const TakeGap& gap);
   Status write_samples(std::int64_t written);
   void settle();
-  void note_progress();
   void fail_with(const std::string& what);
 
   GrowingWav wav_;
@@ -125,8 +122,6 @@ class TakeWriter {
 struct TakeStatus {
   Seconds recorded;                 ///< on the disk
   std::int64_t dropped_frames = 0;  ///< the disk was too slow; they are marked in the journal
-  std::int64_t lost_entries = 0;    ///< such a take cannot be replayed bit for bit
-  bool restarted = false;           ///< the stream was prepared anew: finish, and begin another take
   std::string error;                ///< why nothing is written any more: the disk is full; empty: all is well
   std::vector<std::string> messages;  ///< what went wrong; empty: nothing
 };
@@ -173,7 +168,7 @@ class TakeRecorder {
  private:
   TakeRecorder(TakeHeader header, std::unique_ptr<TakeRing> ring, TakeWriter writer);
   void run();
-  std::vector<std::string> messages_of(const TakeStatus& status) const;
+  std::vector<std::string> messages() const;
 
   Hertz sample_rate_;
   std::unique_ptr<TakeRing> ring_;

@@ -2,6 +2,7 @@
 // Thread: [any]
 
 #include <cmath>
+#include <cstddef>
 
 namespace tactus {
 
@@ -24,6 +25,21 @@ struct Matrix2 {
     return {m.a * n.a + m.b * n.c, m.a * n.b + m.b * n.d, m.c * n.a + m.d * n.c, m.c * n.b + m.d * n.d};
   }
 };
+
+/// Solves A x = b for `n` unknowns, A symmetric and positive (semi)definite, row by row: x is left in `b`, A
+/// is overwritten.
+inline void solve_symmetric(double* a, double* b, std::size_t n) noexcept {
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i + 1; j < n; ++j) {
+      const double share = a[i * n + i] > 0.0 ? a[j * n + i] / a[i * n + i] : 0.0;
+      for (std::size_t l = i; l < n; ++l) a[j * n + l] -= share * a[i * n + l];
+      b[j] -= share * b[i];
+    }
+  for (std::size_t i = n; i-- > 0;) {
+    for (std::size_t l = i + 1; l < n; ++l) b[i] -= a[i * n + l] * b[l];
+    b[i] = a[i * n + i] > 0.0 ? b[i] / a[i * n + i] : 0.0;
+  }
+}
 
 /// exp(A t) of x' = A x, exact: with h = tr A / 2 and q² = h² - det A,
 ///   exp(A t) = e^(h t) (cosh(q t) I + sinh(q t)/q (A - h I)),  cos and sin where q² < 0.

@@ -3,16 +3,6 @@
 #include <cassert>
 
 namespace tactus {
-namespace {
-
-template <class Items>
-int index_of(const Items& items, std::string_view name) {
-  for (std::size_t i = 0; i < items.size(); ++i)
-    if (items[i].name == name) return static_cast<int>(i);
-  return -1;
-}
-
-}  // namespace
 
 Status MemoryBudget::take(std::size_t numbers) {
   if (numbers > left_ / sizeof(double))
@@ -36,11 +26,14 @@ const InputInfo& NodeSetup::input(std::string_view name) const {
 }
 
 const SettingValue& NodeSetup::setting(std::string_view name) const {
-  const int i = index_of(type->settings, name);
-  assert(i >= 0);
-  return settings[index(i)];
+  const auto* const found = find_named(type->settings, name);
+  assert(found != nullptr);
+  return settings[index(found - type->settings.data())];
 }
 
-int NodeType::input_index(std::string_view port) const { return index_of(inputs, port); }
+int NodeType::input_index(std::string_view port) const {
+  const auto* const found = find_named(inputs, port);
+  return found == nullptr ? -1 : static_cast<int>(found - inputs.data());
+}
 
 }  // namespace tactus

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "engine/core/error.h"
-#include "engine/graph/file/value.h"
+#include "engine/graph/file/field.h"
 #include "engine/graph/node.h"
 #include "engine/graph/semantics/interval.h"
 
@@ -45,29 +45,8 @@ struct OutputPort {
   Interval range = {};       ///< guaranteed
 };
 
-/// A value that is read once, when the file is loaded: a word, a table, a file's name.
-struct Setting {
-  enum class Kind {
-    Choice,    ///< a string, one of `choices`
-    Integer,   ///< a whole number in [low, high]
-    Quantity,  ///< a number or a quantity in [low, high], SI; the unit is `choices[0]` if there
-    Flag,      ///< true or false
-    Text,      ///< any string
-    File,      ///< path of a file, relative to the graph file, never outside the instruments' folder
-    Points,    ///< [[x, y], …], quantities allowed; the units are those named in `choices` (x, then y)
-    Numbers,   ///< [a, b, …], quantities allowed; the unit is `choices[0]` if there
-    Names,     ///< [node, node, …]: nodes whose phase delay is compensated (see NodeType::compensation)
-  };
-  std::string name;
-  Kind kind;
-  std::string doc;
-  std::vector<std::string> choices = {};
-  std::string fallback = {};  ///< as written in a file; empty: required unless `optional`
-  bool optional = false;      ///< may be left out although it has no fallback
-  bool unit = false;          ///< Text: must be a unit
-  double low = -kUnlimited;
-  double high = kUnlimited;
-};
+/// A field that is read once, when the file is loaded: a word, a table, a file's name.
+using Setting = FieldType;
 
 /// What the compiler knows about an input when it makes the node.
 struct InputInfo {
@@ -75,16 +54,6 @@ struct InputInfo {
   std::optional<double> constant;  ///< the value, if it never changes
   bool connected = false;          ///< named in the file
   mutable bool asked = false;      ///< the node that was made depends on it
-};
-
-/// The value of a setting, in the order of the declaration.
-struct SettingValue {
-  std::string text;                               ///< Choice, Text; File: the resolved path
-  double number = 0;                              ///< Integer, Quantity (SI), Flag
-  std::vector<std::pair<double, double>> points;  ///< Points, SI
-  std::vector<double> numbers;                    ///< Numbers, SI
-  std::vector<std::string> names;                 ///< Names
-  bool given = false;
 };
 
 struct NodeType;

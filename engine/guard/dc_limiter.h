@@ -35,8 +35,8 @@ class DcLimiter {
     if (!limited_) return;
     sum_.add(position, frames, [samples](int n) { return samples[n]; });
   }
-  /// [realtime] A group is over.
-  void end_group() noexcept {
+  /// [realtime] A group is over. Not inlined: with it the guard's `end_group` is too long to be inlined.
+  [[gnu::noinline]] void end_group() noexcept {
     if (!limited_) return;
     mean_ += (sum_.take() / kGuardGroup - mean_) * mean_share_;
     const double size = std::abs(mean_);

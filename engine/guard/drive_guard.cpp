@@ -9,6 +9,8 @@
 namespace tactus {
 namespace {
 
+constexpr auto kRelaxed = std::memory_order_relaxed;
+
 std::int64_t whole_frames(Seconds time, Hertz sample_rate) {
   return std::llround(frames_in(time, sample_rate));
 }
@@ -139,10 +141,16 @@ double DriveGuard::scaled(double x, double gain, GuardStage stage) noexcept {
 }
 
 void DriveGuard::count(double less, GuardStage stage) noexcept {
-  auto& count = counts_[stage];
-  ++count.frames;
-  count.most = std::max(count.most, less);
-  ++interventions_;
+  auto& [frames, most] = counters_[static_cast<std::size_t>(stage)];
+  frames.store(frames.load(kRelaxed) + 1, kRelaxed);
+  most.store(std::max(most.load(kRelaxed), less), kRelaxed);
+}
+
+GuardCounts DriveGuard::counts() const noexcept {
+  GuardCounts counts;
+  for (std::size_t s = 0; s < kGuardStages; ++s)
+    counts.stages[s] = {counters_[s].frames.load(kRelaxed), counters_[s].most.load(kRelaxed)};
+  return counts;
 }
 
 /// Ceiling and slew.

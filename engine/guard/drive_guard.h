@@ -2,6 +2,7 @@
 // Thread: [realtime] unless stated otherwise
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -31,7 +32,6 @@ inline constexpr std::size_t kGuardStages = 6;
 struct GuardCounts {
   std::array<StageCount, kGuardStages> stages{};
 
-  StageCount& operator[](GuardStage stage) noexcept { return stages[static_cast<std::size_t>(stage)]; }
   const StageCount& operator[](GuardStage stage) const noexcept {
     return stages[static_cast<std::size_t>(stage)];
   }
@@ -81,7 +81,7 @@ class DriveGuard {
 
   /// [realtime] The frame at which detected feedback made it fade, once.
   std::optional<std::int64_t> take_feedback() noexcept;
-  /// [realtime] Cold if there is no heat limit.
+  /// [any] Cold if there is no heat limit.
   ThermalState thermal_state() const noexcept { return heat_ ? heat_->state() : ThermalState{}; }
   /// [realtime] Only ever warmer.
   void warm_to(const ThermalState& state) noexcept {
@@ -89,9 +89,8 @@ class DriveGuard {
   }
 
   Kind kind() const noexcept { return kind_; }
-  const GuardCounts& counts() const noexcept { return counts_; }
-  /// [realtime] Changes whenever `counts` does.
-  std::int64_t interventions() const noexcept { return interventions_; }
+  /// [any]
+  GuardCounts counts() const noexcept;
 
  private:
   bool passes(const double* samples, int frames, std::int64_t first_frame,
@@ -115,8 +114,11 @@ class DriveGuard {
   FeedbackDetector feedback_;
   std::optional<std::int64_t> feedback_frame_;
   double last_ = 0.0;
-  GuardCounts counts_;
-  std::int64_t interventions_ = 0;
+  struct Counter {
+    std::atomic<std::int64_t> frames{0};
+    std::atomic<double> most{0.0};
+  };
+  std::array<Counter, kGuardStages> counters_;
 };
 
 }  // namespace tactus

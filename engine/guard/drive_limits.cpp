@@ -55,13 +55,11 @@ Status check(const ExcursionLimits& excursion) {
 }  // namespace
 
 DriveLimits conservative_limits() {
-  DriveLimits limits;
-  limits.ceiling = 0.5;
-  limits.slew_per_second = 1000.0;
-  limits.soft_start = Seconds{0.5};
-  limits.fade_out = Seconds{0.01};
-  limits.dc = {0.15, Seconds{5.0}};
-  return limits;
+  return {.ceiling = 0.5,
+          .slew_per_second = 1000.0,
+          .soft_start = Seconds{0.5},
+          .fade_out = Seconds{0.01},
+          .dc = {0.15, Seconds{5.0}}};
 }
 
 Status check(const DriveLimits& limits, Hertz sample_rate) {

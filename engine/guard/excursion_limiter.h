@@ -43,9 +43,6 @@ class ExcursionLimiter {
   /// [realtime] A group is over.
   void end_group() noexcept;
 
-  /// [realtime] As a share of the limit, at the last end of a group.
-  double position() const noexcept { return at_start_.x; }
-
  private:
   static constexpr double kRounding = 1e-9;
 

@@ -1,56 +1,15 @@
 #include "engine/guard/guarded.h"
 
 #include <algorithm>
-#include <array>
 #include <string>
 #include <utility>
 
 #include "engine/core/index.h"
 
 namespace tactus {
-namespace {
-
-constexpr auto kRelaxed = std::memory_order_relaxed;
-
-/// The state of a guard as other threads see it.
-struct Published {
-  struct Stage {
-    std::atomic<std::int64_t> frames{0};
-    std::atomic<double> most{0.0};
-  };
-  std::array<Stage, kGuardStages> stages;
-  std::atomic<double> coil{0.0}, body{0.0};
-};
-
-}  // namespace
-
-struct Guarded::Channel {
-  Channel(DriveGuard with, bool is_armed) : guard(std::move(with)), armed(is_armed) {}
-
-  DriveGuard guard;
-  bool armed;
-  bool muted = false;
-  std::int64_t published_interventions = 0;
-  std::unique_ptr<Published> published = std::make_unique<Published>();
-
-  bool is_enabled() const { return !muted && (armed || guard.kind() == DriveGuard::Kind::Audio); }
-  void publish() noexcept {
-    const auto heat = guard.thermal_state();
-    published->coil.store(heat.coil, kRelaxed);
-    published->body.store(heat.body, kRelaxed);
-    if (published_interventions == guard.interventions()) return;
-    published_interventions = guard.interventions();
-    for (std::size_t s = 0; s < kGuardStages; ++s) {
-      published->stages[s].frames.store(guard.counts().stages[s].frames, kRelaxed);
-      published->stages[s].most.store(guard.counts().stages[s].most, kRelaxed);
-    }
-  }
-};
 
 Guarded::Guarded(BlockProcessor& inner, std::vector<GuardedChannel> channels, bool armed)
     : inner_(inner), config_(std::move(channels)), armed_at_start_(armed) {}
-
-Guarded::~Guarded() = default;
 
 Status Guarded::prepare(const StreamFormat& format) {
   const auto outputs = index(format.out_channels);
@@ -67,20 +26,17 @@ Status Guarded::prepare(const StreamFormat& format) {
   stopped_ = false;
   sensors_.assign(index(format.in_channels), SensorWatch{format.sample_rate});
   inbox_.drop_posted();
-  std::vector<Channel> before;
+  std::deque<Channel> before;
   before.swap(channels_);
   for (std::size_t c = 0; c < outputs; ++c) {
     const auto config =
         c < config_.size() ? config_[c] : GuardedChannel{DriveGuard::Kind::Drive, conservative_limits()};
-    auto& channel =
-        channels_.emplace_back(DriveGuard{config.kind, config.limits, format.sample_rate}, armed_at_start_);
+    auto& channel = channels_.emplace_back(config, format.sample_rate, armed_at_start_);
     if (c >= before.size()) continue;
     channel.armed = before[c].armed;
     channel.muted = before[c].muted;
-    const auto warm = before[c].guard.thermal_state();
-    if (warm == ThermalState{}) continue;
-    channel.guard.warm_to(warm);
-    channel.publish();
+    if (const auto warm = before[c].guard.thermal_state(); warm != ThermalState{})
+      channel.guard.warm_to(warm);
   }
   take_pending([this](const JournalEntry& command) { (void)apply_command(command); });
   open_guards(0);  // commands that came while no block did hold from the first frame on
@@ -127,7 +83,7 @@ void Guarded::skip_soft_start() noexcept {
 }
 
 void Guarded::process(const BlockIo& io) noexcept {
-  const auto first_frame = frame_.load(kRelaxed);
+  const auto first_frame = frame_.load(std::memory_order_relaxed);
   {
     const NoDenormals no_denormals;
     if (std::exchange(stopped_, false)) {
@@ -136,8 +92,7 @@ void Guarded::process(const BlockIo& io) noexcept {
     }
     inner_.process(io);
     guard_block(io, first_frame);
-    frame_.store(first_frame + io.frames, kRelaxed);
-    for (auto& channel : channels_) channel.publish();
+    frame_.store(first_frame + io.frames, std::memory_order_relaxed);
   }
   // A tap turns samples into floats, and must not lose those that are no denormals as doubles.
   if (tap_ != nullptr) tap_->observe(io, first_frame);
@@ -228,19 +183,6 @@ bool Guarded::post(const JournalEntry& entry) noexcept {
   const bool ours = entry.kind == Kind::Arm || entry.kind == Kind::Mute || entry.kind == Kind::Fade ||
                     entry.kind == Kind::CoilHeat || entry.kind == Kind::BodyHeat;
   return ours && (entry.frame == JournalEntry::kNow ? at_once_.push(entry) : inbox_.post(entry));
-}
-
-GuardCounts Guarded::counts(int channel) const noexcept {
-  const auto& published = *channels_[index(channel)].published;
-  GuardCounts counts;
-  for (std::size_t s = 0; s < kGuardStages; ++s)
-    counts.stages[s] = {published.stages[s].frames.load(kRelaxed), published.stages[s].most.load(kRelaxed)};
-  return counts;
-}
-
-ThermalState Guarded::thermal_state(int channel) const noexcept {
-  const auto& published = *channels_[index(channel)].published;
-  return {published.coil.load(kRelaxed), published.body.load(kRelaxed)};
 }
 
 }  // namespace tactus

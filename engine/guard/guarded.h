@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <vector>
 
@@ -42,26 +43,20 @@ class BlockTap : public JournalTap {
 };
 
 /// A state that any thread sets and the audio thread takes over at its next block: the last setting counts,
-/// and none can be lost or delayed. One word: its lowest bit is the state, the others count the settings.
+/// and none can be lost or delayed.
 class GuardSwitch {
  public:
   /// [any]
-  void set(bool on) noexcept {
-    auto word = word_.load(std::memory_order_relaxed);
-    while (!word_.compare_exchange_weak(word, (word | 1) + (on ? 2 : 1), std::memory_order_release)) {
-    }
-  }
+  void set(bool on) noexcept { wanted_.store(on ? kOn : kOff, std::memory_order_release); }
   /// [realtime] The last setting since this was called before, if there was one.
   std::optional<bool> take() noexcept {
-    const auto word = word_.load(std::memory_order_acquire);
-    if (word == taken_) return std::nullopt;
-    taken_ = word;
-    return (word & 1) != 0;
+    if (wanted_.load(std::memory_order_relaxed) == kNone) return std::nullopt;
+    return wanted_.exchange(kNone, std::memory_order_acquire) == kOn;
   }
 
  private:
-  std::atomic<std::uint32_t> word_{0};
-  std::uint32_t taken_ = 0;
+  enum Wanted { kNone, kOff, kOn };
+  std::atomic<Wanted> wanted_{kNone};
 };
 
 /// Any BlockProcessor with the drive guard behind every output channel and a watch at every input. Backends
@@ -74,7 +69,6 @@ class Guarded final : public BlockProcessor {
  public:
   /// [control] `inner` must outlive this. Channels beyond the list are drives with the conservative limits.
   Guarded(BlockProcessor& inner, std::vector<GuardedChannel> channels, bool armed = true);
-  ~Guarded() override;
 
   /// [control & stopped] Prepares `inner` and starts again at frame 0, with every guard closed and its soft
   /// start ahead of it. Thermal state is kept: the length of the pause is unknown. What was
@@ -112,15 +106,24 @@ class Guarded final : public BlockProcessor {
   /// for frame 0: arms, mutes, fades and heats that are not those of a fresh one.
   std::vector<JournalEntry> state() const;
 
-  /// [any] As of the last whole block.
-  GuardCounts counts(int channel) const noexcept;
-  /// [any] As of the last whole block. Keep it and post it again as CoilHeat and BodyHeat of frame 0.
-  ThermalState thermal_state(int channel) const noexcept;
+  /// [any]
+  GuardCounts counts(int channel) const noexcept { return channels_[index(channel)].guard.counts(); }
+  /// [any] Keep it and post it again as CoilHeat and BodyHeat of frame 0.
+  ThermalState thermal_state(int channel) const noexcept {
+    return channels_[index(channel)].guard.thermal_state();
+  }
   /// [any] Frames processed since `prepare`.
   std::int64_t frame() const noexcept { return frame_.load(std::memory_order_relaxed); }
 
  private:
-  struct Channel;
+  struct Channel {
+    Channel(const GuardedChannel& with, Hertz sample_rate, bool is_armed)
+        : guard(with.kind, with.limits, sample_rate), armed(is_armed) {}
+    bool is_enabled() const { return !muted && (armed || guard.kind() == DriveGuard::Kind::Audio); }
+
+    DriveGuard guard;
+    bool armed, muted = false;
+  };
 
   void guard_block(const BlockIo& io, std::int64_t first_frame) noexcept;
   void guard_frames(const BlockIo& io, int from, int to, std::int64_t first_frame) noexcept;
@@ -138,7 +141,7 @@ class Guarded final : public BlockProcessor {
   bool stopped_ = false, faded_ = false;
   bool watch_sensors_ = true;
   BlockTap* tap_ = nullptr;
-  std::vector<Channel> channels_;
+  std::deque<Channel> channels_;
   std::vector<SensorWatch> sensors_;
   std::atomic<std::int64_t> frame_{0};
   GuardSwitch arm_, mute_, fade_;

@@ -1,6 +1,8 @@
 #pragma once
 // Thread: [realtime] unless stated otherwise
 
+#include <atomic>
+
 #include "engine/core/matrix2.h"
 #include "engine/guard/drive_limits.h"
 #include "engine/guard/guard_group.h"
@@ -19,11 +21,6 @@ struct ThermalState {
 double fastest_rise(const HeatLimits& limits, double ceiling) noexcept;
 /// [any] The integral of it along a ramp from the ceiling to 0.
 double rise_on_the_way_down(const HeatLimits& limits, double ceiling, double slew_per_second) noexcept;
-
-/// [any] How warm it still is after `off` without a drive.
-ThermalState cooled(const HeatLimits& limits, const ThermalState& state, Seconds off) noexcept;
-/// [any] The warmest that the guard lets it become for long: the start value when nothing is known.
-inline ThermalState warmest(const HeatLimits& limits) noexcept { return {1.0, 1.0 - limits.coil_share}; }
 
 /// Thermal model of a coil that a drive feeds, and the gain that keeps its temperature within the limit.
 ///
@@ -54,11 +51,15 @@ class HeatLimiter {
   void end_group() noexcept;
 
   const GroupGain& gain() const noexcept { return gain_; }
-  const ThermalState& state() const noexcept { return state_; }
+  /// [any]
+  ThermalState state() const noexcept {
+    return {coil_.load(std::memory_order_relaxed), body_.load(std::memory_order_relaxed)};
+  }
   /// [realtime] Only ever warmer than it was: what is restored must not be optimistic.
   void warm_to(const ThermalState& state) noexcept;
 
  private:
+  void warm(double coil, double body) noexcept;
   double allowed() const noexcept;
 
   Matrix2 free_;        ///< over a group
@@ -67,7 +68,7 @@ class HeatLimiter {
   double way_down_;
   GroupSum squares_;
   GroupGain gain_;
-  ThermalState state_;
+  std::atomic<double> coil_{0.0}, body_{0.0};
 };
 
 }  // namespace tactus

@@ -22,21 +22,13 @@ inline InputPort event_hold(InputPort port) { return port.hold = true, port; }
 /// An output that stays in [low, high].
 inline OutputPort bounded(double low, double high, OutputPort port) { return port.range = {low, high}, port; }
 
-inline Setting optional(Setting setting) { return setting.optional = true, setting; }
-inline Setting within(double low, double high, Setting setting) {
-  return setting.low = low, setting.high = high, setting;
-}
 inline Setting choice(std::string name, std::string doc, std::vector<std::string> choices,
                       std::string fallback) {
   return {std::move(name), Setting::Kind::Choice, std::move(doc), std::move(choices), std::move(fallback)};
 }
 /// The unit of an output, as text.
 inline Setting unit_setting(std::string of_what) {
-  return {.name = "unit",
-          .kind = Setting::Kind::Text,
-          .doc = "unit of the " + of_what + "; default: a plain number",
-          .optional = true,
-          .unit = true};
+  return {"unit", Setting::Kind::Unit, "unit of the " + of_what + "; default: a plain number"};
 }
 
 // What several filters and strings have in common.

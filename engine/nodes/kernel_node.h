@@ -120,27 +120,44 @@ class KernelNode : public Node {
   State state_{};
 };
 
-template <class Function>
-class VectorElementwiseNode;
+/// A node of one output that goes frame by frame: `step` is given the state, which begins as State{}, and the
+/// inputs in the order of their declaration.
+template <std::size_t Inputs, class State, class Step>
+Result<std::unique_ptr<Node>> make_step_node(Step step) {
+  class StepNode final : public Node {
+   public:
+    explicit StepNode(Step&& taken) : step_(std::move(taken)) {}
+    void process(const NodeBlock& block) noexcept override {
+      run_frames<Inputs>(block, [this](auto... in) { return step_(state_, in...); });
+    }
+    void reset() noexcept override { state_ = {}; }
 
-/// A node without memory: one output, a function of the inputs of the same frame. A Function may depend on
-/// the settings, which all lanes have in common, and on nothing else.
+   private:
+    Step step_;
+    State state_{};
+  };
+  return std::make_unique<StepNode>(std::move(step));
+}
+
+/// A node without memory: one output, a function of the inputs of the same frame, or eight of them in one
+/// vector register. A Function may depend on the settings, which all lanes have in common, and on nothing
+/// else.
 /// `Function` has `static constexpr int kInputs`, `double value(in) const` and `double slope(input, in)
 /// const`, where `in` are the inputs' values in declaration order (`value` may take Lanes as well); `slope`
 /// is the derivative by one of them, which is the response.
-template <class Function>
+template <class Function, int Width = 1>
 class ElementwiseNode final : public Node {
  public:
   explicit ElementwiseNode(Function function) : function_(std::move(function)) {}
 
   void process(const NodeBlock& block) noexcept override {
-    if (block.frames > 1) return process_frames(block);
-    run_single_frame<Function::kInputs>(block, [this](auto... in) { return value(in...); });
+    if (Width > 1 || block.frames > 1) return process_frames(block);
+    run_single_frame<kInputs>(block, [this](auto... in) { return value(in...); });
   }
   void reset() noexcept override {}
 
   std::unique_ptr<Node> vectorised(std::span<const Node* const>) const override {
-    return std::make_unique<VectorElementwiseNode<Function>>(function_);
+    return std::make_unique<ElementwiseNode<Function, kVectorWidth>>(function_);
   }
 
   std::optional<std::complex<double>> response(int input, int, std::complex<double>,
@@ -149,48 +166,30 @@ class ElementwiseNode final : public Node {
   }
 
  private:
+  static constexpr auto kInputs = static_cast<std::size_t>(Function::kInputs);
+
   // Not inlined: the setup for many frames would delay a single one.
   [[gnu::noinline]] void process_frames(const NodeBlock& block) const noexcept {
-    run_frames<Function::kInputs>(block, [this](auto... in) { return value(in...); });
+    if constexpr (Width == 1) {
+      run_frames<kInputs>(block, [this](auto... in) { return value(in...); });
+    } else {
+      std::array<Signal, kInputs> signals;
+      std::copy_n(block.in, kInputs, signals.begin());
+      std::array<Lanes, kInputs> in;
+      double* out = block.out[0];
+      for (int n = 0, frames = block.frames; n < frames; ++n, out += Width) {
+        for (std::size_t k = 0; k < kInputs; ++k) in[k] = VectorSignal{signals[k]}[n];
+        lanes(in).store(out);
+      }
+    }
   }
   template <class... In>
   double value(In... in) const noexcept {
     const double values[] = {in...};
     return function_.value(values);
   }
-
-  Function function_;
-};
-
-/// `make` of a node type whose function has no settings.
-template <class Function>
-Result<std::unique_ptr<Node>> make_elementwise(const NodeSetup&) {
-  return std::make_unique<ElementwiseNode<Function>>(Function{});
-}
-
-/// Eight ElementwiseNodes in one vector register.
-template <class Function>
-class VectorElementwiseNode final : public Node {
- public:
-  explicit VectorElementwiseNode(Function function) : function_(std::move(function)) {}
-
-  void process(const NodeBlock& block) noexcept override {
-    std::array<Signal, kInputs> signals;
-    std::copy_n(block.in, kInputs, signals.begin());
-    std::array<Lanes, kInputs> in;
-    double* out = block.out[0];
-    for (int n = 0, frames = block.frames; n < frames; ++n, out += kVectorWidth) {
-      for (std::size_t k = 0; k < kInputs; ++k) in[k] = VectorSignal{signals[k]}[n];
-      value(in).store(out);
-    }
-  }
-  void reset() noexcept override {}
-
- private:
-  static constexpr auto kInputs = static_cast<std::size_t>(Function::kInputs);
-
-  Lanes value(const std::array<Lanes, kInputs>& in) const noexcept {
-    if constexpr (requires(const Function& function, const Lanes* lanes) { function.value(lanes); }) {
+  Lanes lanes(const std::array<Lanes, kInputs>& in) const noexcept {
+    if constexpr (requires(const Function& function, const Lanes* all) { function.value(all); }) {
       return function_.value(in.data());
     } else {
       std::array<std::array<double, kVectorWidth>, kInputs> rows;
@@ -207,5 +206,11 @@ class VectorElementwiseNode final : public Node {
 
   Function function_;
 };
+
+/// `make` of a node type whose function has no settings.
+template <class Function>
+Result<std::unique_ptr<Node>> make_elementwise(const NodeSetup&) {
+  return std::make_unique<ElementwiseNode<Function>>(Function{});
+}
 
 }  // namespace tactus

@@ -54,9 +54,9 @@ Row row_of(const Setting& setting) {
   if (setting.kind == Kind::Choice) doc = fmt::format("{}: {}", fmt::join(setting.choices, ", "), doc);
   if (setting.kind != Kind::Choice) kind += units_text(setting.choices);
   return {setting.name, kind, range_text(setting.low, setting.high),
-          !setting.fallback.empty() ? setting.fallback
-          : setting.optional        ? "optional"
-                                    : "required",
+          setting.required           ? "required"
+          : setting.fallback.empty() ? "optional"
+                                     : setting.fallback,
           doc};
 }
 
@@ -242,7 +242,7 @@ std::vector<std::string> groups_of(const NodeTable& table) {
 
 const char* setting_kind_name(Setting::Kind kind) {
   static constexpr const char* kNames[] = {"choice", "whole number", "quantity", "true or false", "text",
-                                           "file",   "points",       "numbers",  "names"};
+                                           "file",   "points",       "numbers",  "names",         "text"};
   return kNames[static_cast<int>(kind)];
 }
 

@@ -117,31 +117,4 @@ struct NetworkElements {
   std::vector<WavePort> ports;
 };
 
-/// A hand holds a mass by a spring and a damper and pushes. It moves only as fast as `bandwidth` (at most
-/// 10 Hz) lets it, so that any faster roll comes from bouncing.
-struct Hand {
-  int on = 0;
-  double stiffness = 0.0;  ///< [N/m]
-  double damping = 0.0;    ///< [N s/m], against the hand's own velocity
-  Hertz bandwidth{8.0};
-  int position = -1;  ///< input of the place that the spring pulls to
-  int force = -1;     ///< input of the extra push
-};
-
-/// The parts that a hand was made of.
-struct HandParts {
-  int point, spring, force;
-};
-
-/// [control] Adds the hand as a driven point, a spring and a force.
-inline HandParts attach(NetworkElements& elements, const Hand& hand) {
-  const auto last = [](const auto& list) { return static_cast<int>(list.size()) - 1; };
-  auto& point = elements.points.emplace_back();
-  point.kind = Point::Kind::Motion;
-  point.input = {hand.position, hand.bandwidth};
-  elements.springs.push_back({hand.on, last(elements.points), hand.stiffness, hand.damping, 0.0});
-  elements.forces.push_back({hand.on, {hand.force, hand.bandwidth}});
-  return {last(elements.points), last(elements.springs), last(elements.forces)};
-}
-
 }  // namespace tactus

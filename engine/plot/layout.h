@@ -110,7 +110,8 @@ class FreeSpace {
 
 // ---- a subplot
 
-inline constexpr double kLabelRow = 14, kSample = 26;  // [px]: a line of labels, a sample in the legend
+// [px]: labels, a line of them, a sample in the legend
+inline constexpr double kFont = 11.5, kLabelRow = 14, kSample = 26;
 
 /// The least and the largest value that an axis can show.
 class Extent {
@@ -152,7 +153,7 @@ struct Key {
   PlotColor color = PlotColor::Black;
   const PlotSeries* series = nullptr;
   const PlotMap::Cell* cell = nullptr;
-  Point end = {0, 0};  ///< of what it names, in shares of the axes
+  Point end = {0, 0};  ///< of what it names: data
 };
 
 /// The position of a subplot, its axis and its labels; y is 0 at its upper edge.

@@ -3,19 +3,139 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
+#include <iterator>
+#include <map>
 
 #include "engine/plot/layout.h"
-#include "engine/plot/svg.h"
 
 namespace tactus {
 namespace {
 
 using namespace plot;
 
+constexpr double kTitleFont = 17, kSubtitleFont = 12.5;                           // [px]
 constexpr double kTitleRow = 22, kSubtitleRow = 17, kPad = 16, kWidestCell = 40;  // [px]
 constexpr int kEventRows = 3;
+
+// ---- SVG
+
+/// A colour of lines and areas, and of text, in the light and in the dark theme.
+struct Shade {
+  const char *line, *text, *dark_line, *dark_text;
+};
+constexpr std::array<Shade, 9> kShades = {{{"none", "none", "none", "none"},
+                                           {"#0072b2", "#00609a", "#3a9fe0", "#6bb8ea"},
+                                           {"#d55e00", "#b34700", "#ef7d2b", "#f59a58"},
+                                           {"#009e73", "#007a58", "#1fbf92", "#45d0a8"},
+                                           {"#b0609a", "#974a82", "#cc84b9", "#dba2cb"},
+                                           {"#e69f00", "#8f6200", "#e9ad2b", "#f0c361"},
+                                           {"#56b4e9", "#1f7db5", "#56b4e9", "#83c8ef"},
+                                           {"#8a8a8a", "#5f5f5f", "#8f8f8f", "#b0b0b0"},
+                                           {"#222222", "#222222", "#e6e6e6", "#e6e6e6"}}};
+/// Everything that is not data.
+struct Theme {
+  const char *page, *ink, *soft, *grid, *zero, *axis;
+};
+constexpr Theme kLight = {"#ffffff", "#222222", "#5f5f5f", "#e6e6e6", "#bdbdbd", "#8a8a8a"};
+constexpr Theme kDark = {"#1b1b1b", "#e6e6e6", "#b0b0b0", "#353535", "#5a5a5a", "#8f8f8f"};
+
+std::string rules(const Theme& theme, bool dark) {
+  auto text = fmt::format(
+      ".page,.gap{{fill:{0}}}.gap,.dot{{stroke:{0}}}.ink{{fill:{1}}}.soft{{fill:{2}}}.grid{{stroke:{3}}}"
+      ".zero{{stroke:{4}}}.axis{{stroke:{5}}}\n",
+      theme.page, theme.ink, theme.soft, theme.grid, theme.zero, theme.axis);
+  for (std::size_t i = 1; i < kShades.size(); ++i)
+    text += fmt::format(".s{0}{{stroke:{1}}}.f{0}{{fill:{1}}}.t{0}{{fill:{2}}}\n", i,
+                        dark ? kShades[i].dark_line : kShades[i].line,
+                        dark ? kShades[i].dark_text : kShades[i].text);
+  return text;
+}
+
+/// Text that is safe between tags.
+std::string escape(const std::string& text) {
+  static const std::map<char, const char*> kEntities = {
+      {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}};
+  std::string safe;
+  for (const char c : text)
+    if (const auto entity = kEntities.find(c); entity != kEntities.end())
+      safe += entity->second;
+    else if (static_cast<unsigned char>(c) >= 0x20)
+      safe += c;
+  return safe;
+}
+
+/// A colour of the ramp, "#00204c" for 0 to "#ffea46" for 1.
+std::string ramp_color(double share) {
+  using Color = std::array<double, 3>;
+  static constexpr std::array<Color, 6> kCividis = {
+      {{0, 32, 76}, {49, 68, 107}, {102, 105, 112}, {149, 143, 120}, {202, 185, 105}, {255, 234, 70}}};
+  const double place = std::clamp(share, 0.0, 1.0) * static_cast<double>(kCividis.size() - 1);
+  const auto low = std::min(static_cast<std::size_t>(place), kCividis.size() - 2);
+  const double part = place - static_cast<double>(low);
+  const auto mix = [&](std::size_t channel) {
+    const double from = kCividis[low][channel], to = kCividis[low + 1][channel];
+    return static_cast<int>(std::lround(from + part * (to - from)));
+  };
+  return fmt::format("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2));
+}
+
+/// The class of an element, "s" for strokes, "f" for areas, "t" for text.
+std::string css(char kind, PlotColor color) { return fmt::format("{}{}", kind, static_cast<int>(color)); }
+
+/// The text of an SVG document, element after element.
+class Canvas {
+ public:
+  template <class... Args>
+  void out(fmt::format_string<Args...> format, Args&&... args) {
+    fmt::format_to(std::back_inserter(text_), format, std::forward<Args>(args)...);
+  }
+  void line(const Point& a, const Point& b, const std::string& css, double width = 1, const char* more = "") {
+    out("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" class=\"{}\" "
+        "stroke-width=\"{}\"{}/>\n",
+        a.x, a.y, b.x, b.y, css, width, more);
+  }
+  void text(double x, double y, const std::string& text, const char* anchor, const std::string& css,
+            double size = kFont, bool bold = false) {
+    out("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" class=\"{}\"", x, y, anchor, css);
+    if (size != kFont) out(" font-size=\"{}\"", size);
+    out("{}>{}</text>\n", bold ? " font-weight=\"bold\"" : "", escape(text));
+  }
+  void rect(double x, double y, double width, double height, const std::string& attributes) {
+    out("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" {}/>\n", x, y, width, height,
+        attributes);
+  }
+  void path(const std::vector<Point>& line, PlotColor color, bool dashed) {
+    out("<path fill=\"none\" class=\"{}\" stroke-width=\"1.6\" stroke-linejoin=\"round\"{} d=\"",
+        css('s', color), dashed ? " stroke-dasharray=\"5 3\"" : "");
+    for (std::size_t i = 0; i < line.size(); ++i)
+      out("{}{:.1f} {:.1f}", i == 0 ? "M" : "L", line[i].x, line[i].y);
+    out("\"/>\n");
+  }
+  void dot(const Point& at, PlotColor color) {
+    out("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\" class=\"{} dot\" stroke-width=\"0.8\"/>\n", at.x, at.y,
+        css('f', color));
+  }
+  std::string take() { return std::move(text_); }
+
+ private:
+  std::string text_;
+};
+
+/// An SVG document that follows the light or dark theme of the reader.
+std::string svg_document(double width, double height, const std::string& title, const std::string& elements) {
+  return fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 {0:.0f} "
+      "{1:.0f}\" role=\"img\" font-family=\"Helvetica, Arial, 'DejaVu Sans', sans-serif\" "
+      "font-size=\"{2}\">\n"
+      "<title>{3}</title>\n<style>{4}@media (prefers-color-scheme: dark){{\n{5}}}</style>\n"
+      "<rect width=\"100%\" height=\"100%\" class=\"page\"/>\n{6}</svg>\n",
+      width, height, kFont, escape(title), rules(kLight, false), rules(kDark, true), elements);
+}
+
+// ---- a plot
 
 class Drawing {
  public:
@@ -224,11 +344,12 @@ class Drawing {
 
   void draw_end_labels(const Layout& layout) {
     std::vector<double> preferred;
-    for (const auto& key : layout.keys) preferred.push_back((1 - key.end.y) * layout.height);
+    for (const auto& key : layout.keys)
+      preferred.push_back(std::clamp(layout.y.scale.pixel(key.end.y), 0.0, layout.height));
     const auto placed = spread(preferred, kLabelRow, 2, layout.height - 2);
     for (std::size_t i = 0; i < layout.keys.size(); ++i) {
       const auto& key = layout.keys[i];
-      const double x = left_ + key.end.x * (right_ - left_);
+      const double x = x_.scale.pixel(key.end.x);
       canvas_.line({x + 3, preferred[i]}, {right_ + 10, placed[i]}, css('s', key.color), 0.8,
                    " opacity=\"0.6\"");
       const auto text = fmt::format("{}", fmt::join(key.lines, " "));

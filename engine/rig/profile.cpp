@@ -15,14 +15,14 @@
 namespace tactus {
 namespace {
 
-void read_values(const Value::Table& profile, const FieldType& section, std::map<std::string, double>& values,
+void read_values(const Value::Table& profile, const FieldType& section, ActuatorProfile& values,
                  ErrorList& errors) {
-  const auto* table = read_section(profile, section.key, errors);
+  const auto* table = read_section(profile, section.name, errors);
   if (table == nullptr) return;
-  FieldReader fields{*table, *section.inside, errors, "[" + section.key + "]",
-                     find(profile, section.key)->at};
+  FieldReader fields{*table, *section.inside, errors, "[" + section.name + "]",
+                     find(profile, section.name)->at};
   for (const auto& field : section.inside->fields)
-    if (const auto number = fields.number(field.key)) values[section.key + "." + field.key] = *number;
+    if (const auto number = fields.number(field.name)) values[section.name + "." + field.name] = *number;
 }
 
 Checked<ActuatorProfile> read(const Result<Value::Table>& table, const std::string& file) {
@@ -31,9 +31,10 @@ Checked<ActuatorProfile> read(const Result<Value::Table>& table, const std::stri
   ErrorList errors;
   check_format(*table, start, errors);
   FieldReader fields{*table, profile_fields(), errors, "the profile", start};
-  ActuatorProfile profile{fields.text("name"), fields.text("about"), fields.text("source"), {}};
+  for (const auto* key : {"name", "about", "source"}) (void)fields.text(key);  // for people
+  ActuatorProfile profile;
   for (const auto& field : profile_fields().fields)
-    if (field.inside != nullptr) read_values(*table, field, profile.values, errors);
+    if (field.inside != nullptr) read_values(*table, field, profile, errors);
   if (errors.any()) return tl::unexpected(errors.take());
   return profile;
 }
@@ -142,25 +143,25 @@ Result<std::filesystem::path> find_profile(const std::string& name, const std::f
 
 DriveLimits limits_for(const ActuatorProfile& profile, double volts) {
   DriveLimits limits;
-  const double ohms = profile["drive.resistance"];
-  limits.ceiling = std::min(1.0, profile["drive.peak"] / volts);
-  if (profile.has("drive.slew")) limits.slew_per_second = profile["drive.slew"] / volts;
-  limits.soft_start = Seconds{profile["drive.soft_start"]};
-  limits.fade_out = Seconds{profile["drive.fade_out"]};
-  if (profile.has("direct.level"))
-    limits.dc = {profile["direct.level"] / volts, Seconds{profile["direct.time"]}};
-  if (profile.has("heat.power"))
+  const double ohms = profile.at("drive.resistance");
+  limits.ceiling = std::min(1.0, profile.at("drive.peak") / volts);
+  if (profile.contains("drive.slew")) limits.slew_per_second = profile.at("drive.slew") / volts;
+  limits.soft_start = Seconds{profile.at("drive.soft_start")};
+  limits.fade_out = Seconds{profile.at("drive.fade_out")};
+  if (profile.contains("direct.level"))
+    limits.dc = {profile.at("direct.level") / volts, Seconds{profile.at("direct.time")}};
+  if (profile.contains("heat.power"))
     limits.heat = HeatLimits{volts * volts / ohms,
-                             profile["heat.power"],
-                             Seconds{profile["heat.coil_time"]},
-                             Seconds{profile["heat.body_time"]},
-                             profile["heat.coil_share"],
-                             profile["heat.rise"]};
-  if (profile.has("travel.limit")) {
-    const double stiffness = profile["travel.stiffness"], mass = profile["travel.mass"];
-    const double force_factor = profile["travel.force_factor"];
-    const double damping = profile["travel.damping"] + force_factor * force_factor / ohms;
-    limits.excursion = ExcursionLimits{profile["travel.limit"], force_factor * volts / ohms / stiffness,
+                             profile.at("heat.power"),
+                             Seconds{profile.at("heat.coil_time")},
+                             Seconds{profile.at("heat.body_time")},
+                             profile.at("heat.coil_share"),
+                             profile.at("heat.rise")};
+  if (profile.contains("travel.limit")) {
+    const double stiffness = profile.at("travel.stiffness"), mass = profile.at("travel.mass");
+    const double force_factor = profile.at("travel.force_factor");
+    const double damping = profile.at("travel.damping") + force_factor * force_factor / ohms;
+    limits.excursion = ExcursionLimits{profile.at("travel.limit"), force_factor * volts / ohms / stiffness,
                                        Hertz{std::sqrt(stiffness / mass) / (2.0 * std::numbers::pi)},
                                        std::sqrt(stiffness * mass) / damping};
   }

@@ -16,15 +16,9 @@
 
 namespace tactus {
 
-/// The limits of an actuator at its terminals, as in a file of instruments/profiles. How its figures become
-/// the limits of a drive: docs/drive_guard.md.
-struct ActuatorProfile {
-  std::string name, about, source;
-  std::map<std::string, double> values;  ///< SI, by section and key: "heat.power"
-
-  double operator[](const std::string& key) const { return values.at(key); }
-  bool has(const std::string& key) const { return values.contains(key); }
-};
+/// The limits of an actuator at its terminals, as in a file of instruments/profiles: SI, by section and key
+/// ("heat.power"). How they become the limits of a drive: docs/drive_guard.md.
+using ActuatorProfile = std::map<std::string, double>;
 
 /// [any] All keys of a profile.
 const SectionType& profile_fields();

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine/core/index.h"
+
 namespace tactus {
 
 RigInputs::RigInputs(BlockProcessor& inner, std::vector<double> scales, int padding_frames)
@@ -14,33 +16,23 @@ bool RigInputs::needed(const std::vector<double>& scales, int padding_frames) {
 }
 
 Status RigInputs::prepare(const StreamFormat& format) {
-  inputs_.assign(static_cast<std::size_t>(format.in_channels), {});
+  past_.resize(format.in_channels, padding_frames_);
   in_.resize(format.in_channels, format.max_frames);
   place_ = 0;
-  for (std::size_t i = 0; i < inputs_.size(); ++i) {
-    auto& input = inputs_[i];
-    if (i < scales_.size()) input.scale = scales_[i];
-    input.past.assign(static_cast<std::size_t>(padding_frames_), 0.0);
-  }
   return inner_.prepare(format);
 }
 
 void RigInputs::process(const BlockIo& io) noexcept {
-  for (int i = 0; i < in_.size(); ++i)
-    read(inputs_[static_cast<std::size_t>(i)], io.in[i], in_[i], io.frames);
-  if (padding_frames_ > 0)
-    place_ = (place_ + static_cast<std::size_t>(io.frames)) % static_cast<std::size_t>(padding_frames_);
-  inner_.process({in_.data(), io.out, io.frames});
-}
-
-void RigInputs::read(Input& input, const double* samples, double* values, int frames) const noexcept {
-  for (int f = 0; f < frames; ++f) values[f] = input.scale * samples[f];
-  if (input.past.empty()) return;
-  auto place = place_;
-  for (int f = 0; f < frames; ++f) {
-    std::swap(values[f], input.past[place]);
-    if (++place == input.past.size()) place = 0;
+  for (int i = 0; i < in_.size(); ++i) {
+    const double scale = index(i) < scales_.size() ? scales_[index(i)] : 1.0;
+    for (int f = 0; f < io.frames; ++f) in_[i][f] = scale * io.in[i][f];
+    for (int f = 0, place = place_; f < io.frames && padding_frames_ > 0; ++f) {
+      std::swap(in_[i][f], past_[i][place]);
+      if (++place == padding_frames_) place = 0;
+    }
   }
+  if (padding_frames_ > 0) place_ = (place_ + io.frames) % padding_frames_;
+  inner_.process({in_.data(), io.out, io.frames});
 }
 
 }  // namespace tactus

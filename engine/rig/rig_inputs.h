@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <vector>
 
 #include "engine/core/block_io.h"
@@ -28,18 +27,11 @@ class RigInputs final : public BlockProcessor {
   void process(const BlockIo& io) noexcept TACTUS_NONBLOCKING override;
 
  private:
-  struct Input {
-    double scale = 1.0;
-    std::vector<double> past;  ///< the last `padding` values, a ring
-  };
-
-  void read(Input& input, const double* samples, double* values, int frames) const noexcept;
-
   BlockProcessor& inner_;
   std::vector<double> scales_;
   int padding_frames_;
-  std::size_t place_ = 0;  ///< in each ring: index of the oldest value
-  std::vector<Input> inputs_;
+  int place_ = 0;        ///< in each ring: index of the oldest value
+  ChannelBuffers past_;  ///< the last `padding` values, a ring for each input
   ChannelBuffers in_;
 };
 

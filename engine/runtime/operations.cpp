@@ -54,19 +54,14 @@ bool row_is_finite(const double* samples, int frames) noexcept {
 }
 
 int first_nonfinite(const double* samples, int frames) noexcept {
-  int n = 0;
-  while (n < frames && std::isfinite(samples[n])) ++n;
-  return n;
+  return static_cast<int>(std::find_if_not(samples, samples + frames, is_finite) - samples);
 }
 
 int clear_nonfinite(double* samples, int frames) noexcept {
-  int cleared = 0;
-  for (int n = 0; n < frames; ++n) {
-    if (std::isfinite(samples[n])) continue;
-    samples[n] = 0;
-    ++cleared;
-  }
-  return cleared;
+  const auto finite = std::count_if(samples, samples + frames, is_finite);
+  std::replace_if(
+      samples, samples + frames, [](double sample) { return !is_finite(sample); }, 0.0);
+  return frames - static_cast<int>(finite);
 }
 
 }  // namespace tactus

@@ -15,8 +15,6 @@ Player::Player(std::unique_ptr<Plan> plan) : versions_(std::move(plan)), steps_(
   use(versions_.restart());
 }
 
-Player::~Player() = default;
-
 Status Player::prepare(const StreamFormat& format) {
   if (format.sample_rate != plan().sample_rate)
     return fail(Errc::BadArgument, {}, "the graph was compiled for another sample rate",
@@ -37,15 +35,11 @@ Status Player::prepare(const StreamFormat& format) {
   return {};
 }
 
-void Player::process(const BlockIo& io) noexcept { run_block<false>(io); }
-void Player::process_timed(const BlockIo& io) noexcept { run_block<true>(io); }
-
-template <bool kTimed>
-void Player::run_block(const BlockIo& io) noexcept {
+void Player::process(const BlockIo& io) noexcept {
   io_ = &io;
   for (offset_ = 0; offset_ < io.frames;) {
     const int frames = frames_to_next_entry(std::min(io.frames - offset_, kMaxSubBlock));
-    run_sub_block<kTimed>(frames);
+    run_sub_block(frames);
     offset_ += frames;
     now_ += frames;
     last_frames_ = frames;
@@ -53,11 +47,10 @@ void Player::run_block(const BlockIo& io) noexcept {
   frame_.store(now_, std::memory_order_relaxed);
 }
 
-template <bool kTimed>
 void Player::run_sub_block(int frames) noexcept {
   running_->advance(now_, frames);
   if (outside_ == nullptr) load_inputs(frames);
-  steps_.run<kTimed>(now_, frames);
+  timed_ ? steps_.run<true>(now_, frames) : steps_.run<false>(now_, frames);
   if (outside_ == nullptr) store_outputs(frames);
   for (std::size_t t = 0; t < running_->taps.size(); ++t) {
     const auto& signal = running_->plan->channels[index(running_->tap_channels[t])].signal;

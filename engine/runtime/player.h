@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "engine/core/block_io.h"
@@ -15,38 +14,6 @@
 
 namespace tactus {
 
-/// What an edit of a running graph adds to one output so that it does not jump:
-///   y(n) = x(n) + d (1 - (n - start) / length) until n = start + length,   d = y(start - 1) - x(start)
-/// The first sample after the edit is the last one before it; from there on a step of y is one of x and
-/// |d| / length at most.
-class OutputFade {
- public:
-  /// [control & stopped]
-  void reset() noexcept { *this = {}; }
-  /// [realtime] The next sample comes from another graph; `last` is the one before it.
-  void begin(std::int64_t frame, std::int64_t frames, double last) noexcept {
-    ramp_ = {0.0, 0.0, frame, frames};
-    last_ = last;
-    jump_unknown_ = true;
-  }
-  /// [realtime] What is added at a frame.
-  double at(std::int64_t frame) const noexcept {
-    return ramp_.done(frame) ? 0.0 : ramp_.from * ramp_.remaining(frame);
-  }
-  /// [realtime] In place.
-  void process(double* samples, int frames, std::int64_t first_frame) noexcept {
-    if (std::exchange(jump_unknown_, false)) ramp_.from = last_ - samples[0];
-    const std::int64_t end = ramp_.start + ramp_.length;
-    for (std::int64_t n = first_frame; n < end && n < first_frame + frames; ++n)
-      samples[n - first_frame] += at(n);
-  }
-
- private:
-  Ramp ramp_;
-  double last_ = 0;
-  bool jump_unknown_ = false;
-};
-
 /// Runs a Plan on blocks of any size. The output does not depend on the size: a block is processed in
 /// sub-blocks of at most kMaxSubBlock frames, cut where a journal entry falls, and every node is exact to the
 /// frame.
@@ -54,7 +21,6 @@ class Player final : public BlockProcessor, private Outside {
  public:
   /// [control]
   explicit Player(std::unique_ptr<Plan> plan);
-  ~Player() override;
 
   /// [control & stopped] Starts again at frame 0 with everything reset. Inputs and outputs beyond those of
   /// the format read zero and are not written. Errors: BadArgument if the sample rate is not the plan's.
@@ -62,7 +28,11 @@ class Player final : public BlockProcessor, private Outside {
   /// [realtime & prepared] The thread must flush denormals to zero, as it does inside Guarded and ClosedLoop.
   void process(const BlockIo& io) noexcept TACTUS_NONBLOCKING override;
   /// [control & stopped] Runs like `process` and adds up what each step took. For `tactus explain`.
-  void process_timed(const BlockIo& io) noexcept;
+  void process_timed(const BlockIo& io) noexcept {
+    timed_ = true;
+    process(io);
+    timed_ = false;
+  }
   /// [control & stopped]
   const std::vector<double>& step_nanoseconds() const { return versions_.newest().step_ns; }
 
@@ -115,9 +85,6 @@ class Player final : public BlockProcessor, private Outside {
   std::int64_t frame() const { return frame_.load(std::memory_order_relaxed); }
 
  private:
-  template <bool kTimed>
-  void run_block(const BlockIo& io) noexcept;
-  template <bool kTimed>
   void run_sub_block(int frames) noexcept;
   void use(Running& running) noexcept {
     running_ = &running;
@@ -150,6 +117,7 @@ class Player final : public BlockProcessor, private Outside {
   BlockProcessor* outside_ = nullptr;
   int replacements_ = 0;
   std::int64_t now_ = 0;
+  bool timed_ = false;
 };
 
 }  // namespace tactus

@@ -38,6 +38,12 @@ Key key_of(const Plan& plan, const Vertex& vertex) {
   return {vertex.kind, vertex.kind == Kind::Operation ? vertex.path : std::string_view{}, vertex.nth};
 }
 
+/// Fills in what `after` takes over from `before`, which may be running meanwhile:
+///  - A node of the same path and made from the same things continues with its state.
+///  - A control keeps its value and its number; one whose value in the file is another moves there.
+///  - A constant that differs at a place that is otherwise the same moves from the old number to the new.
+///  - An output jumps if a step that feeds it, directly or through others, is new, was made anew, or reads
+///    something else. What differs in constants alone does not jump.
 class Planner {
  public:
   Planner(const Running& before, Running& after)
@@ -86,29 +92,23 @@ class Planner {
   }
 
   void pair_controls() {
-    std::unordered_map<std::string, int> place_of;
-    for (std::size_t c = 0; c < new_.controls.size(); ++c)
-      place_of.emplace(new_.plan->controls[c].control.name, static_cast<int>(c));
-    std::vector<bool> known(new_.controls.size(), false);
-    new_.control_of.assign(old_.control_of.size(), -1);
+    std::unordered_map<std::string_view, std::size_t> numbers;
+    for (const auto& name : old_.control_names) numbers.emplace(name, numbers.size());
+    new_.control_of.assign(numbers.size(), -1);
     new_.control_names = old_.control_names;
-    for (std::size_t number = 0; number < old_.control_names.size(); ++number) {
-      const auto found = place_of.find(old_.control_names[number]);
-      if (found == place_of.end()) continue;
-      new_.control_of[number] = found->second;
-      known[index(found->second)] = true;
-      if (old_.control_of[number] >= 0) pair_control(old_.control_of[number], found->second);
-    }
-    for (std::size_t c = 0; c < known.size(); ++c) {
-      if (known[c]) continue;
-      new_.control_of.push_back(static_cast<int>(c));
-      new_.control_names.push_back(new_.plan->controls[c].control.name);
+    for (int c = 0; c < static_cast<int>(is_.controls.size()); ++c) {
+      const auto& name = is_.controls[index(c)].control.name;
+      const auto [known, is_new] = numbers.emplace(name, numbers.size());
+      if (is_new) new_.control_names.push_back(name);
+      new_.control_of.resize(new_.control_names.size());
+      new_.control_of[known->second] = c;
+      if (!is_new && old_.control_of[known->second] >= 0) pair_control(old_.control_of[known->second], c);
     }
   }
 
   void pair_control(int from, int to) {
-    const auto& before = old_.plan->controls[index(from)];
-    const auto& after = new_.plan->controls[index(to)];
+    const auto& before = was_.controls[index(from)];
+    const auto& after = is_.controls[index(to)];
     if (after.frozen) return;  // a node was made with the value of the file
     new_.handover.controls.push_back({from, to});
     new_.handover.new_value.push_back(before.control.value != after.control.value);
@@ -205,19 +205,6 @@ class Planner {
   std::vector<bool> changed_;             ///< [vertex]
 };
 
-/// Fills in what `after` takes over from `before`, which may be running meanwhile:
-///  - A node of the same path and made from the same things continues with its state.
-///  - A control keeps its value and its number; one whose value in the file is another moves there.
-///  - A constant that differs at a place that is otherwise the same moves from the old number to the new.
-///  - An output jumps if a step that feeds it, directly or through others, is new, was made anew, or reads
-///    something else. What differs in constants alone does not jump.
-/// Errors: BadArgument if sample rate, inputs, outputs or taps are not the same.
-Status plan_handover(const Running& before, Running& after) {
-  if (auto status = same_border(*before.plan, *after.plan); !status) return status;
-  Planner{before, after}.run();
-  return {};
-}
-
 void add_faults(const Running& running, std::map<std::string, std::int64_t>& counts) {
   for (std::size_t v = 0; v < running.faults.size(); ++v)
     if (const auto count = running.faults[v].load(std::memory_order_relaxed); count > 0)
@@ -241,8 +228,9 @@ Status Replacement::offer(std::unique_ptr<Plan> plan, std::int64_t frame, int ma
   collect();
   if (before_ != nullptr)
     return fail(Errc::BadArgument, "", "the previous edit is not in effect yet", "try again after a block");
+  if (auto status = same_border(*newest_->plan, *plan); !status) return status;
   auto next = std::make_unique<Running>(std::move(plan), max_frames);
-  if (auto status = plan_handover(*newest_, *next); !status) return status;
+  Planner{*newest_, *next}.run();
   next->frame = frame;
   before_ = std::move(newest_);
   newest_ = std::move(next);

@@ -13,22 +13,14 @@ Running::Running(std::unique_ptr<Plan> made, int max_frames)
   for (std::size_t i = 0; i < plan->channels.size(); ++i)
     (plan->channels[i].use == OutputUse::Tap ? tap_channels : outputs).push_back(static_cast<int>(i));
   for (std::size_t c = 0; c < outputs.size(); ++c) vectorised.push_back(begins_lanes(c));
-  std::size_t most_in = 2;
-  std::size_t most_out = 1;
   for (const auto& step : plan->steps) {
-    most_in = std::max(most_in, index(step.inputs));
-    most_out = std::max(most_out, index(step.outputs));
+    moved_in.resize(std::max(moved_in.size(), index(step.inputs)));
+    moved_out.resize(std::max(moved_out.size(), index(step.outputs)));
   }
-  moved_in.resize(most_in);
-  moved_out.resize(most_out);
   for (const auto& planned : plan->controls) {
-    SmoothedControl control;
-    control.buffer = planned.buffer;
-    control.readers = planned.readers;
-    control.decibel = planned.control.unit.decibel;
     control_of.push_back(static_cast<int>(controls.size()));
     control_names.push_back(planned.control.name);
-    controls.push_back(std::move(control));
+    controls.push_back({{}, planned.buffer, planned.readers, planned.control.unit.decibel});
   }
   for (const int divisor : plan->divisors) dividers.push_back({divisor, 0, 0, {}});
   start(max_frames);

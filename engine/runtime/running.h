@@ -2,7 +2,6 @@
 
 // Thread: [control] where not said otherwise.
 
-#include <array>
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -10,35 +9,9 @@
 
 #include "engine/core/ramp.h"
 #include "engine/graph/plan/plan.h"
+#include "engine/runtime/rate_divider.h"
 
 namespace tactus {
-
-/// Where the frames of a part lie that runs at 1/R of the engine's rate: its frame m at engine frame R m,
-/// whatever the blocks are. Computed once per sub-block, so that no step divides.
-struct RateDivider {
-  int divisor = 1;                                      ///< R
-  int offset = 0;                                       ///< of the first frame in this sub-block
-  std::int64_t number = 0;                              ///< m of that frame
-  std::array<std::uint8_t, kMaxSubBlock + 1> before{};  ///< [offset in the sub-block] frames before it
-
-  /// [realtime] For the sub-block of `frames` frames from `now` on.
-  void begin(std::int64_t now, int frames) noexcept {
-    number = (now + divisor - 1) / divisor;
-    offset = static_cast<int>(number * divisor - now);
-    int next = offset;
-    std::uint8_t count = 0;
-    for (int i = 0; i <= frames; ++i) {
-      before[index(i)] = count;
-      if (i != next) continue;
-      ++count;
-      next += divisor;
-    }
-  }
-  /// [realtime] How many frames lie before this offset.
-  int count(int to) const noexcept { return before[index(to)]; }
-  /// [realtime] Where the `index`th frame of the sub-block lies.
-  int place(int index) const noexcept { return offset + index * divisor; }
-};
 
 /// A moving value that steps of a plan read: one number with stride 0 while it rests, a sample a frame
 /// while it moves.

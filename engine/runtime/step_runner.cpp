@@ -10,21 +10,19 @@ namespace {
 
 /// Adds its lifetime to a step's nanoseconds where `kTimed`.
 template <bool kTimed>
-struct StepTimer {
-  explicit StepTimer(double&) {}
-};
-
-template <>
-struct StepTimer<true> {
-  explicit StepTimer(double& sum) : sum_ns(sum), before(std::chrono::steady_clock::now()) {}
-  ~StepTimer() {
-    sum_ns += std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - before).count();
+class StepTimer {
+ public:
+  explicit StepTimer(double& sum_ns) : sum_ns_(sum_ns) {
+    if constexpr (kTimed) before_ = Clock::now();
   }
-  StepTimer(const StepTimer&) = delete;
-  StepTimer& operator=(const StepTimer&) = delete;
+  ~StepTimer() {
+    if constexpr (kTimed) sum_ns_ += std::chrono::duration<double, std::nano>(Clock::now() - before_).count();
+  }
 
-  double& sum_ns;
-  std::chrono::steady_clock::time_point before;
+ private:
+  using Clock = std::chrono::steady_clock;
+  double& sum_ns_;
+  Clock::time_point before_;
 };
 
 std::int64_t end_of_cell(std::int64_t frame) { return frame - frame % kMaxSubBlock + kMaxSubBlock; }

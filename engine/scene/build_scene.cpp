@@ -8,11 +8,87 @@
 #include "engine/core/named.h"
 #include "engine/graph/file/error_list.h"
 #include "engine/graph/plan/compile.h"
+#include "engine/scene/file/scene_checks.h"
 #include "engine/scene/guard_report.h"
-#include "engine/scene/scene_wiring.h"
 
 namespace tactus {
 namespace {
+
+Value text_value(std::string text, const Source& at) { return {std::move(text), at}; }
+
+Value value_of(const ControlValue& value, const Source& at) {
+  if (!value.dimension || value.dimension->plain()) return {value.si, at};
+  return text_value(fmt::format("{:.17g} {}", value.si, to_string(*value.dimension)), at);
+}
+
+/// Sets a field, replacing what it was.
+void put(Value::Table& fields, const std::string& port, const Value& value) {
+  std::erase_if(fields, [&](const Field& field) { return field.key == port; });
+  fields.push_back({port, value.at, value});
+}
+
+/// A gesture as a node of the graph around the instrument.
+NodeSpec gesture_node(const Gesture& gesture) {
+  const auto& at = gesture.at;
+  NodeSpec node{{gesture.name, at, {}, gesture.points.empty()}, "curve", {}, {}, at};
+  Value::List points;
+  for (const auto& point : gesture.points)
+    points.push_back({Value::List{{point.time_s, at}, {point.value, at}}, at});
+  node.fields.push_back({"points", at, {std::move(points), at}});
+  const auto& curves = (*scene_fields()["gestures"].inside)["curve"].choices;
+  node.fields.push_back({"curve", at, text_value(curves[static_cast<std::size_t>(gesture.curve)], at)});
+  if (!gesture.bare) node.fields.push_back({"unit", at, text_value(to_string(gesture.unit.dimension), at)});
+  return node;
+}
+
+/// A control of the instrument that a gesture moves.
+struct MovedControl {
+  std::string control;
+  const Gesture* gesture;
+};
+
+/// Of a gesture over a long time, points a millisecond apart would be too many to keep.
+double step_of(const std::vector<Gesture::Point>& points) {
+  constexpr double kMaxSteps = 1e6;
+  return std::max(1e-3, (points.back().time_s - points.front().time_s) / kMaxSteps);
+}
+
+void add_slope(const Gesture::Point& from, const Gesture::Point& to, Gesture::Curve curve, double step_s,
+               const auto& add) {
+  for (double t = from.time_s + step_s; t < to.time_s; t += step_s) {
+    double u = (t - from.time_s) / (to.time_s - from.time_s);
+    if (curve == Gesture::Curve::Smooth) u = u * u * (3 - 2 * u);
+    add(t, from.value + (to.value - from.value) * u);
+  }
+}
+
+/// The gestures as changes of controls, in order of time: a step becomes an entry at its frame; a slope
+/// becomes one a millisecond (at most 1000000 in all), which the control's own smoothing joins.
+std::vector<JournalEntry> gesture_journal(const std::vector<MovedControl>& moved, const Plan& plan) {
+  std::vector<JournalEntry> entries;
+  for (const auto& [control, gesture] : moved) {
+    const int index = plan.control_index(control);
+    const auto add = [&](double time_s, double value) {
+      entries.push_back(
+          {std::lround(time_s * plan.sample_rate.value), JournalEntry::Kind::ControlChange, index, value});
+    };
+    const auto& points = gesture->points;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      add(points[i].time_s, points[i].value);
+      if (gesture->curve != Gesture::Curve::Step && i + 1 < points.size())
+        add_slope(points[i], points[i + 1], gesture->curve, step_of(points), add);
+    }
+  }
+  std::ranges::stable_sort(entries, {}, &JournalEntry::frame);
+  return entries;
+}
+
+std::vector<SceneTap> taps_of(const Plan& plan, const std::string& prefix) {
+  std::vector<SceneTap> taps;
+  for (const auto& channel : plan.channels)
+    if (channel.use == OutputUse::Tap) taps.push_back({prefix + channel.name, channel.dimension});
+  return taps;
+}
 
 class SceneBuilder {
  public:
@@ -30,13 +106,11 @@ class SceneBuilder {
     if (instrument_known()) wire_instrument();
     check_scene(scene_, table_, errors_);
     compile_world();
-    if (instrument_known())
-      compile_instrument();
-    else if (has_no_instrument())
-      compile_silence();
-    if (built_.plant != nullptr && built_.instrument != nullptr) check_channels();
-    if (errors_.any()) return tl::unexpected(errors_.take());
-    check_size();
+    if (instrument_known() || has_no_instrument()) compile_instrument();
+    if (built_.plant != nullptr && built_.instrument != nullptr) {
+      check_channels();
+      check_size();
+    }
     if (errors_.any()) return tl::unexpected(errors_.take());
     return std::move(built_);
   }
@@ -69,14 +143,10 @@ class SceneBuilder {
     for (const auto& gesture : scene_.gestures) world_.nodes.push_back(gesture_node(gesture));
     for (const auto& part : scene_.parts) {
       if (part.name == "instrument") continue;
-      NodeSpec node;
-      node.name = part.name;
-      node.at = part.at;
-      node.use = part.name;
-      node.fields = part.wires;
-      for (const auto& [port, value] : overwritten_[part.name]) overwrite(node.fields, port, value, part.at);
-      if (options_.by_hand && part.graph != nullptr) strike_by_hand(*part.graph, node, world_);
-      node.broken = part.graph == nullptr;
+      NodeSpec node{{part.name, part.at, part.wires, part.graph == nullptr}, {}, part.name, {}, {}};
+      for (const auto& [port, value] : overwritten_[part.name])
+        put(node.fields, port, value_of(value, part.at));
+      if (options_.by_hand && part.graph != nullptr) strike_by_hand(*part.graph, node);
       world_.nodes.push_back(std::move(node));
       if (part.graph == nullptr) continue;
       world_.parts[part.name] = part.graph;
@@ -89,13 +159,20 @@ class SceneBuilder {
                     "see [parts] of the scene");
   }
 
+  /// Where the part has a control of this name, its `node` follows one of the world, from 0 to 1.
+  void strike_by_hand(const GraphSpec& part, NodeSpec& node) {
+    constexpr const char* kStrike = "strike";
+    if (find_named(part.controls, kStrike) == nullptr) return;
+    if (find_named(world_.controls, kStrike) == nullptr)
+      world_.controls.push_back({{kStrike, node.at, {}}, {.name = kStrike, .range = {0, 1}, .smooth_s = 0}});
+    put(node.fields, kStrike, text_value(kStrike, node.at));
+  }
+
   /// The instrument's outputs are inputs of the plant.
   void declare_drives() {
     if (has_no_instrument()) return;
-    NodeSpec unknown;
-    unknown.name = "instrument";
-    unknown.broken = true;
-    if (!instrument_known() || instrument_->graph->incomplete) return world_.nodes.push_back(unknown);
+    if (!instrument_known() || instrument_->graph->incomplete)
+      return world_.nodes.push_back({{"instrument", {}, {}, true}, {}, {}, {}, {}});
     for (const auto& output : instrument_->graph->outputs)
       world_.inputs.push_back({{"instrument." + output.name, output.at, {}}});
   }
@@ -115,27 +192,56 @@ class SceneBuilder {
       output.unit_known = input.unit_known;
       world_.outputs.push_back(std::move(output));
     }
+    auto settable = names_of(graph.inputs);
+    for (const auto& control : graph.controls) settable.push_back(control.name);
     for (const auto& field : instrument_->wires) {
       if (find_named(graph.inputs, field.key) != nullptr) continue;
       if (const auto* control = find_named(graph.controls, field.key))
         wire_control(*control, field);
       else if (!graph.incomplete)
-        report_unknown(field);
+        errors_.add(Errc::UnknownName, field.at, "the instrument has no input or control '" + field.key + "'",
+                    suggest(field.key, settable, "see its [inputs] and [controls]"));
     }
   }
 
-  void report_unknown(const Field& field) {
-    auto names = names_of(instrument_->graph->inputs);
-    for (const auto& control : instrument_->graph->controls) names.push_back(control.name);
-    errors_.add(Errc::UnknownName, field.at, "the instrument has no input or control '" + field.key + "'",
-                suggest(field.key, names, "see its [inputs] and [controls]"));
+  /// A control of the instrument has an initial value, and a gesture may move it.
+  void wire_control(const ControlSpec& entry, const Field& field) {
+    if (entry.broken) return;
+    const auto* text = field.value.text();
+    const auto* gesture = text != nullptr ? scene_.gesture(*text) : nullptr;
+    if (gesture != nullptr && gesture->points.empty()) return;
+    if (gesture != nullptr && entry.unit_known) check_gesture(*gesture, entry.control, field.value.at);
+    const auto start = gesture != nullptr ? gesture->points.front().value : start_of(entry, field.value);
+    if (!start) return;
+    const bool asked = !controls_.try_emplace(entry.name, *start).second;
+    if (gesture != nullptr && !asked) moved_.push_back({entry.name, gesture});
   }
 
-  void wire_control(const ControlSpec& control, const Field& field) {
-    const auto wired = tactus::wire_control(scene_, control, field, errors_);
-    if (!wired) return;
-    const bool asked = !controls_.try_emplace(control.name, wired->start).second;
-    if (wired->gesture != nullptr && !asked) moved_.push_back({control.name, wired->gesture});
+  std::optional<double> start_of(const ControlSpec& entry, const Value& value) {
+    const auto& control = entry.control;
+    const auto* text = value.text();
+    if (text != nullptr && !parse_quantity(*text)) {
+      if (!scene_.incomplete)
+        errors_.add(Errc::WrongType, value.at,
+                    "'" + *text + "' is neither a value for control '" + control.name + "' nor a gesture",
+                    "give a number or a quantity, or the name of a gesture");
+      return std::nullopt;
+    }
+    if (!entry.unit_known) return std::nullopt;
+    const auto start = read_quantity(value, control.unit, control.name);
+    const bool good = errors_.keep(start) != nullptr && check_range(control, *start, value.at, errors_);
+    return good ? std::optional{*start} : std::nullopt;
+  }
+
+  void check_gesture(const Gesture& gesture, const FlatControl& control, const Source& at) {
+    if (!gesture.bare && !(gesture.unit.dimension == control.unit.dimension))
+      return errors_.add(Errc::UnitMismatch, at,
+                         "control '" + control.name + "' has the unit of " +
+                             in_unit(control.value, control.unit) + ", but gesture '" + gesture.name +
+                             "' has the unit of " + in_unit(gesture.points.front().value, gesture.unit),
+                         "write the points of the gesture in the unit of the control");
+    for (const auto& point : gesture.points)
+      if (!check_range(control, point.value, at, errors_, " by gesture '" + gesture.name + "'")) return;
   }
 
   // ---- compiling
@@ -153,19 +259,11 @@ class SceneBuilder {
   }
 
   CompileOptions compile_options(std::vector<std::string> taps) const {
-    CompileOptions options;
-    options.sample_rate = rate_;
-    options.system_delay = delay_;
-    options.vectorise = options_.vectorise;
-    options.taps = std::move(taps);
-    return options;
-  }
-
-  static std::vector<SceneTap> taps_of(const Plan& plan, const std::string& prefix) {
-    std::vector<SceneTap> taps;
-    for (const auto& channel : plan.channels)
-      if (channel.use == OutputUse::Tap) taps.push_back({prefix + channel.name, channel.dimension});
-    return taps;
+    return {.sample_rate = rate_,
+            .system_delay = delay_,
+            .controls = {},
+            .taps = std::move(taps),
+            .vectorise = options_.vectorise};
   }
 
   void compile_world() {
@@ -205,18 +303,13 @@ class SceneBuilder {
     check(*built_.instrument, *built_.plant, "the instrument's outputs");
   }
 
-  void compile_silence() {
+  void compile_instrument() {
     GraphSpec nothing;
     nothing.file = scene_.file;
-    CompileOptions options;
-    options.sample_rate = rate_;
-    built_.instrument = compile_or_check(nothing, options);
-  }
-
-  void compile_instrument() {
-    auto options = compile_options(event_taps(*instrument_->graph, table_));
+    const auto& graph = has_no_instrument() ? nothing : *instrument_->graph;
+    auto options = compile_options(event_taps(graph, table_));
     options.controls = controls_;
-    auto compiled = compile_or_check(*instrument_->graph, options);
+    auto compiled = compile_or_check(graph, options);
     if (compiled == nullptr) return;
     built_.instrument_taps = taps_of(*compiled, "instrument.");
     built_.journal = gesture_journal(moved_, *compiled);
@@ -247,11 +340,9 @@ Checked<CompiledScene> compile_scene(const LoadedScene& loaded, const NodeTable&
 }
 
 BuiltScene::BuiltScene(CompiledScene compiled)
-    : instrument(std::make_unique<Player>(std::move(compiled.instrument))),
-      plant(std::make_unique<Player>(std::move(compiled.plant))),
-      delay_frames(compiled.delay_frames),
-      plant_taps(std::move(compiled.plant_taps)),
-      instrument_taps(std::move(compiled.instrument_taps)) {
+    : SceneTaps(compiled),
+      instrument(std::make_unique<Player>(std::move(compiled.instrument))),
+      plant(std::make_unique<Player>(std::move(compiled.plant))) {
   instrument->set_journal(std::move(compiled.journal));
 }
 

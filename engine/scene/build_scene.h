@@ -32,23 +32,24 @@ struct SceneTap {
   Dimension dimension;
 };
 
-/// A scene turned into two schedules: the instrument as it would run on a card, and the world around it: the
-/// plant, every other part, the gestures, and the wires from them to the instrument's inputs.
-struct CompiledScene {
-  std::unique_ptr<Plan> instrument, plant;
-  std::vector<JournalEntry> journal;  ///< what gestures do to the instrument's controls
+struct SceneTaps {
   int delay_frames = 0;
   std::vector<SceneTap> plant_taps;       ///< every output of every part, in the order of Player::tap
   std::vector<SceneTap> instrument_taps;  ///< triggers of the instrument ("instrument.hit") and their levels
 };
 
+/// A scene turned into two schedules: the instrument as it would run on a card, and the world around it: the
+/// plant, every other part, the gestures, and the wires from them to the instrument's inputs.
+struct CompiledScene : SceneTaps {
+  std::unique_ptr<Plan> instrument, plant;
+  std::vector<JournalEntry> journal;  ///< what gestures do to the instrument's controls
+};
+
 /// The same as two engines, ready to be prepared.
-struct BuiltScene {
+struct BuiltScene : SceneTaps {
   explicit BuiltScene(CompiledScene compiled);
 
   std::unique_ptr<Player> instrument, plant;
-  int delay_frames = 0;
-  std::vector<SceneTap> plant_taps, instrument_taps;
 };
 
 /// [control] All errors of its text, of the wiring, of both graphs and of the measures, in file order.

@@ -36,7 +36,8 @@ PortEnergy EnergyWatch::energy(Hertz sample_rate) const {
 
 PortWatches::PortWatches(const SceneSpec& scene, const std::vector<SceneTap>& plant_taps) {
   for (const auto& port : scene.ports) {
-    const auto *force = find_named(plant_taps, port.force), *position = find_named(plant_taps, port.position);
+    const auto *force = find_named(plant_taps, port.force.name),
+               *position = find_named(plant_taps, port.position.name);
     if (force == nullptr || position == nullptr) continue;
     const auto tap = [&](const SceneTap* named) { return static_cast<int>(named - plant_taps.data()); };
     watched_.push_back({tap(force), tap(position), EnergyWatch{port}});

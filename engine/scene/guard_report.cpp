@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+
+#include "engine/core/named.h"
 
 namespace tactus {
 namespace {
@@ -45,9 +48,9 @@ std::string describe(const GuardReport& report, const GuardEvent& event, Hertz s
 }  // namespace
 
 bool GuardReport::idle() const {
-  for (const auto& output : outputs)
-    if (!(output.counts == GuardCounts{})) return false;
-  return events.empty();
+  return events.empty() && std::ranges::all_of(outputs, [](const GuardedOutput& output) {
+           return output.counts == GuardCounts{};
+         });
 }
 
 const char* name_of(GuardStage stage) { return kStages[static_cast<std::size_t>(stage)].name; }
@@ -61,15 +64,19 @@ std::vector<std::string> output_names(const Plan& schedule) {
   return names;
 }
 
-std::vector<std::string> sound_names(const Plan& schedule) {
-  std::vector<std::string> names, called_sound;
+std::vector<std::string> sound_names(const Plan& schedule, const std::vector<Role>& roles) {
+  constexpr std::string_view kRole = "monitor", kInstrument = "instrument.";
+  const auto signal = signal_of(roles, kRole);
+  const auto monitor = signal.starts_with(kInstrument) ? signal.substr(kInstrument.size())
+                                                       : find_named(role_types(), kRole)->port;
+  std::vector<std::string> names, monitors;
   for (const auto& channel : schedule.channels) {
     if (channel.use != OutputUse::Audio) continue;
     names.push_back(channel.name);
-    // Lanes are called sound[1], sound[2], ...
-    if (channel.name.substr(0, channel.name.find('[')) == "sound") called_sound.push_back(channel.name);
+    // Lanes are called name[1], name[2], ...
+    if (channel.name.substr(0, channel.name.find('[')) == monitor) monitors.push_back(channel.name);
   }
-  return called_sound.empty() ? names : called_sound;
+  return monitors.empty() ? names : monitors;
 }
 
 std::vector<GuardedChannel> guarded_channels(const Plan& schedule, const DriveBook& drives) {

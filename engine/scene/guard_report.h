@@ -8,6 +8,7 @@
 #include "engine/graph/plan/plan.h"
 #include "engine/guard/guarded.h"
 #include "engine/rig/profile.h"
+#include "engine/scene/file/scene_spec.h"
 
 namespace tactus {
 
@@ -36,9 +37,9 @@ const char* name_of(GuardEvent::Kind kind);
 
 /// Names of the outputs that a schedule gives to the outside.
 std::vector<std::string> output_names(const Plan& schedule);
-/// Of those, the monitor outputs: the one called `sound` if it is of kind "audio"; without it all of
-/// that kind. A carrier for a sensor is of that kind too.
-std::vector<std::string> sound_names(const Plan& schedule);
+/// Of those, the monitor outputs: the one with the role "monitor" if it is of kind "audio"; without it all
+/// of that kind. A carrier for a sensor is of that kind too.
+std::vector<std::string> sound_names(const Plan& schedule, const std::vector<Role>& roles = {});
 /// Their guards.
 std::vector<GuardedChannel> guarded_channels(const Plan& schedule, const DriveBook& drives);
 

@@ -69,7 +69,7 @@ Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int
   const auto frames = static_cast<int>(frames_in(scene.duration, recording.sample_rate));
   recording.inputs = built.instrument->plan().input_names;
   recording.outputs = output_names(built.instrument->plan());
-  recording.sounds = sound_names(built.instrument->plan());
+  recording.sounds = sound_names(built.instrument->plan(), scene.roles);
   name_signals(recording, built, static_cast<std::size_t>(frames));
   PortWatches ports{scene, built.plant_taps};
   const auto started = std::chrono::steady_clock::now();

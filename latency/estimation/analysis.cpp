@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 #include <span>
-#include <string>
 
 #include "engine/core/decibels.h"
 #include "engine/core/index.h"
@@ -182,7 +181,6 @@ std::optional<SecondPath> find_second_path(const LoopEstimate& loop, CoarseSearc
   return second;
 }
 
-/// The whole report, and its verdict.
 void report(LoopEstimator& estimator, const LoopEstimate& loop, Analysis& analysis) {
   Evidence evidence;
   evidence.coarse = loop.coarse;
@@ -238,11 +236,13 @@ Result<Analysis> analyze(const LoopRecording& recording, const AnalysisSettings&
   analysis.detected = loop.found;
   analysis.dc = loop.floor.mean;
   analysis.noise_floor_dbfs = power_to_db(loop.floor.variance);
-  if (loop.found)
+  if (loop.found) {
     report(estimator, loop, analysis);
-  else
-    analysis.finding =
-        loop.cut_short ? too_few_probes() : not_detected(estimator.every_channel(), settings.channel);
+    return analysis;
+  }
+  std::vector<CoarseDelay> channels;
+  for (const auto& channel : recording.captured) channels.push_back(estimator.search.find(channel));
+  analysis.finding = not_detected(channels, settings.channel, loop.cut_short);
   return analysis;
 }
 

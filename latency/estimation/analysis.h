@@ -1,16 +1,57 @@
 #pragma once
+// Thread: [control]
 
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "engine/core/error.h"
 #include "engine/core/units.h"
 #include "latency/estimation/loop_recording.h"
-#include "latency/verdict.h"
 
 namespace tactus {
+
+/// Why a delay is unreliable, in the order in which they are reported: what comes first explains what
+/// comes later.
+enum class Verdict {
+  Ok,
+  NoSignal,          ///< nothing of what was played came back
+  WrongChannel,      ///< it came back on another input
+  Feedback,          ///< the loop fed itself; the output was muted
+  Clipping,          ///< the input was at its end
+  LostFrames,        ///< the driver dropped or repeated frames
+  ApiMismatch,       ///< the stream does not run as it was granted
+  EchoCancel,        ///< something takes away more and more of what is played
+  Agc,               ///< the gain depends on the level
+  ClocksDiffer,      ///< input and output run at different speeds, so the delay moves
+  DirectMonitoring,  ///< a second path beside the measured one
+  NotFlat,           ///< a path whose own delay depends on the frequency: an actuator, a sensor, a room
+  LowSnr,            ///< too much noise
+  UnstableStart,     ///< another delay each time that the stream is opened
+};
+
+/// What reports call them.
+inline constexpr std::array<const char*, 14> kVerdictCodes{
+    "ok",           "NO_SIGNAL",     "WRONG_CHANNEL", "HOWL",          "CLIPPING",          "LOST_FRAMES",
+    "API_MISMATCH", "ECHO_CANCEL",   "AGC",           "CLOCKS_DIFFER", "DIRECT_MONITORING", "NOT_FLAT",
+    "LOW_SNR",      "UNSTABLE_START"};
+inline const char* code(Verdict verdict) { return kVerdictCodes[static_cast<std::size_t>(verdict)]; }
+
+/// A verdict about one measurement, with its evidence.
+struct Finding {
+  Verdict verdict = Verdict::Ok;
+  std::string what;    ///< with numbers
+  std::string remedy;  ///< what to do
+};
+
+/// A delay, its uncertainty, and whether it is to be trusted.
+struct DelayEstimate {
+  Finding finding;
+  double delay_frames = 0.0;
+  double standard_error_frames = 0.0;
+};
 
 /// How a path answers at one frequency, relative to what was played.
 struct ResponsePoint {
@@ -48,12 +89,11 @@ struct ProbeDelay {
 /// path's profile P (1 for a cable), and for A what coupling capacitors (the phase of any high-pass) and slow
 /// filters (a magnitude without phase) do. It is fitted over all probes at once, each frequency weighted by
 /// its power over that of the noise: for white noise and a flat path this is the maximum-likelihood estimate.
-struct Analysis {
+///
+/// Where the delay moves, the estimate is that in the middle of the probes.
+struct Analysis : DelayEstimate {
   Hertz sample_rate = 48_kHz;
-  Finding finding;            ///< is the delay to be trusted?
-  bool detected = false;      ///< false: nothing below is known but noise floor and DC
-  double delay_frames = 0.0;  ///< in the middle of the probes, where it moves
-  double standard_error_frames = 0.0;
+  bool detected = false;       ///< false: nothing is known but noise floor and DC
   double bound_frames = 0.0;   ///< Cramér–Rao, for what was played and the noise that was captured
   double spread_frames = 0.0;  ///< standard deviation over probes
   int polarity = 1;

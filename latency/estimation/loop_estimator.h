@@ -2,7 +2,6 @@
 // Thread: [control]
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,7 +11,7 @@
 #include "latency/estimation/loop_recording.h"
 #include "latency/estimation/probe_windows.h"
 #include "latency/path/path_model.h"
-#include "latency/probe/bursts.h"
+#include "latency/probe/probe.h"
 
 namespace tactus {
 
@@ -59,13 +58,12 @@ class LoopEstimator {
   LoopEstimator(const LoopRecording& recorded, const AnalysisSettings& asked, const PlayedBursts& bursts);
 
   LoopEstimate estimate();
-  /// Where the probe is found on every input.
-  std::vector<CoarseDelay> every_channel();
 
   const LoopRecording& recording;
   const AnalysisSettings& settings;
   const Hertz rate;
   const std::span<const double> captured;
+  const std::span<const double> profile;  ///< taps; empty: a cable
   ProbeWindows windows;
   CoarseSearch search;  ///< for more of what was played, in recordings as long as this
 
@@ -82,7 +80,6 @@ class LoopEstimator {
   Spectrum expected(const CapturedWindow& window, const PathFit& fit) const;
   void add_pilot_steps(LoopEstimate& loop, const Burst& pilot, const std::vector<TrackedProbe>& whole) const;
   void find_damage(LoopEstimate& loop);
-  std::span<const double> profile_taps() const;
 
   const PlayedBursts& bursts_;
 };

@@ -8,7 +8,7 @@
 #include "engine/core/units.h"
 #include "latency/estimation/fourier.h"
 #include "latency/path/path_model.h"
-#include "latency/probe/bursts.h"
+#include "latency/probe/probe.h"
 
 namespace tactus {
 

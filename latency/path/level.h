@@ -2,7 +2,6 @@
 // Thread: [realtime] unless stated otherwise
 
 #include <array>
-#include <cstdint>
 #include <optional>
 #include <vector>
 

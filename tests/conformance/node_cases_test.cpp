@@ -57,8 +57,6 @@ std::optional<std::string> example_of(const NodeType& type, const Setting& setti
   return found != table.end() ? std::optional{found->second} : from_example(type.example, setting.name);
 }
 
-bool must_be_given(const Setting& setting) { return setting.fallback.empty() && !setting.optional; }
-
 /// A box of everyday values by unit: large enough to move the node, small enough not to leave its useful
 /// range.
 Interval box(const std::string& unit) {
@@ -139,7 +137,7 @@ std::map<std::string, std::map<std::string, std::string>> setting_variants(const
   std::map<std::string, std::string> usual;
   const auto table = example_settings();
   for (const auto& setting : type.settings)
-    if (must_be_given(setting) || table.count(type.name + "." + setting.name) > 0)
+    if (setting.required || table.count(type.name + "." + setting.name) > 0)
       if (const auto example = example_of(type, setting)) usual[setting.name] = *example;
   std::map<std::string, std::map<std::string, std::string>> variants = {{"", usual}};
   for (const auto& setting : type.settings) {
@@ -156,7 +154,7 @@ std::map<std::string, std::map<std::string, std::string>> setting_variants(const
 
 std::string missing_example(const NodeType& type) {
   for (const auto& setting : type.settings)
-    if (must_be_given(setting) && !example_of(type, setting))
+    if (setting.required && !example_of(type, setting))
       return "add an example setting for " + type.name + "." + setting.name +
              ": in the example line of the type, or in example_settings() of node_cases_test.cpp";
   return {};
@@ -165,7 +163,8 @@ std::string missing_example(const NodeType& type) {
 std::string as_written(const Setting& setting, const std::string& value) {
   if (setting.kind == Setting::Kind::File)
     return "\"" + std::filesystem::path{value}.filename().string() + "\"";
-  const bool text = setting.kind == Setting::Kind::Choice || setting.kind == Setting::Kind::Text;
+  const bool text = setting.kind == Setting::Kind::Choice || setting.kind == Setting::Kind::Text ||
+                    setting.kind == Setting::Kind::Unit;
   return text ? "\"" + value + "\"" : value;
 }
 

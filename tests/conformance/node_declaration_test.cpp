@@ -20,7 +20,7 @@ bool is_port_unit(const NodeType& type, const std::string& unit) {
   const auto end = std::min(unit.find_first_of(" */"), unit.size());
   const auto name = unit.substr(1, end - 1);
   const bool setting = std::any_of(type.settings.begin(), type.settings.end(), [&](const Setting& s) {
-    return s.name == name && s.kind == Setting::Kind::Text;
+    return s.name == name && s.kind == Setting::Kind::Unit;
   });
   const bool known = type.input_index(name) >= 0 || setting;
   return known && (end == unit.size() || parse_unit("1" + unit.substr(end)).has_value());

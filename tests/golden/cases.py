@@ -20,13 +20,20 @@ BLOCKS = [256, 1, 37, 64, 1024]
 SLOW_TO_CHECK = re.compile(r"monochord/|cellomobo/|active_string/|bar/plant")
 CHECKED_SLOWLY = re.compile(r"cellomobo/(flat|scene|instrument|plant)|active_string/scene|monochord/plant|bar/plant")
 DELAYS = ["0 ms", "5 ms", "20 ms"]
+# Of these the compiler's level of optimisation changes no bit; of numbers that Eigen computes it does.
+SAMPLES = re.compile("(scene|play|instrument|guard|graph|take|edits|wrong|broken)/")
 
 
 class Runner:
-    """Runs the program in a folder of the case's own."""
+    """Runs the program in a folder of the case's own. `again`: with other block sizes."""
 
-    def __init__(self, program, folder, shared):
-        self.program, self.folder, self.shared = program, folder, shared
+    def __init__(self, program, folder, shared, again=False):
+        self.program, self.folder, self.shared, self.again = program, folder, shared, again
+
+    def blocks(self, usual, other):
+        """`usual` None: that of the program."""
+        block = other if self.again else usual
+        return [] if block is None else ["--block", block]
 
     def __call__(self, *arguments, seconds=3600):
         return subprocess.run([self.program, *map(str, arguments)], cwd=ROOT, capture_output=True, text=True,
@@ -86,9 +93,11 @@ def write_graph(folder, text):
 # ---- each kind of case
 
 def scene(run, file, delay, blocks):
-    """Of all block sizes one text, if they agree. Without an instrument there are no outputs to render."""
+    """Of all block sizes one text, if they agree, otherwise several in the order of `blocks`. Without an instrument
+    there are no outputs to render."""
     parts = tomllib.loads((ROOT / file).read_text())["parts"]
     how = run.rendered if "instrument" in parts else functools.partial(play, run)
+    blocks = blocks[::-1] if run.again else blocks
     texts = [how(file, "--delay", delay, "--block", block, "--duration", "0.5 s") for block in blocks]
     return "\n".join(dict.fromkeys(texts))
 
@@ -100,19 +109,19 @@ def play(run, file, *options):
 
 
 def instrument(run, file):
-    live = run.rendered(file, "--in", run.shared / "sensors.wav", "--delay", "3 ms")
-    take = run.rendered("--replay", run.shared / "sensors" / "take.wav", file, events=False)
+    live = run.rendered(file, "--in", run.shared / "sensors.wav", "--delay", "3 ms", *run.blocks(None, 100))
+    take = run.rendered("--replay", run.shared / "sensors" / "take.wav", file, *run.blocks(None, 100), events=False)
     return live + "\n" + take
 
 
 def guarded(run, profile):
     return run.rendered("instruments/haptic_drum/instrument.toml", "--in", run.shared / "sensors.wav", "--profile", profile,
-                        "--volts-per-full-scale", "20 V")
+                        "--volts-per-full-scale", "20 V", *run.blocks(None, 100))
 
 
 def graph(run, seed):
     file = write_graph(run.folder, random_graphs.graph(seed))
-    return run.rendered(file, "--in", run.shared / "noise.wav", "--block", [64, 256, 100, 17][seed % 4])
+    return run.rendered(file, "--in", run.shared / "noise.wav", *run.blocks([64, 256, 100, 17][seed % 4], 41))
 
 
 def explained(run, seed):
@@ -137,12 +146,12 @@ def wrong(run, file):
 
 
 def take(run, wav):
-    return run.rendered("--replay", wav, events=False)
+    return run.rendered("--replay", wav, *run.blocks(None, 73), events=False)
 
 
 def edits(run, seed):
     takes.make(run.folder, seed)
-    return run.rendered("--replay", run.folder / "take.wav", "--block", [64, 256, 111][seed % 3], events=False)
+    return run.rendered("--replay", run.folder / "take.wav", *run.blocks([64, 256, 111][seed % 3], 29), events=False)
 
 
 @functools.cache

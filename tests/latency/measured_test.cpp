@@ -39,8 +39,11 @@ TEST_CASE("measured: what is kept is found again, for its own setting only", "[l
   CHECK(again.find(spread.key)->spread == Seconds{1e-5});
   CHECK(again.find(delay("jack:system", 128, 0, "").key) == nullptr);
   CHECK(again.find(delay("alsa:usb", 64, 0, "").key) == nullptr);
-  CHECK(again.newest("jack:system", "jack:system")->key.block_frames == 64);
-  CHECK(again.newest("alsa:usb", "alsa:usb") == nullptr);
+  const auto newest = [&](const std::string& device) {
+    return again.newest([&](const DelayKey& key) { return key.input == device; });
+  };
+  CHECK(newest("jack:system")->key.block_frames == 64);
+  CHECK(newest("alsa:usb") == nullptr);
 }
 
 TEST_CASE("measured: the newest takes the place of the last, and what others wrote meanwhile stays",

@@ -83,8 +83,7 @@ std::string value(const Setting& setting, const std::string& sound_file) {
       return "[0.25, 0.5, 0.25]";
     case Setting::Kind::Names:
       return "[\"within\"]";
-    case Setting::Kind::Text:
-    case Setting::Kind::File:
+    default:
       break;
   }
   return "\"" + sound_file + "\"";
@@ -95,8 +94,7 @@ std::string line(const NodeType& type, const std::string& name, const std::strin
   for (const auto& port : type.inputs)
     text += ", " + port.name + " = \"" + expression(port, name, scale) + "\"";
   for (const auto& setting : type.settings)
-    if (setting.fallback.empty() && !setting.optional)
-      text += ", " + setting.name + " = " + value(setting, sound_file);
+    if (setting.required) text += ", " + setting.name + " = " + value(setting, sound_file);
   return text;
 }
 

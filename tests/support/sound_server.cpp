@@ -19,6 +19,7 @@ namespace fs = std::filesystem;
 using std::to_string;
 
 constexpr const char* kDefaultServer = "JACK_DEFAULT_SERVER";
+constexpr std::chrono::seconds kStart{10};  // a server that takes longer never becomes ready
 constexpr int kNames = 4;  // JACK has room for eight servers of all users, and keeps the place of a dead one
 
 std::string own_name(const std::string& client) { return client + "-" + to_string(::getpid()); }
@@ -70,7 +71,8 @@ void remove_leftovers(const std::string& name) {
 
 /// Where all JACK servers and clients of a user keep what they say of themselves. One that is killed leaves
 /// its part for ever; one that is killed while it makes the files leaves them too short, and from then on
-/// every JACK program of the user dies of SIGBUS.
+/// every JACK program of the user dies of SIGBUS; one that is killed while it holds a lock in them leaves it
+/// locked, and the next server, or its first client, waits for it without end.
 fs::path metadata() { return "/dev/shm/jack_db-" + to_string(::getuid()); }
 
 /// Our helper program leaves the server before that ends: JACK dies of clients that vanish with it.
@@ -121,8 +123,10 @@ bool SoundServer::begin() {
   const auto died = [](ChildProcess& program) {
     return program.wait(std::chrono::milliseconds{200}) == -SIGBUS;
   };
-  if (!died(*server_) && !died(*hand_)) return false;
+  const bool hangs = server_->running();
+  if (!hangs && !died(*server_) && !died(*hand_)) return false;
   server_->kill();
+  hand_->kill();
   fs::remove_all(metadata());
   return try_to_begin();
 }
@@ -139,7 +143,8 @@ bool SoundServer::try_to_begin() {
   server_ = std::make_unique<ChildProcess>(command, ChildProcess::Stdout::Logged);
   hand_ = std::make_unique<ChildProcess>(
       std::vector<std::string>{TACTUS_DELAY_CLIENT, "--hand", own_name("hand")});
-  while (server_->running() && hand_->running())
+  const auto deadline = std::chrono::steady_clock::now() + kStart;
+  while (server_->running() && hand_->running() && std::chrono::steady_clock::now() < deadline)
     if (hand_->hear(std::chrono::milliseconds{50}) == "ready") return true;
   return false;
 }

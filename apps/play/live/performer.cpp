@@ -7,6 +7,8 @@
 
 #include "apps/cli/console.h"
 #include "apps/cli/take_files.h"
+#include "backends/backend.h"
+#include "engine/core/index.h"
 #include "engine/core/named.h"
 #include "engine/nodes/table.h"
 #include "engine/rig/check_rig.h"
@@ -18,7 +20,6 @@
 namespace tactus::app {
 namespace {
 
-/// Appends the files of a graph and its parts.
 void add_files(const GraphSpec& graph, std::vector<std::filesystem::path>& files) {
   if (graph.file.file) files.emplace_back(*graph.file.file);
   for (const auto& [use, part] : graph.parts)
@@ -28,10 +29,16 @@ void add_files(const GraphSpec& graph, std::vector<std::filesystem::path>& files
 class LiveInstrument final : public Performer {
  public:
   explicit LiveInstrument(PerformerSetup setup) : setup_(std::move(setup)) {
-    files_ = {setup_.file};
     auto plan = compile_files();
     if (setup_.rig) wiring_ = or_exit(wire_rig(*setup_.rig, *plan));
-    wiring_.drives = apply(setup_.guard, std::move(wiring_.drives), setup_.root);
+    inputs = plan->input_names;
+    outputs = output_names(*plan);
+    in_map = wiring_.in_map;
+    out_map = wiring_.out_map;
+    guards = guarded_channels(*plan, apply(setup_.guard, std::move(wiring_.drives), setup_.root));
+    for (auto& guard : guards)
+      if (!setup_.rig && guard.kind == DriveGuard::Kind::Audio)
+        guard = {DriveGuard::Kind::Drive, conservative_limits()};
     engine_ = std::make_unique<Player>(std::move(plan));
     loaded_ = std::move(read_);
     if (RigInputs::needed(wiring_.input_scales, setup_.padding_frames))
@@ -43,17 +50,6 @@ class LiveInstrument final : public Performer {
     return *engine_;
   }
   Player& instrument() override { return *engine_; }
-  std::vector<std::string> inputs() const override { return engine_->plan().input_names; }
-  std::vector<std::string> outputs() const override { return output_names(engine_->plan()); }
-  std::vector<GuardedChannel> guards() const override {
-    auto channels = guarded_channels(engine_->plan(), wiring_.drives);
-    if (setup_.rig) return channels;
-    for (auto& channel : channels)
-      if (channel.kind == DriveGuard::Kind::Audio) channel = {DriveGuard::Kind::Drive, conservative_limits()};
-    return channels;
-  }
-  std::vector<int> in_map() const override { return wiring_.in_map; }
-  std::vector<int> out_map() const override { return wiring_.out_map; }
   void describe(TakeHeader& header) const override {
     header.files = take_files(loaded_, standard_nodes(), setup_.root);
     header.input_scales = wiring_.input_scales;
@@ -71,9 +67,9 @@ class LiveInstrument final : public Performer {
     auto loaded = load_graph_leniently(setup_.file, setup_.root);
     if (loaded.spec == nullptr) throw CommandError{loaded.errors};
     read_ = loaded;
-    files_.clear();
-    add_files(*loaded.spec, files_);
-    name_ = loaded.spec->name;
+    files.clear();
+    add_files(*loaded.spec, files);
+    name = loaded.spec->name;
     if (setup_.rig) {
       for (auto& error : check_rig(*setup_.rig, *loaded.spec)) loaded.errors.push_back(std::move(error));
       loaded.spec = without_left_out(*setup_.rig, loaded.spec);
@@ -94,10 +90,8 @@ class LiveInstrument final : public Performer {
   std::optional<RigInputs> rig_inputs_;
 };
 
-/// How long the key that strikes is down.
-constexpr double kStrikeSeconds = 0.01;
+constexpr double kStrikeSeconds = 0.01;  // that the key is down
 
-/// A scene of its files, compiled.
 struct Read {
   SceneSpec scene;
   CompiledScene compiled;
@@ -107,44 +101,9 @@ Read read_scene(const PerformerSetup& setup) {
   auto loaded = load_scene_leniently(setup.file, setup.root);
   if (!loaded.scene) throw CommandError{std::move(loaded.errors)};
   loaded.scene->drives = apply(setup.guard, std::move(loaded.scene->drives), setup.root);
-  SceneOptions options;
-  options.rate = setup.rate;
-  options.delay = setup.delay;
-  options.set = setup.controls;
-  options.by_hand = true;
-  auto compiled = or_exit(compile_scene(loaded, standard_nodes(), options));
+  auto compiled = or_exit(
+      compile_scene(loaded, standard_nodes(), {setup.delay, setup.rate, setup.controls, /*by_hand=*/true}));
   return {std::move(*loaded.scene), std::move(compiled)};
-}
-
-std::vector<std::filesystem::path> files_of(const SceneSpec& scene, const std::filesystem::path& file) {
-  std::vector<std::filesystem::path> files{file};
-  for (const auto& part : scene.parts)
-    if (part.graph != nullptr) add_files(*part.graph, files);
-  return files;
-}
-
-/// The monitor output: indices of the instrument's outputs, or of its inputs.
-struct Monitor {
-  bool sensors = false;
-  std::vector<std::size_t> channels;
-};
-
-Monitor monitor_of(const Player& instrument, int speakers) {
-  Monitor monitor;
-  std::size_t output = 0;
-  for (const auto& channel : instrument.plan().channels) {
-    if (channel.use == OutputUse::Audio) monitor.channels.push_back(output);
-    if (channel.use != OutputUse::Tap) ++output;
-  }
-  monitor.sensors = monitor.channels.empty();
-  if (monitor.sensors)
-    for (int c = 0; c < instrument.in_channels(); ++c)
-      monitor.channels.push_back(static_cast<std::size_t>(c));
-  const auto there = monitor.channels.size();  // one sound comes from every speaker
-  for (std::size_t c = there; there > 0 && c < static_cast<std::size_t>(speakers); ++c)
-    monitor.channels.push_back(monitor.channels[c % there]);
-  monitor.channels.resize(std::min(monitor.channels.size(), static_cast<std::size_t>(speakers)));
-  return monitor;
 }
 
 class LiveWorld final : public Performer, private BlockProcessor {
@@ -157,32 +116,31 @@ class LiveWorld final : public Performer, private BlockProcessor {
         guarded_(*built_.instrument, guarded_channels(built_.instrument->plan(), scene_.drives)),
         loop_(guarded_, *built_.plant, built_.instrument->out_channels(), built_.delay_frames,
               scene_.converters),
-        monitor_(monitor_of(*built_.instrument, setup_.speakers)),
         listener_([this](const ClosedLoop::Block& block) { copy_monitor(block); }) {
-    name_ = scene_.name;
-    files_ = files_of(scene_, setup_.file);
+    name = scene_.name;
+    read_files(scene_);
+    const auto& plan = built_.instrument->plan();
+    auto sounds = sound_names(plan);
+    plays_sensors_ = sounds.empty();
+    const auto all = plays_sensors_ ? plan.input_names : output_names(plan);
+    if (plays_sensors_) sounds = all;
+    // One sound comes from every speaker.
+    for (std::size_t c = 0; !sounds.empty() && c < index(setup_.speakers); ++c) {
+      outputs.push_back(sounds[c % sounds.size()]);
+      monitor_.push_back(static_cast<int>(std::ranges::find(all, outputs.back()) - all.begin()));
+    }
+    guards.resize(outputs.size(), {DriveGuard::Kind::Audio, {}});
   }
 
   BlockProcessor& processor() override { return *this; }
   Player& instrument() override { return *built_.instrument; }
-  std::vector<std::string> inputs() const override { return {}; }
-  std::vector<std::string> outputs() const override {
-    const auto& plan = built_.instrument->plan();
-    const auto all = monitor_.sensors ? plan.input_names : output_names(plan);
-    std::vector<std::string> names;
-    for (const auto index : monitor_.channels) names.push_back(all[index]);
-    return names;
-  }
-  std::vector<GuardedChannel> guards() const override {
-    return std::vector<GuardedChannel>(monitor_.channels.size(), GuardedChannel{DriveGuard::Kind::Audio, {}});
-  }
 
   void edit() override {
     auto read = read_scene(setup_);
     if (read.compiled.delay_frames != built_.delay_frames)
       exit_with({Errc::BadArgument, setup_.file.string(), "the delay cannot be changed during playback",
                  "start again"});
-    files_ = files_of(read.scene, setup_.file);
+    read_files(read.scene);
     if (names_of(read.compiled.plant_taps) != names_of(built_.plant_taps)) watching_ = false;
     or_exit(built_.instrument->replace(std::move(read.compiled.instrument)));
     or_exit(built_.plant->replace(std::move(read.compiled.plant)));
@@ -192,8 +150,8 @@ class LiveWorld final : public Performer, private BlockProcessor {
 
   bool strike() override {
     auto& plant = *built_.plant;
-    const int control = plant.control_index("strike");
-    if (control < 0) return false;
+    constexpr int control = 0;  // the only one: see SceneOptions::by_hand
+    if (plant.plan().controls.empty()) return false;
     const auto down = std::llround(frames_in(Seconds{kStrikeSeconds}, setup_.rate));
     const std::int64_t up = plant.frame() + max_frames_ + down;
     using Kind = JournalEntry::Kind;
@@ -202,6 +160,12 @@ class LiveWorld final : public Performer, private BlockProcessor {
   }
 
  private:
+  void read_files(const SceneSpec& scene) {
+    files = {setup_.file};
+    for (const auto& part : scene.parts)
+      if (part.graph != nullptr) add_files(*part.graph, files);
+  }
+
   Status prepare(const StreamFormat& format) override {
     max_frames_ = format.max_frames;
     if (auto status = loop_.prepare(format.sample_rate, format.max_frames); !status) return status;
@@ -218,9 +182,9 @@ class LiveWorld final : public Performer, private BlockProcessor {
   }
 
   void copy_monitor(const ClosedLoop::Block& block) noexcept {
-    const auto& from = monitor_.sensors ? block.sensors : block.drives;
-    for (std::size_t c = 0; c < monitor_.channels.size(); ++c)
-      std::copy_n(from[static_cast<int>(monitor_.channels[c])], block.frames, io_->out[c] + done_);
+    const auto& from = plays_sensors_ ? block.sensors : block.drives;
+    for (std::size_t c = 0; c < monitor_.size(); ++c)
+      std::copy_n(from[monitor_[c]], block.frames, io_->out[c] + done_);
     done_ += block.frames;
     if (watching_.load(std::memory_order_relaxed)) ports_.take(*built_.plant, block.frames);
   }
@@ -232,7 +196,8 @@ class LiveWorld final : public Performer, private BlockProcessor {
   std::atomic<bool> watching_ = true;  ///< its signals lie where they did
   Guarded guarded_;
   ClosedLoop loop_;
-  Monitor monitor_;
+  std::vector<int> monitor_;  ///< channels of the instrument's outputs, or of its inputs, for each speaker
+  bool plays_sensors_ = false;
   ClosedLoop::Listener listener_;
   int max_frames_ = 0;
   const BlockIo* io_ = nullptr;

@@ -23,20 +23,16 @@ class Performer {
  public:
   virtual ~Performer() = default;
 
-  const std::string& name() const { return name_; }
-  /// The files that it was read from.
-  const std::vector<std::filesystem::path>& files() const { return files_; }
+  std::string name;
+  std::vector<std::filesystem::path> files;  ///< that it was read from
+  std::vector<std::string> inputs, outputs;  ///< channels of `processor`
+  std::vector<GuardedChannel> guards;        ///< what is connected to each output
+  std::vector<int> in_map, out_map;          ///< channels of the card, from 0 on; empty: the first ones
+
   /// What a Guarded is put around.
   virtual BlockProcessor& processor() = 0;
   /// Whose controls, faults and edits are shown.
   virtual Player& instrument() = 0;
-  /// Channels of `processor`, and what is connected to each output.
-  virtual std::vector<std::string> inputs() const = 0;
-  virtual std::vector<std::string> outputs() const = 0;
-  virtual std::vector<GuardedChannel> guards() const = 0;
-  /// Channels of the card, from 0 on; empty: the first ones.
-  virtual std::vector<int> in_map() const { return {}; }
-  virtual std::vector<int> out_map() const { return {}; }
   /// [control, while it plays] Reads its files again and replaces what plays. Throws a CommandError with the
   /// errors of the files; the previous version keeps playing.
   virtual void edit() = 0;
@@ -44,12 +40,8 @@ class Performer {
   virtual void describe(TakeHeader&) const {}
   /// [control & stopped] The energy that passed the ports of a scene.
   virtual std::vector<PortEnergy> ports() const { return {}; }
-  /// [control, while it plays] Strikes once, where a control called `strike` allows it.
+  /// [control, while it plays] Strikes once, where the scene can be played by hand.
   virtual bool strike() { return false; }
-
- protected:
-  std::string name_;
-  std::vector<std::filesystem::path> files_;
 };
 
 struct PerformerSetup {

@@ -7,7 +7,6 @@
 #include <iostream>
 #include <thread>
 
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/play/save_rig.h"
 #include "engine/core/decibels.h"
@@ -103,7 +102,8 @@ class Planner {
 
   LivePlan run() {
     read_rig();
-    choose_devices();
+    plan_.devices = choose_devices(options_, device_);
+    plan_.request = request_for(plan_.devices, device_, options_.rate, options_.block, options_.periods);
     if (!options_.save_rig.empty()) make_rig();
     if (!options_.learn.empty()) learn();
     find_delay();
@@ -135,15 +135,6 @@ class Planner {
           {!options_.input_device.empty() && options_.input_device != device_.input, "--input-device"}})
       error_if(given, option, "cannot be combined with --rig, which assigns the channels",
                "change the rig file, or create another with --save-rig");
-  }
-
-  void choose_devices() {
-    if (!options_.backend.empty()) or_exit(backends_called(options_.backend), kUsage);
-    plan_.devices = or_exit(
-        app::choose_devices(options_.backend, options_.device.empty() ? device_.output : options_.device,
-                            options_.input_device.empty() ? device_.input : options_.input_device),
-        kDevice);
-    plan_.request = request_for(plan_.devices, device_, options_.rate, options_.block, options_.periods);
   }
 
   void make_rig() {
@@ -200,15 +191,12 @@ class Planner {
     const auto& request = plan_.request;
     const auto block = request.block_frames ? request.block_frames : plan_.devices.output.block_frames;
     const auto stored = MeasuredDelays::load();
-    const MeasuredDelay* newest = nullptr;
-    for (const auto& delay : stored.all()) {
-      const auto& key = delay.key;
-      const bool fits = key.input == plan_.devices.input.id && key.output == plan_.devices.output.id &&
-                        key.sample_rate == *request.sample_rate &&
-                        key.block_frames == block.value_or(key.block_frames) &&
-                        (key.periods <= 0 || key.periods == request.periods.value_or(key.periods));
-      if (fits && (newest == nullptr || delay.when >= newest->when)) newest = &delay;
-    }
+    const auto* newest = stored.newest([&](const DelayKey& key) {
+      return key.input == plan_.devices.input.id && key.output == plan_.devices.output.id &&
+             key.sample_rate == *request.sample_rate &&
+             key.block_frames == block.value_or(key.block_frames) &&
+             (key.periods <= 0 || key.periods == request.periods.value_or(key.periods));
+    });
     if (newest == nullptr) return;
     plan_.delay = newest->delay;
     plan_.delay_block = newest->key.block_frames;
@@ -225,10 +213,10 @@ class Planner {
       for (const auto& [name, at, value] : plan_.rig->controls) plan_.controls.try_emplace(name, value);
     plan_.performer = options_.listen ? make_world(plan_) : make_instrument(plan_);
     const auto& performer = *plan_.performer;
-    request.in_channels = static_cast<int>(performer.inputs().size());
-    request.out_channels = static_cast<int>(performer.outputs().size());
-    request.in_map = channels_or(options_.in, performer.in_map());
-    request.out_map = channels_or(options_.out, performer.out_map());
+    request.in_channels = static_cast<int>(performer.inputs.size());
+    request.out_channels = static_cast<int>(performer.outputs.size());
+    request.in_map = channels_or(options_.in, performer.in_map);
+    request.out_map = channels_or(options_.out, performer.out_map);
   }
 
   const LiveOptions& options_;

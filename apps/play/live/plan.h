@@ -13,11 +13,9 @@
 namespace tactus::app {
 
 /// Options of playing on a sound card.
-struct LiveOptions : PlayerOptions {
-  std::string rig, backend, device, input_device;
+struct LiveOptions : PlayerOptions, DeviceOptions {
   std::vector<int> in, out;  ///< channels, from 1
   std::string pad_delay;
-  std::optional<int> periods;
   std::string record, save_rig, midi;
   std::string learn;  ///< an input, "*" for the first one; empty: no sensitivity is learnt
   bool arm = false, listen = false, yes = false, force = false;

@@ -2,7 +2,6 @@
 
 #include <chrono>
 
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/play/live/controls/keyboard.h"
 #include "apps/play/live/controls/status_line.h"
@@ -27,19 +26,39 @@ std::string source_text(const RigMidi& binding) {
   return fmt::format("{} {}", binding.kind == RigMidi::Kind::Note ? "note" : "controller", binding.number);
 }
 
-/// The keys and the MIDI controllers of a session, and the control that the keys have selected.
+/// The control loop of a session: keys, MIDI controllers, the status line, and the control that the keys have
+/// selected.
 class LivePlay {
  public:
-  LivePlay(Session& session, LivePlan& plan, const std::string& midi_api, StatusLine& line)
+  LivePlay(Session& session, LivePlan& plan, const std::string& midi_api)
       : session_(session),
         controls_(session.controls()),
         plan_(plan),
-        line_(line),
         midi_api_(midi_api),
         midi_map_(plan.rig ? plan.rig->midi : std::vector<RigMidi>{}) {
     if (!midi_map_.bindings().empty() || !midi_api.empty()) open_midi();
   }
 
+  /// `duration`: 0: until it is ended. Returns the exit code.
+  int run(Seconds duration) {
+    using namespace std::chrono_literals;
+    if (keyboard_.is_terminal()) help();
+    const auto begin = Clock::now();
+    auto drawn = begin - 1s;
+    while (true) {
+      if (interrupted()) return kInterrupted;
+      if (session_.over()) return kDevice;
+      const std::chrono::duration<double> played = Clock::now() - begin;
+      if (duration.value > 0 && played.count() >= duration.value) return kDone;
+      if (const auto key = keyboard_.wait(20ms); key && !press(*key)) return kDone;
+      tick();
+      if (Clock::now() - drawn < 100ms) continue;
+      drawn = Clock::now();
+      line_.draw(session_.view(), any() ? controls_.text(selected_) : "");
+    }
+  }
+
+ private:
   /// What happens without keys: edits, MIDI, device and guard events.
   void tick() {
     session_.tick();
@@ -69,9 +88,6 @@ class LivePlay {
     return pressed != 'q';
   }
 
-  std::string selected_control() const { return any() ? controls_.text(selected_) : ""; }
-
- private:
   bool any() const { return selected_ < controls_.all().size(); }
   const std::string& name() const { return controls_.all()[selected_].control.name; }
 
@@ -111,8 +127,8 @@ class LivePlay {
     if (!plan_.rig) return line_.print("there is no rig file: start with --save-rig FILE");
     plan_.rig->midi = midi_map_.bindings();
     plan_.rig->controls.clear();
-    for (const auto& [control, frozen] : controls_.all())
-      plan_.rig->controls.push_back({control.name, {}, {control.value, control.unit, false}});
+    for (const auto& live : controls_.all())
+      plan_.rig->controls.push_back({live.control.name, {}, {live.control.value, live.control.unit, false}});
     const auto& file = plan_.rig_file;
     const auto saved = replace_rig(*plan_.rig, file);
     line_.print(saved ? file + ": controls and MIDI bindings saved; the previous file is " + file + "~"
@@ -122,38 +138,17 @@ class LivePlay {
   Session& session_;
   LiveControls& controls_;
   LivePlan& plan_;
-  StatusLine& line_;
+  StatusLine line_;
+  Keyboard keyboard_;
   std::string midi_api_;
   MidiMap midi_map_;
-  std::unique_ptr<MidiInputs> midi_;  ///< opened when something is bound or MIDI learn is on
+  std::shared_ptr<MidiInputs> midi_;  ///< opened when something is bound or MIDI learn is on
   std::size_t selected_ = 0;
 };
 
-/// The control loop: keys, edits, the status line. `duration`: 0: until it is ended. Returns the exit code.
-int run_play_live(Session& session, LivePlan& plan, const LiveOptions& options, Seconds duration) {
-  using namespace std::chrono_literals;
-  StatusLine line;
-  Keyboard keyboard;
-  LivePlay player{session, plan, options.midi, line};
-  if (keyboard.is_terminal()) line.print(kHelp);
-  const auto begin = Clock::now();
-  auto drawn = begin - 1s;
-  while (true) {
-    if (interrupted()) return kInterrupted;
-    if (session.over()) return kDevice;
-    const std::chrono::duration<double> played = Clock::now() - begin;
-    if (duration.value > 0 && played.count() >= duration.value) return kDone;
-    if (const auto key = keyboard.wait(20ms); key && !player.press(*key)) return kDone;
-    player.tick();
-    if (Clock::now() - drawn < 100ms) continue;
-    drawn = Clock::now();
-    line.draw(session.view(), player.selected_control());
-  }
-}
-
 /// What plays where, and the state of the drives.
 void announce(const Session& session, const LivePlan& plan, const LiveOptions& options) {
-  fmt::print(stderr, "{}\n{}\n", plan.performer->name(), granted_text(plan, session.granted()));
+  fmt::print(stderr, "{}\n{}\n", plan.performer->name, granted_text(plan, session.granted()));
   if (options.listen)
     fmt::print(stderr,
                "the sound is played on the first channels of {}: connect speakers there, not actuators\n",
@@ -179,8 +174,8 @@ int play_live(const LiveOptions& options) {
   or_exit(session.start(), kDevice);
   announce(session, plan, options);
 
-  const int ended = run_play_live(session, plan, options, duration);
-  const auto view = session.view();
+  const int ended = LivePlay{session, plan, options.midi}.run(duration);
+  const auto& view = session.view();
   const auto stopped = session.stop();
   for (const auto& message : session.take_messages()) fmt::print(stderr, "{}\n", message);
   print_report(session, view, *plan.performer, options.json);

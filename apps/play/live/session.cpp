@@ -2,12 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <thread>
 
-#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/cli/take_files.h"
 #include "apps/play/live/controls/status_line.h"
@@ -16,32 +13,18 @@
 namespace tactus::app {
 namespace {
 
-/// The longest fade of all guards.
-Seconds fade_of(const std::vector<GuardedChannel>& guards) {
-  Seconds longest{0.0};
-  for (const auto& guard : guards) longest = std::max(longest, guard.limits.fade_out);
-  return longest;
-}
-
-std::vector<SessionView::Level> levels(const std::vector<std::string>& names,
-                                       const std::vector<double>& peaks) {
-  std::vector<SessionView::Level> all;
-  for (std::size_t c = 0; c < names.size() && c < peaks.size(); ++c) all.push_back({names[c], peaks[c]});
-  return all;
-}
-
-void raise(std::vector<double>& highest, const std::vector<double>& peaks) {
-  highest.resize(peaks.size(), 0.0);
-  for (std::size_t c = 0; c < peaks.size(); ++c) highest[c] = std::max(highest[c], peaks[c]);
+void update(std::vector<SessionView::Level>& levels, const std::vector<double>& peaks) {
+  for (std::size_t c = 0; c < levels.size(); ++c) {
+    levels[c].peak = peaks[c];
+    levels[c].highest = std::max(levels[c].highest, peaks[c]);
+  }
 }
 
 Json session_health(const Health& health) {
-  Json gaps = Json::object();
-  for (std::size_t g = 0; g < kGaps; ++g) gaps[name_of(static_cast<Gap>(g))] = health.gaps[g];
   return {{"blocks", health.blocks},
           {"frames", health.frames},
           {"xruns", health.xruns},
-          {"xruns_by_cause", gaps},
+          {"xruns_by_cause", gaps_json(health)},
           {"lost_frames", health.lost_frames},
           {"late_blocks", health.late_blocks},
           {"bad_input_samples", health.bad_input},
@@ -53,18 +36,18 @@ Json session_health(const Health& health) {
 
 Json levels_json(const std::vector<SessionView::Level>& levels) {
   Json json = Json::object();
-  for (const auto& level : levels) json[level.name] = level.peak;
+  for (const auto& level : levels) json[level.name] = level.highest;
   return json;
 }
 
 Json report_json(Session& session, const SessionView& view, const Performer& performer) {
   const auto& granted = session.granted();
-  Json json{{"instrument", performer.name()},
+  Json json{{"instrument", performer.name},
             {"device", granted.device},
             {"sample_rate_hz", granted.format.sample_rate.value},
             {"block_frames", granted.block_frames},
-            {"highest_input", levels_json(view.highest_inputs)},
-            {"highest_output", levels_json(view.highest_outputs)},
+            {"highest_input", levels_json(view.inputs)},
+            {"highest_output", levels_json(view.outputs)},
             {"health", session_health(view.health)},
             {"takes", list_of(session.takes(), [](const auto& take) { return take.string(); })},
             {"guard", guard_json(session.guard_report(), granted.format.sample_rate)}};
@@ -78,14 +61,17 @@ Session::Session(Performer& performer, Backend& backend, StreamRequest request, 
     : performer_(performer),
       backend_(backend),
       request_(std::move(request)),
-      guards_(performer.guards()),
-      guarded_(performer.processor(), guards_, armed),
+      guarded_(performer.processor(), performer.guards, armed),
       meter_(request_.in_channels, request_.out_channels),
       controls_(performer.instrument()),
-      armed_(armed),
-      seen_guards_(guards_.size()) {
+      seen_guards_(performer.guards.size()) {
+  view_.drives = std::any_of(performer.guards.begin(), performer.guards.end(),
+                             [](const auto& channel) { return channel.kind == DriveGuard::Kind::Drive; });
+  view_.armed = armed;
+  for (const auto& input : performer.inputs) view_.inputs.push_back({input});
+  for (const auto& output : performer.outputs) view_.outputs.push_back({output});
   guarded_.set_tap(&meter_);
-  files_.watch(performer_.files());
+  files_.watch(performer_.files);
 }
 
 Session::~Session() { (void)stop(); }
@@ -118,27 +104,23 @@ void Session::fade_out() {
   if (stream_->state() != State::Running && stream_->state() != State::Stalled) return;
   guarded_.fade(true);
   const double rate = granted().format.sample_rate.value, block_s = granted().format.max_frames / rate;
-  const auto until =
-      guarded_.frame() + std::llround(fade_of(guards_).value * rate) + 2 * granted().format.max_frames;
-  const auto deadline = std::chrono::steady_clock::now() +
-                        std::chrono::duration<double>{fade_of(guards_).value + 4 * block_s + 0.5};
+  double fade_s = 0;
+  for (const auto& guard : performer_.guards) fade_s = std::max(fade_s, guard.limits.fade_out.value);
+  const auto until = guarded_.frame() + std::llround(fade_s * rate) + 2 * granted().format.max_frames;
+  const auto deadline =
+      std::chrono::steady_clock::now() + std::chrono::duration<double>{fade_s + 4 * block_s + 0.5};
   while (guarded_.frame() < until && std::chrono::steady_clock::now() < deadline)
     std::this_thread::sleep_for(std::chrono::milliseconds{2});
 }
 
-bool Session::has_drives() const {
-  return std::any_of(guards_.begin(), guards_.end(),
-                     [](const GuardedChannel& channel) { return channel.kind == DriveGuard::Kind::Drive; });
-}
-
 void Session::arm(bool on) {
   guarded_.arm(on);
-  armed_ = on;
+  view_.armed = on;
 }
 
 void Session::mute(bool on) {
   guarded_.mute(on);
-  muted_ = on;
+  view_.muted = on;
 }
 
 void Session::tick() {
@@ -174,17 +156,17 @@ void Session::follow_edits() {
     performer_.edit();
     controls_.renew();
     note_edit();
-    messages_.push_back(performer_.name() + ": edit applied");
+    messages_.push_back(performer_.name + ": edit applied");
   } catch (const CommandError& error) {
     messages_.push_back(to_string(error.errors) + "\nthe previous version keeps playing");
   }
-  files_.watch(performer_.files());
+  files_.watch(performer_.files);
 }
 
 void Session::report_guard_events() {
   GuardReport names;
-  names.input_names = performer_.inputs();
-  for (const auto& output : performer_.outputs()) names.outputs.push_back({output, {}, {}, 0.0});
+  names.input_names = performer_.inputs;
+  for (const auto& output : performer_.outputs) names.outputs.push_back({output, {}, {}, 0.0});
   GuardEvent event;
   while (guarded_.take_event(event)) {
     arm(false);  // one of several drives may still be armed: what is shown is true for all
@@ -227,17 +209,13 @@ void Session::end_take() {
   recorder_.reset();
 }
 
-/// An edit took effect.
 void Session::note_edit() {
   if (recorder_ == nullptr) return;
   TakeHeader now;
   performer_.describe(now);
   const auto& instrument = performer_.instrument();
-  TakeEdit edit;
-  edit.files = std::move(now.files);
-  edit.settings = take_settings(instrument.plan());
-  edit.controls = instrument.control_names();
-  recorder_->note_edit(std::move(edit));
+  recorder_->note_edit(
+      {0, std::move(now.files), take_settings(instrument.plan()), instrument.control_names()});
 }
 
 void Session::report_recording() {
@@ -250,44 +228,39 @@ void Session::report_recording() {
                                     status.dropped_frames));
 }
 
-SessionView Session::view() {
-  SessionView view;
-  view.drives = has_drives();
-  view.armed = armed_;
-  view.muted = muted_;
-  view.state = stream_ == nullptr ? StreamState::Stopped : stream_->state();
-  const auto inputs = performer_.inputs(), outputs = performer_.outputs();
-  const auto in = meter_.take_inputs(), out = meter_.take_outputs();
-  raise(highest_in_, in);
-  raise(highest_out_, out);
-  view.inputs = levels(inputs, in);
-  view.outputs = levels(outputs, out);
-  view.highest_inputs = levels(inputs, highest_in_);
-  view.highest_outputs = levels(outputs, highest_out_);
-  if (stream_ != nullptr) view.health = stream_->health();
-  for (std::size_t c = 0; c < guards_.size(); ++c) {
+const SessionView& Session::view() {
+  if (stream_ != nullptr) {
+    view_.state = stream_->state();
+    view_.health = stream_->health();
+  }
+  update(view_.inputs, meter_.take_inputs());
+  update(view_.outputs, meter_.take_outputs());
+  view_.guard.clear();
+  for (std::size_t c = 0; c < seen_guards_.size(); ++c) {
     const auto counts = guarded_.counts(static_cast<int>(c));
     for (std::size_t s = 0; s < kGuardStages; ++s)
       if (counts.stages[s].frames > seen_guards_[c].stages[s].frames)
-        view.guard.push_back(outputs[c] + " " + name_of(static_cast<GuardStage>(s)));
+        view_.guard.push_back(view_.outputs[c].name + " " + name_of(static_cast<GuardStage>(s)));
     seen_guards_[c] = counts;
   }
-  for (const auto& [path, count] : fault_counts_) view.faults += count;
-  if (recorder_ != nullptr) view.recorded_s = recorder_->status().recorded.value;
-  return view;
+  view_.faults = 0;
+  for (const auto& [path, count] : fault_counts_) view_.faults += count;
+  view_.recorded_s.reset();
+  if (recorder_ != nullptr) view_.recorded_s = recorder_->status().recorded.value;
+  return view_;
 }
 
 GuardReport Session::guard_report() {
-  auto report = report_of(guarded_, guards_, performer_.inputs(), performer_.outputs());
+  auto report = report_of(guarded_, performer_.guards, performer_.inputs, performer_.outputs);
   report.events.insert(report.events.begin(), events_.begin(), events_.end());
   return report;
 }
 
 void print_report(Session& session, const SessionView& view, const Performer& performer, bool as_json) {
   if (as_json) return print_json(report_json(session, view, performer));
-  for (const auto* levels : {&view.highest_inputs, &view.highest_outputs})
+  for (const auto* levels : {&view.inputs, &view.outputs})
     for (const auto& level : *levels)
-      fmt::print("  {:<18}  at most {}\n", level.name, level_text(level.peak));
+      fmt::print("  {:<18}  at most {}\n", level.name, level_text(level.highest));
   fmt::print("  load                {}\n", load_text(view.health));
   fmt::print("  gaps                {}\n", xrun_text(view.health));
   if (view.health.bad_input > 0)

@@ -14,7 +14,6 @@
 
 #include "apps/play/live/controls/live_controls.h"
 #include "apps/play/live/performer.h"
-#include "apps/play/live/watched_files.h"
 #include "backends/reconnecting_stream.h"
 #include "backends/take/take_recorder.h"
 #include "engine/core/index.h"
@@ -22,6 +21,35 @@
 #include "engine/scene/guard_report.h"
 
 namespace tactus::app {
+
+/// Detects when one of some files was written to, by its time and size, so it works everywhere.
+class WatchedFiles {
+ public:
+  /// From now on these.
+  void watch(const std::vector<std::filesystem::path>& files) {
+    std::map<std::filesystem::path, Stamp> watched;
+    for (const auto& file : files)
+      watched.emplace(file, files_.contains(file) ? files_[file] : stamp_of(file));
+    files_ = std::move(watched);
+  }
+  /// Was any of them changed, removed or created since the last call?
+  bool changed() {
+    bool any = false;
+    for (auto& [file, before] : files_) any = std::exchange(before, stamp_of(file)) != before || any;
+    return any;
+  }
+
+ private:
+  using Stamp = std::pair<std::filesystem::file_time_type, std::uintmax_t>;  ///< of a missing file: zeros
+
+  static Stamp stamp_of(const std::filesystem::path& file) {
+    std::error_code missing;
+    const auto time = std::filesystem::last_write_time(file, missing);
+    const auto bytes = missing ? 0 : std::filesystem::file_size(file, missing);
+    return missing ? Stamp{} : Stamp{time, bytes};
+  }
+  std::map<std::filesystem::path, Stamp> files_;
+};
 
 /// The highest sample of each channel since the last call, and another tap behind it.
 class LevelMeter final : public BlockTap {
@@ -69,10 +97,10 @@ struct SessionView {
   StreamState state = StreamState::Stopped;
   struct Level {
     std::string name;
-    double peak = 0;  ///< since the last view, full scale = 1
+    double peak = 0;     ///< since the last view, full scale = 1
+    double highest = 0;  ///< since the start
   };
   std::vector<Level> inputs, outputs;
-  std::vector<Level> highest_inputs, highest_outputs;  ///< since the start
   Health health;
   std::vector<std::string> guard;  ///< stages that intervened since the last view: "woofer ceiling"
   std::int64_t faults = 0;         ///< of nodes, so far
@@ -103,9 +131,9 @@ class Session {
   void arm(bool on);
   void mute(bool on);
   /// Is there an actuator drive? Audio outputs need no arming.
-  bool has_drives() const;
-  bool armed() const { return armed_; }
-  bool muted() const { return muted_; }
+  bool has_drives() const { return view_.drives; }
+  bool armed() const { return view_.armed; }
+  bool muted() const { return view_.muted; }
   LiveControls& controls() { return controls_; }
   const StreamGranted& granted() const { return stream_->granted(); }
   /// The device cannot come back in this process.
@@ -118,8 +146,8 @@ class Session {
   /// If not: it is unknown, or was measured with other settings.
   void set_delay_known(bool known);
 
-  /// Levels and guard stages since the last call.
-  SessionView view();
+  /// Levels and guard stages since the last call. Stays as it is until the next one.
+  const SessionView& view();
   /// Counts of all guards since the start.
   GuardReport guard_report();
 
@@ -137,16 +165,14 @@ class Session {
   Performer& performer_;
   Backend& backend_;
   StreamRequest request_;
-  std::vector<GuardedChannel> guards_;
   Guarded guarded_;
   LevelMeter meter_;
   LiveControls controls_;
   WatchedFiles files_;
   std::unique_ptr<ReconnectingStream> stream_;
-  bool armed_, muted_ = false;
+  SessionView view_;
   bool edit_pending_ = false;
   bool delay_known_ = false;
-  std::vector<double> highest_in_, highest_out_;
   std::vector<GuardCounts> seen_guards_;
   std::map<std::string, std::int64_t> fault_counts_;  ///< by node
   std::vector<GuardEvent> events_;

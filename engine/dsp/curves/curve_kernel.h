@@ -1,8 +1,33 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include "engine/dsp/kernel.h"
 
-// Thread: [any].
+/// The multiple of `step` nearest to `value` (halves go to the even multiple). step <= 0: no
+/// rounding. Where value / step overflows, the step is below the resolution of the value.
+static inline tactus_real tactus_quantise_nearest(tactus_real value, tactus_real step) {
+  const tactus_real steps = step > 0 ? rint(value / step) : HUGE_VAL;
+  return tactus_is_finite(steps) ? steps * step : value;
+}
+
+/// The largest multiple of `step` that is not above `value`. step <= 0: no rounding.
+static inline tactus_real tactus_quantise_floor(tactus_real value, tactus_real step) {
+  const tactus_real steps = step > 0 ? floor(value / step) : HUGE_VAL;
+  return tactus_is_finite(steps) ? steps * step : value;
+}
+
+/// Cubic through `b` (at = 0) and `c` (at = 1) with the slopes (c - a) / 2 and (d - b) / 2;
+/// continuous in value and slope from one interval to the next, and exact for parabolas. Catmull & Rom, "A
+/// class of local interpolating splines", 1974.
+static inline tactus_real tactus_catmull_rom(tactus_real a, tactus_real b, tactus_real c, tactus_real d,
+                                             tactus_real at) {
+  const tactus_real slope_b = 0.5 * (c - a);
+  const tactus_real slope_c = 0.5 * (d - b);
+  const tactus_real cubic = slope_b + slope_c - 2.0 * (c - b);
+  const tactus_real square = (c - b) - slope_b - cubic;
+  return ((cubic * at + square) * at + slope_b) * at + b;
+}
 
 /// A function given by `count` points, x not descending; `slope` only where it is cubic.
 typedef struct tactus_curve {

@@ -6,61 +6,61 @@
 #include <utility>
 #include <vector>
 
+#include "engine/dsp/delays/taps_kernel.h"
 #include "engine/dsp/simd/lanes.h"
 
 namespace tactus {
 
-/// The last samples of a signal, contiguous: the first ones of the ring stand behind its end once
-/// more, so that up to `longest_run` samples never wrap.
+/// The memory of a `tactus_line`: up to `longest_run` samples in a row never wrap.
 class DelayLine {
  public:
   /// [control] Remembers at least `longest` samples.
   DelayLine(int longest, int longest_run)
-      : capacity_(std::bit_ceil(static_cast<std::size_t>(longest + longest_run))),
-        mirrored_(static_cast<std::size_t>(longest_run)),
-        samples_(capacity_ + mirrored_, 0.0) {}
+      : line_{nullptr, static_cast<int>(std::bit_ceil(static_cast<unsigned>(longest + longest_run))),
+              longest_run, 0},
+        samples_(static_cast<std::size_t>(line_.capacity + longest_run), 0.0) {
+    line_.samples = samples_.data();
+  }
+  DelayLine(const DelayLine&) = delete;
+  DelayLine& operator=(const DelayLine&) = delete;
 
   /// [realtime]
   void reset() noexcept { std::fill(samples_.begin(), samples_.end(), 0.0); }
 
   /// [realtime] At most `longest_run` samples.
   void write(const double* x, int count) noexcept {
-    const auto n = static_cast<std::size_t>(count);
-    if (next_ >= mirrored_ && next_ + n <= capacity_) {
-      copy_samples(x, count, samples_.data() + next_);
-      next_ = (next_ + n) & (capacity_ - 1);
-      return;
+    while (count > 0) {
+      const int run = std::min(count, line_.capacity - line_.next);
+      copy_samples(x, run, line_.samples + line_.next);
+      if (line_.next < line_.mirrored)
+        copy_samples(x, std::min(run, line_.mirrored - line_.next),
+                     line_.samples + line_.capacity + line_.next);
+      line_.next = (line_.next + run) & (line_.capacity - 1);
+      x += run;
+      count -= run;
     }
-    for (std::size_t i = 0; i < n; ++i) put(x[i]);
   }
 
   /// [realtime] Remembers what `other` did, as far as there is room: the memory itself changes hands if it
   /// fits, else it takes about a nanosecond a sample.
   void adopt(DelayLine& other) noexcept {
-    if (capacity_ == other.capacity_ && mirrored_ == other.mirrored_) {
+    if (line_.capacity == other.line_.capacity && line_.mirrored == other.line_.mirrored) {
       samples_.swap(other.samples_);
-      std::swap(next_, other.next_);
+      std::swap(line_, other.line_);
       return;
     }
-    for (auto back = std::min(capacity_, other.capacity_); back > 0; --back)
-      put(*other.behind(static_cast<int>(back)));
+    for (int back = std::min(line_.capacity, other.line_.capacity); back > 0; --back)
+      tactus_line_write(&line_, *other.tap(back));
   }
 
-  /// [realtime] Points at the sample written `back` ago (1: the last one); later ones follow it.
-  const double* behind(int back) const noexcept {
-    return samples_.data() + ((next_ - static_cast<std::size_t>(back)) & (capacity_ - 1));
-  }
+  /// [realtime] See `tactus_line_tap`.
+  const double* tap(int back, int older = 0) const noexcept { return tactus_line_tap(&line_, back, older); }
+  /// [realtime] For kernels.
+  tactus_line* line() noexcept { return &line_; }
 
  private:
-  void put(double x) noexcept {
-    samples_[next_] = x;
-    if (next_ < mirrored_) samples_[capacity_ + next_] = x;
-    next_ = (next_ + 1) & (capacity_ - 1);
-  }
-
-  std::size_t capacity_, mirrored_;
+  tactus_line line_;
   std::vector<double> samples_;
-  std::size_t next_ = 0;
 };
 
 }  // namespace tactus

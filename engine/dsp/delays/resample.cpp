@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "engine/core/matrix2.h"
+
 namespace tactus {
 namespace {
 
@@ -107,21 +109,6 @@ constexpr double kBand = 0.5;        // of the lower Nyquist frequency, where th
 constexpr double kElsewhere = 1e-4;  // how much an error counts above it
 constexpr double kDropped = 1e-8;    // of the sum of all |taps|: what may be left off at the end
 
-/// Solves A x = b in place for a positive definite A, row by row.
-void solve(std::vector<double>& a, std::vector<double>& b) {
-  const std::size_t n = b.size();
-  for (std::size_t pivot = 0; pivot < n; ++pivot)
-    for (std::size_t row = pivot + 1; row < n; ++row) {
-      const double factor = a[row * n + pivot] / a[pivot * n + pivot];
-      for (std::size_t k = pivot; k < n; ++k) a[row * n + k] -= factor * a[pivot * n + k];
-      b[row] -= factor * b[pivot];
-    }
-  for (std::size_t row = n; row-- > 0;) {
-    for (std::size_t k = row + 1; k < n; ++k) b[row] -= a[row * n + k] * b[k];
-    b[row] /= a[row * n + row];
-  }
-}
-
 /// Adds to the taps from 0 on what is nearest to `early`, the taps before 0 (the last is at -1):
 ///   minimum over d of  ∫ W(w) |sum over m >= 0 of d[m] e^(-iwm) - sum over n < 0 of early[n] e^(-iwn)|² dw
 /// with W = 1 below `band` [rad/frame] and kElsewhere above it.
@@ -137,7 +124,7 @@ void fold(const std::vector<double>& early, double band, std::vector<double>& ta
     for (std::size_t k = 0; k < count; ++k) matrix.push_back(correlation(std::max(m, k) - std::min(m, k)));
     for (std::size_t n = 0; n < early.size(); ++n) right[m] += early[n] * correlation(m + early.size() - n);
   }
-  solve(matrix, right);
+  solve_symmetric(matrix.data(), right.data(), count);
   for (std::size_t m = 0; m < count; ++m) taps[m] += right[m];
 }
 

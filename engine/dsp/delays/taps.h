@@ -3,6 +3,7 @@
 // Thread: [realtime].
 
 #include <array>
+#include <complex>
 #include <cstddef>
 
 #include "engine/dsp/delays/taps_kernel.h"
@@ -10,40 +11,22 @@
 
 namespace tactus {
 
-/// `tactus_lagrange`, through Order + 1 taps.
-template <int Order>
-std::array<double, Order + 1> lagrange_weights(double t) noexcept {
-  static_assert(Order == 1 || Order == 3 || Order == 5);
-  std::array<double, Order + 1> w{};
-  tactus_lagrange(w.data(), Order + 1, t);
-  return w;
-}
-
-/// start + sum over k of weight(k) * tap(k) in two chains, even and odd taps, which halves the
-/// latency of a single frame. `Number` is double or Lanes.
-template <std::size_t Count, class Number, class Weight, class Tap>
-[[gnu::always_inline]] inline Number tap_sum(Weight weight, Tap tap, Number start) noexcept {
-  Number even = fused_multiply_add(weight(0), tap(0), start), odd{};
+/// `tactus_tap_sum`, vectorised: start + sum over k of weight(k) * tap(k).
+template <std::size_t Count, class Weight, class Tap>
+[[gnu::always_inline]] inline Lanes tap_sum(Weight weight, Tap tap, Lanes start) noexcept {
+  Lanes even = fused_multiply_add(weight(0), tap(0), start), odd{};
   if constexpr (Count > 1) odd = weight(1) * tap(1);
   for (std::size_t k = 2; k < Count; ++k) {
-    Number& chain = k % 2 == 0 ? even : odd;
+    Lanes& chain = k % 2 == 0 ? even : odd;
     chain = fused_multiply_add(weight(k), tap(k), chain);
   }
   return even + odd;
 }
 
-/// start + sum of weight[k] * newest[-k].
-template <std::size_t Count>
-[[gnu::always_inline]] inline double tap_sum(const double* newest, const std::array<double, Count>& weight,
-                                             double start) noexcept {
-  return tap_sum<Count>([&](std::size_t k) { return weight[k]; },
-                        [&](std::size_t k) { return *(newest - k); }, start);
-}
-
 /// The same for `frames` consecutive frames: y[n] = start[n] + sum of weight[k] * newest[n - k], with the
 /// same bits. `start` may be nullptr for 0. `y` overlaps nothing.
 template <std::size_t Count>
-void tap_sums(const double* newest, const std::array<double, Count>& weight, const double* start, double* y,
+void tap_sums(const double* newest, const double* weight, const double* start, double* y,
               int frames) noexcept {
   int n = 0;
   for (; n + Lanes::kCount <= frames; n += Lanes::kCount)
@@ -51,7 +34,18 @@ void tap_sums(const double* newest, const std::array<double, Count>& weight, con
                    [&](std::size_t k) { return Lanes::load(newest + n - k); },
                    start != nullptr ? Lanes::load(start + n) : Lanes::broadcast(0))
         .store(y + n);
-  for (; n < frames; ++n) y[n] = tap_sum(newest + n, weight, start != nullptr ? start[n] : 0);
+  for (; n < frames; ++n)
+    y[n] = tactus_tap_sum(newest + n, weight, static_cast<int>(Count), start != nullptr ? start[n] : 0);
+}
+
+/// [any] Of Order + 1 taps, for a time in the range, at any z.
+template <int Order>
+std::complex<double> delay_response(const tactus_delay& delay, double seconds, std::complex<double> z) {
+  double weights[Order + 1];
+  const int newest = tactus_delay_aim(&delay, Order, seconds, weights);
+  std::complex<double> sum = 0;
+  for (std::size_t k = Order + 1; k-- > 0;) sum = sum / z + weights[k];
+  return sum * std::pow(z, -newest);
 }
 
 /// A place in the past of each of eight interleaved signals.

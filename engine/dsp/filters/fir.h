@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/dsp/filters/fir_kernel.h"
+#include "engine/dsp/filters/filter_kernel.h"
 #include "engine/dsp/simd/lanes.h"
 
 namespace tactus {

@@ -11,28 +11,15 @@
 
 namespace tactus {
 
-/// A design of filter_kernel.h, of an order that the compiler knows.
-template <int Order>
-struct FilterCoefficients {
-  FilterCoefficients() = default;
-  explicit FilterCoefficients(const tactus_filter_design& design) {
-    std::copy_n(design.b, Order + 1, b.begin());
-    std::copy_n(design.a, Order, a.begin());
+/// [any] H of a design, where `delay` is z^-1.
+inline std::complex<double> filter_response(const tactus_filter_design& design, std::complex<double> delay) {
+  std::complex<double> above = design.b[design.order], below = 0;
+  for (int i = design.order; i-- > 0;) {
+    above = above * delay + design.b[i];
+    below = (below + design.a[i]) * delay;
   }
-
-  std::array<double, Order + 1> b{1.0};
-  std::array<double, Order> a{};
-
-  /// H, where `delay` is z^-1.
-  std::complex<double> response(std::complex<double> delay) const {
-    std::complex<double> above = b[Order], below = 0;
-    for (std::size_t i = Order; i-- > 0;) {
-      above = above * delay + b[i];
-      below = (below + a[i]) * delay;
-    }
-    return above / (1.0 - below);
-  }
-};
+  return above / (1.0 - below);
+}
 
 /// A filter of order 1 or 2 in direct form I, vectorised in time. The state is the last inputs and outputs,
 /// so that a change of coefficients never jumps.
@@ -40,8 +27,8 @@ template <int Order>
 class LinearFilter {
  public:
   /// [realtime] At the start of a group only (see Recurrence).
-  void design(const FilterCoefficients<Order>& c, int /*lane*/ = 0) noexcept {
-    b_ = c.b;
+  void design(const tactus_filter_design& c, int /*lane*/ = 0) noexcept {
+    std::copy_n(c.b, Order + 1, b_.begin());
     recurrence_.design(c.a);
   }
   void reset() noexcept {
@@ -103,7 +90,7 @@ template <int Order>
 class VectorFilter {
  public:
   /// [realtime] From the next frame on.
-  void design(const FilterCoefficients<Order>& c, int lane) noexcept {
+  void design(const tactus_filter_design& c, int lane) noexcept {
     for (std::size_t i = 0; i <= Order; ++i) b_[i][static_cast<std::size_t>(lane)] = c.b[i];
     for (std::size_t i = 0; i < Order; ++i) a_[i][static_cast<std::size_t>(lane)] = c.a[i];
   }

@@ -35,10 +35,13 @@ class Recurrence {
   static_assert(Order == 1 || Order == 2);
 
  public:
-  Recurrence() noexcept { design({}); }
+  Recurrence() noexcept {
+    constexpr double kNone[Order] = {};
+    design(kNone);
+  }
 
-  /// [realtime] About 25 multiplications.
-  void design(const std::array<double, Order>& a) noexcept {
+  /// [realtime] By a1 (and a2). About 25 multiplications.
+  void design(const double* a) noexcept {
     std::array<double, kGroup + 1> h{1.0, a[0]};
     for (std::size_t k = 2; k <= kGroup; ++k) {
       h[k] = a[0] * h[k - 1];

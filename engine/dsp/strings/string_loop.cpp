@@ -29,11 +29,11 @@ int StringLoop::sub_block(int frames, int position) const noexcept {
 }
 
 double StringLoop::run_single(double x, int position) noexcept {
-  const double* newest = newest_tap();
-  const double y = filter_ == LossFilter::OneZero
-                       ? tap_sum(newest, design_.taps, x)
-                       : x + losses_.run_single(tap_sum(newest, design_.taps, 0), position);
-  line_.write(&y, 1);
+  if (filter_ == LossFilter::OneZero)
+    return tactus_string_step(&design_, 0, line_.line(), nullptr, x, position);
+  const double around = tactus_tap_sum(newest_tap(), design_.taps, StringDesign::kTaps, 0);
+  const double y = x + losses_.run_single(around, position);
+  tactus_line_write(line_.line(), y);
   return y;
 }
 
@@ -42,10 +42,10 @@ void StringLoop::run(const double* x, double* y, int frames, int position) noexc
     const int count = sub_block(frames, position);
     const double* newest = newest_tap();
     if (filter_ == LossFilter::OneZero) {
-      tap_sums(newest, design_.taps, x, y, count);
+      tap_sums<StringDesign::kTaps>(newest, design_.taps, x, y, count);
     } else {
       std::array<double, kMostFrames> around;
-      tap_sums(newest, design_.taps, nullptr, around.data(), count);
+      tap_sums<StringDesign::kTaps>(newest, design_.taps, nullptr, around.data(), count);
       losses_.run(around.data(), around.data(), count, position);
       for (int n = 0; n < count; ++n) y[n] = x[n] + around[static_cast<std::size_t>(n)];
     }

@@ -26,16 +26,14 @@ struct StringParameters {
 };
 
 /// `tactus_string`: its loop, read through taps.
-struct StringDesign {
+struct StringDesign : tactus_string_design {
   static constexpr int kTaps = TACTUS_STRING_TAPS;
 
   StringDesign() = default;
   StringDesign(const StringParameters& p, LossFilter filter, Hertz sample_rate)
       : StringDesign(tactus_string({filter == LossFilter::OnePole, 0.9999, 0}, p.pitch_hz, p.gain, p.loss,
                                    sample_rate.value)) {}
-  explicit StringDesign(const tactus_string_design& design) : newest(design.newest), pole(design.pole) {
-    std::copy_n(design.taps, kTaps, taps.begin());
-  }
+  explicit StringDesign(const tactus_string_design& design) : tactus_string_design(design) {}
   /// Once around the loop, at any z^-1: the string rings where this is 1.
   std::complex<double> loop(std::complex<double> delay) const {
     std::complex<double> sum = 0;
@@ -44,10 +42,6 @@ struct StringDesign {
   }
   /// From x to y, at any z^-1.
   std::complex<double> response(std::complex<double> delay) const { return 1.0 / (1.0 - loop(delay)); }
-
-  int newest = 0;  ///< frames back of the first tap
-  std::array<double, kTaps> taps{};
-  double pole = 0;
 };
 
 /// What a string and one end of a waveguide have in common: a line that is read through a design.
@@ -74,12 +68,11 @@ class DesignedLine {
   }
   void set(const StringDesign& design) noexcept {
     design_ = design;
-    losses_.design({design.pole});
+    losses_.design(&design_.pole);
   }
   /// Where the newest tap lies, `written` frames before the last that was written.
   const double* newest_tap(int written = 0) const noexcept {
-    constexpr int kOlder = StringDesign::kTaps - 1;
-    return line_.behind(design_.newest + kOlder + written) + kOlder;
+    return line_.tap(design_.newest + written, StringDesign::kTaps - 1);
   }
 
   static constexpr int kMostFrames = 64;  ///< written or read at once
@@ -111,6 +104,56 @@ class StringLoop : public DesignedLine {
   int sub_block(int frames, int position) const noexcept;
 
   Hertz sample_rate_;
+};
+
+/// Termination of the far end of a line. Waves of force come back from a fixed end as they went, from a free
+/// end upside down.
+enum class FarEnd { Fixed, Free };
+
+/// `tactus_waveguide_step` for many frames.
+class WaveLine : public DesignedLine {
+ public:
+  /// The range of its pitch.
+  struct Pitches {
+    double lowest, highest;
+  };
+  using DesignedLine::kMostFrames;
+
+  /// [control] Allocates for the lowest pitch.
+  WaveLine(LossFilter filter, FarEnd end, Hertz sample_rate, Pitches pitches)
+      : WaveLine(filter,
+                 tactus_waveguide_between(pitches.lowest, pitches.highest, filter == LossFilter::OnePole,
+                                          end == FarEnd::Fixed, sample_rate.value)) {}
+
+  /// [realtime] At the start of a group only (see Recurrence). Does nothing when nothing changed.
+  void tune(const StringParameters& parameters) noexcept {
+    if (changed(parameters)) set(designed(parameters));
+  }
+  /// [realtime] What goes in.
+  void write(const double* in, int frames) noexcept { line_.write(in, frames); }
+  /// [realtime] What comes back, beginning `written` frames before the last that was written. `position` is
+  /// the group_position of the first frame. Not before the line's delay: frames - written <= least_delay().
+  void read(double* out, int frames, int written, int position) noexcept {
+    tap_sums<StringDesign::kTaps>(newest_tap(written), design_.taps, nullptr, out, frames);
+    if (filter_ == LossFilter::OnePole) losses_.run(out, out, frames, position);
+  }
+  int least_delay() const noexcept { return guide_.least; }
+  int most_delay() const noexcept { return guide_.most; }
+  /// [any] out / in at any z^-1.
+  std::complex<double> response(const StringParameters& parameters, std::complex<double> delay) const {
+    return designed(parameters).loop(delay);
+  }
+
+ private:
+  WaveLine(LossFilter filter, const tactus_waveguide& guide)
+      : DesignedLine(filter, guide.most + kMostFrames + StringDesign::kTaps), guide_(guide) {
+    set(designed(parameters_));
+  }
+  StringDesign designed(const StringParameters& p) const {
+    return StringDesign{tactus_waveguide_design(&guide_, p.pitch_hz, p.gain, p.loss)};
+  }
+
+  tactus_waveguide guide_;
 };
 
 /// Eight StringLoops in vector registers, each with its own parameters. The pole of the loss filter runs
@@ -152,7 +195,7 @@ class VectorStringLoop {
   void run_frames(const Input& x, double* y, int frames) noexcept {
     LanePlaces oldest;
     for (std::size_t lane = 0; lane < oldest.size(); ++lane)
-      oldest[lane] = line_.behind((newest_[lane] + static_cast<int>(kTaps) - 1) * Lanes::kCount) + lane;
+      oldest[lane] = line_.tap((newest_[lane] + static_cast<int>(kTaps) - 1) * Lanes::kCount) + lane;
     std::array<Lanes, kTaps> weights;
     for (std::size_t k = 0; k < kTaps; ++k) weights[k] = Lanes::load(weights_[k].data());
     const auto pole = Lanes::load(pole_.data());

@@ -98,12 +98,9 @@ void ErrorList::add(std::vector<Error> errors) {
 
 void ErrorList::unknown_keys(const Value::Table& table, std::span<const std::string> known,
                              const std::string& owner) {
-  constexpr std::size_t kMany = 32;  // from here on a table of them pays
-  std::unordered_set<std::string_view> names;
-  if (known.size() > kMany) names.insert(known.begin(), known.end());
+  const std::unordered_set<std::string_view> names(known.begin(), known.end());  // networks have thousands
   for (const auto& field : table)
-    if (known.size() > kMany ? !names.contains(field.key)
-                             : std::find(known.begin(), known.end(), field.key) == known.end())
+    if (!names.contains(field.key))
       add(Errc::UnknownName, field.at,
           (owner.empty() ? "unknown key '" : owner + " has no '") + field.key + "'",
           suggest(field.key, known));

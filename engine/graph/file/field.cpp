@@ -1,14 +1,15 @@
 #include "engine/graph/file/field.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
+
+#include "engine/graph/file/spec.h"
 
 namespace tactus {
 namespace {
 
 std::string quoted(const FieldType& field) {
-  return field.kind == FieldType::Kind::Section ? "[" + field.key + "]" : "'" + field.key + "'";
+  return field.kind == FieldType::Kind::Section ? "[" + field.name + "]" : "'" + field.name + "'";
 }
 
 std::optional<double> read_whole(const Value& value, const FieldType& field, double high, ErrorList& errors,
@@ -17,7 +18,7 @@ std::optional<double> read_whole(const Value& value, const FieldType& field, dou
   const bool whole = number != nullptr && std::floor(*number) == *number;
   if (whole && *number >= field.low && *number <= high) return *number;
   errors.add(number ? Errc::OutOfRange : Errc::WrongType, value.at,
-             key_of(field.key, owner) +
+             key_of(field.name, owner) +
                  (whole ? " cannot be " + short_number(*number) : std::string{" must be a whole number"}),
              std::isinf(high) ? "write it without quotes and without a decimal point"
                               : "give one from " + std::to_string(std::llround(field.low)) + " to " +
@@ -27,55 +28,6 @@ std::optional<double> read_whole(const Value& value, const FieldType& field, dou
 
 }  // namespace
 
-const FieldType& SectionType::operator[](std::string_view key) const {
-  const auto found =
-      std::find_if(fields.begin(), fields.end(), [&](const FieldType& field) { return field.key == key; });
-  assert(found != fields.end());
-  return *found;
-}
-
-std::vector<std::string> SectionType::keys() const {
-  std::vector<std::string> keys;
-  for (const auto& field : fields) keys.push_back(field.key);
-  return keys;
-}
-
-FieldType text_field(std::string key, std::string doc, std::string fallback) {
-  return {.key = std::move(key), .doc = std::move(doc), .fallback = std::move(fallback)};
-}
-FieldType quantity_field(std::string key, std::string unit, double low, double high, std::string doc,
-                         std::string fallback) {
-  return {std::move(key), FieldType::Kind::Quantity, std::move(doc), std::move(unit), low,
-          high,           std::move(fallback)};
-}
-FieldType whole_field(std::string key, double low, double high, std::string doc, std::string fallback) {
-  return {std::move(key), FieldType::Kind::Whole, std::move(doc), {}, low, high, std::move(fallback)};
-}
-FieldType choice_field(std::string key, std::vector<std::string> choices, std::string doc,
-                       std::string fallback) {
-  auto made = text_field(std::move(key), std::move(doc), std::move(fallback));
-  made.kind = FieldType::Kind::Choice;
-  made.choices = std::move(choices);
-  return made;
-}
-FieldType section_field(std::string key, const SectionType& inside) {
-  return {.key = std::move(key), .kind = FieldType::Kind::Section, .doc = inside.doc, .inside = &inside};
-}
-FieldType entries_field(std::string key, const SectionType& inside, std::string doc) {
-  return {.key = std::move(key), .kind = FieldType::Kind::Entries, .doc = std::move(doc), .inside = &inside};
-}
-FieldType field(std::string key, FieldType::Kind kind, std::string doc) {
-  return {.key = std::move(key), .kind = kind, .doc = std::move(doc)};
-}
-FieldType required(FieldType field) {
-  field.required = true;
-  return field;
-}
-FieldType only(std::string kind, FieldType field) {
-  field.only = std::move(kind);
-  return field;
-}
-FieldType about_field() { return text_field("about", "for people"); }
 std::vector<FieldType> joined(std::vector<FieldType> fields, const std::vector<FieldType>& more) {
   fields.insert(fields.end(), more.begin(), more.end());
   return fields;
@@ -83,7 +35,7 @@ std::vector<FieldType> joined(std::vector<FieldType> fields, const std::vector<F
 
 FieldReader::FieldReader(const Value::Table& table, const SectionType& section, ErrorList& errors,
                          std::string owner)
-    : FieldReader(table, section, errors, kKeysChecked, std::move(owner)) {
+    : FieldReader(table, section.fields, errors, kKeysChecked, std::move(owner)) {
   const auto* kind = find(table, "kind");
   const auto* chosen = kind != nullptr ? kind->text() : nullptr;
   std::vector<std::string> known;
@@ -91,7 +43,7 @@ FieldReader::FieldReader(const Value::Table& table, const SectionType& section, 
       chosen != nullptr && std::any_of(section.fields.begin(), section.fields.end(),
                                        [&](auto& f) { return !f.only.empty() && f.only == *chosen; });
   for (const auto& field : section.fields)
-    if (!decides || field.only.empty() || field.only == *chosen) known.push_back(field.key);
+    if (!decides || field.only.empty() || field.only == *chosen) known.push_back(field.name);
   errors.unknown_keys(table, known, owner_);
   if (has("about")) text("about");
 }
@@ -99,31 +51,31 @@ FieldReader::FieldReader(const Value::Table& table, const SectionType& section, 
 FieldReader::FieldReader(const Value::Table& table, const SectionType& section, ErrorList& errors,
                          const std::string& owner, const Source& at)
     : FieldReader(table, section, errors) {
-  report_missing(owner, at);
+  report_missing(section, owner, at);
 }
 
 FieldReader::FieldReader(const EntrySpec& entry, const SectionType& section, ErrorList& errors,
                          const std::string& what)
     : FieldReader(entry.fields, section, errors) {
-  if (!entry.broken) report_missing(what + " '" + entry.name + "'", entry.at);
+  if (!entry.broken) report_missing(section, what + " '" + entry.name + "'", entry.at);
 }
 
-void FieldReader::report_missing(const std::string& owner, const Source& at) {
+void FieldReader::report_missing(const SectionType& section, const std::string& owner, const Source& at) {
   const auto missing = [&](const std::string& keys, const std::string& remedy) {
     errors_.add(Errc::Missing, at, owner + " lacks " + keys, remedy);
   };
   const auto given = [this](const std::string& key) { return has(key); };
-  for (const auto& field : section_.fields) {
+  for (const auto& field : section.fields) {
     // Those two are checked by code of their own.
     if (!field.required || field.kind == FieldType::Kind::Format ||
-        field.kind == FieldType::Kind::Reference || given(field.key))
+        field.kind == FieldType::Kind::Reference || given(field.name))
       continue;
-    const bool few = !field.choices.empty() && field.choices.size() < 6;
+    const bool few = field.kind == FieldType::Kind::Choice && field.choices.size() < 6;
     missing(quoted(field), "give " + quoted(field) + ": " + field.doc +
-                               (field.unit.empty() ? "" : ", in " + field.unit) +
+                               (field.unit().empty() ? "" : ", in " + field.unit()) +
                                (few ? ", one of " + listed(field.choices) : ""));
   }
-  const auto &one_of = section_.one_of, &together = section_.together;
+  const auto &one_of = section.one_of, &together = section.together;
   if (!one_of.empty() && std::none_of(one_of.begin(), one_of.end(), given))
     missing(listed(one_of), "give at least one of them");
   if (std::any_of(together.begin(), together.end(), given))
@@ -138,14 +90,28 @@ Source FieldReader::at(std::string_view key, const Source& otherwise) const {
 
 std::string FieldReader::text(std::string_view key) { return errors_.text(table_, key, owner_); }
 
+std::optional<Unit> FieldReader::unit(std::string_view key) {
+  constexpr const char* kUnits = "write units as \"m/s\", \"N/m\", \"ms\", \"dB\" or \"full scale\"";
+  const auto* found = value(key);
+  if (found == nullptr) return Unit{};
+  const auto* text = found->text();
+  const auto unit = text != nullptr ? parse_unit(*text) : std::nullopt;
+  if (text == nullptr)
+    errors_.add(Errc::WrongType, found->at, key_of(key, owner_) + " must be a string, not " + found->kind(),
+                kUnits);
+  else if (!unit)
+    errors_.add(Errc::UnknownName, found->at, "'" + *text + "' is not a unit", kUnits);
+  return unit;
+}
+
 std::optional<double> FieldReader::number(std::string_view key, double most) {
-  const auto& field = section_[key];
+  const auto& field = *find_named(fields_, key);
   const double high = std::min(field.high, most);
   const auto* found = value(key);
   if (found == nullptr) return std::nullopt;
-  if (field.kind == FieldType::Kind::Whole) return read_whole(*found, field, high, errors_, owner_);
-  const auto unit = parse_unit(field.unit).value_or(Unit{});
-  const auto number = read_quantity(*found, unit, field.key);
+  if (field.kind == FieldType::Kind::Integer) return read_whole(*found, field, high, errors_, owner_);
+  const auto unit = parse_unit(field.unit()).value_or(Unit{});
+  const auto number = read_quantity(*found, unit, field.name);
   if (errors_.keep(number) == nullptr) return std::nullopt;
   if (*number >= field.low && *number <= high) return *number;
   errors_.add(Errc::OutOfRange, found->at, key_of(key, owner_) + " cannot be " + in_unit(*number, unit),
@@ -173,7 +139,7 @@ std::optional<int> FieldReader::choice(std::string_view key) {
   const auto* found = value(key);
   const auto word = text(key);
   if (found == nullptr || found->text() == nullptr) return std::nullopt;
-  const auto& choices = section_[key].choices;
+  const auto& choices = find_named(fields_, key)->choices;
   const auto place = std::find(choices.begin(), choices.end(), word);
   if (place != choices.end()) return static_cast<int>(place - choices.begin());
   errors_.add(Errc::UnknownName, found->at, key_of(key, owner_) + " cannot be '" + word + "'",

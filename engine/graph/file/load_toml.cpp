@@ -25,7 +25,7 @@ struct ParserAssertion {};
 #include <cmath>
 #include <fstream>
 #include <system_error>
-#include <tuple>
+#include <utility>
 
 #include "engine/core/index.h"
 #include "engine/graph/file/load.h"
@@ -105,20 +105,15 @@ std::size_t skip_string(std::string_view text, std::size_t i) {
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
-struct Violation {
-  std::size_t offset;
-  std::string what, remedy;
-};
-
 /// Follows brackets and the dots of keys, from one '=', comma, bracket or line to the next, and counts
 /// values.
 class BracketScan {
  public:
-  explicit BracketScan(std::string_view text) : text_(text) {}
+  BracketScan(std::string_view text, const Source& file) : text_(text), file_(file) {}
 
-  /// The first bracket or dot that lies too deep, bracket that closes one of the other kind, or value too
-  /// many.
-  std::optional<Violation> first_violation() {
+  /// Errors: the first bracket or dot that lies too deep, bracket that closes one of the other kind, or value
+  /// too many.
+  Status run() {
     for (std::size_t i = 0; i < text_.size();) {
       const char c = text_[i];
       if (c == '"' || c == '\'') {
@@ -130,25 +125,31 @@ class BracketScan {
         if (i > 0 || !text_.starts_with(kByteOrderMark)) return stray(i);
         i = kByteOrderMark.size();
       } else {
-        if (!fits(c)) return Violation{i, "brackets or dots more than 64 deep", "reduce the nesting"};
-        if (auto violation = close(c, i)) return violation;
+        if (!fits(c)) return stop(i, "brackets or dots more than 64 deep", "reduce the nesting");
+        if (closes_another(c))
+          return stop(i, fmt::format("'{}' closes a '{}'", c, c == ']' ? '{' : '['),
+                      fmt::format("write '{}'", c == ']' ? '}' : ']'));
         values_ += c == '=' || c == ',' || c == '[' ? 1 : 0;
         if (values_ > kMaxTomlValues)
-          return Violation{i, "more than 250000 values", "store tables of numbers in a sound file"};
+          return stop(i, "more than 250000 values", "store tables of numbers in a sound file");
         ++i;
       }
     }
-    return std::nullopt;
+    return {};
   }
 
  private:
+  tl::unexpected<Error> stop(std::size_t offset, std::string what, std::string remedy) const {
+    return fail(Errc::Syntax, place_of(text_, offset, file_).text(), std::move(what), std::move(remedy));
+  }
+
   /// A character that may be a blank to the eye: so its number is given, too.
-  Violation stray(std::size_t offset) const {
+  tl::unexpected<Error> stray(std::size_t offset) const {
     const auto character = text_.substr(offset, character_length(text_.substr(offset, 4)));
     unsigned code = static_cast<unsigned char>(character[0]) & (0x7fu >> character.size());
     for (const char c : character.substr(1)) code = code << 6 | (static_cast<unsigned char>(c) & 0x3fu);
-    return {offset, fmt::format("'{}' (U+{:04X}) is not allowed outside quotes", character, code),
-            "put the text around it in quotes, or remove it"};
+    return stop(offset, fmt::format("'{}' (U+{:04X}) is not allowed outside quotes", character, code),
+                "put the text around it in quotes, or remove it");
   }
 
   bool fits(char c) {
@@ -157,16 +158,15 @@ class BracketScan {
     return open_.size() <= kMaxTomlDepth && dots_ <= kMaxTomlDepth;
   }
 
-  std::optional<Violation> close(char c, std::size_t offset) {
-    if ((c != ']' && c != '}') || open_.empty()) return std::nullopt;
+  bool closes_another(char c) {
+    if ((c != ']' && c != '}') || open_.empty()) return false;
     const char opened = open_.back();
     open_.pop_back();
-    if ((opened == '[') == (c == ']')) return std::nullopt;
-    return Violation{offset, std::string{"'"} + c + "' closes a '" + opened + "'",
-                     std::string{"write '"} + (opened == '[' ? ']' : '}') + "'"};
+    return (opened == '[') != (c == ']');
   }
 
   std::string_view text_;
+  Source file_;
   std::string open_;
   std::size_t dots_ = 0;
   std::size_t values_ = 0;
@@ -182,10 +182,7 @@ Status check_toml_limits(std::string_view text, const Source& file) {
   if (const auto bad = first_bad_utf8(text); bad != text.npos)
     return fail(Errc::Syntax, place_of(text, bad, file).text(), "this is not UTF-8 text",
                 "save the file as UTF-8");
-  if (auto violation = BracketScan{text}.first_violation())
-    return fail(Errc::Syntax, place_of(text, violation->offset, file).text(), violation->what,
-                violation->remedy);
-  return {};
+  return BracketScan{text, file}.run();
 }
 
 // ---- errors of the parser ----
@@ -236,10 +233,6 @@ tl::unexpected<Error> explain(const toml::parse_error& error, std::string_view t
 
 // ---- the parser's tree as plain data ----
 
-bool comes_before(const Field& a, const Field& b) {
-  return std::tie(a.at.line, a.at.column) < std::tie(b.at.line, b.at.column);
-}
-
 Result<Value> convert(const toml::node& node, const FileName& file);
 
 Result<Value::Table> convert_table(const toml::table& table, const FileName& file) {
@@ -250,7 +243,7 @@ Result<Value::Table> convert_table(const toml::table& table, const FileName& fil
     fields.push_back({std::string{key.str()}, place(file, key.source()), std::move(*value)});
   }
   // The parser sorts by name; people and messages go by the order in the file.
-  std::stable_sort(fields.begin(), fields.end(), comes_before);
+  std::ranges::stable_sort(fields, {}, [](const Field& f) { return std::pair{f.at.line, f.at.column}; });
   return fields;
 }
 
@@ -280,18 +273,6 @@ Result<Value> convert(const toml::node& node, const FileName& file) {
               "put it in quotes if it is a string");
 }
 
-Result<Value::Table> parse(std::string_view text, const FileName& file) {
-  if (const auto fits = check_toml_limits(text, {file, 0, 0}); !fits) return tl::unexpected(fits.error());
-  try {
-    return convert_table(toml::parse(text, std::string_view{*file}), file);
-  } catch (const toml::parse_error& error) {
-    return explain(error, text, file);
-  } catch (const ParserAssertion&) {
-    return fail(Errc::Syntax, *file, "this is not valid TOML; the parser cannot locate the error",
-                "look for missing brackets, quotes and commas");
-  }
-}
-
 }  // namespace
 
 Result<std::string> read_graph_text(const std::filesystem::path& file) {
@@ -314,7 +295,16 @@ Result<std::string> read_graph_text(const std::filesystem::path& file) {
 }
 
 Result<Value::Table> parse_toml(std::string_view text, const std::string& file_name) {
-  return parse(text, std::make_shared<const std::string>(file_name));
+  const auto file = std::make_shared<const std::string>(file_name);
+  if (const auto fits = check_toml_limits(text, {file, 0, 0}); !fits) return tl::unexpected(fits.error());
+  try {
+    return convert_table(toml::parse(text, file_name), file);
+  } catch (const toml::parse_error& error) {
+    return explain(error, text, file);
+  } catch (const ParserAssertion&) {
+    return fail(Errc::Syntax, file_name, "this is not valid TOML; the parser cannot locate the error",
+                "look for missing brackets, quotes and commas");
+  }
 }
 
 Result<Value::Table> load_toml(const std::filesystem::path& file) {

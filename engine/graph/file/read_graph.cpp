@@ -19,16 +19,16 @@ bool among(const std::vector<std::string>& names, std::string_view name) {
 
 /// False if there is a key that may have been meant as a section.
 bool check_keys(const Value::Table& table, ErrorList& errors) {
-  Value::Table unknown = table;
-  std::erase_if(unknown, [](const Field& field) { return among(kSceneKeys, field.key); });
   const auto keys = graph_fields().keys();
-  errors.unknown_keys(unknown, keys);
+  Value::Table unknown;
   for (const auto& field : table)
     if (among(kSceneKeys, field.key))
       errors.add(Errc::UnknownName, field.at, "'" + field.key + "' is a key of scenes, but this is a graph",
                  "move it to the scene's file");
-  return std::all_of(unknown.begin(), unknown.end(),
-                     [&](const Field& field) { return among(keys, field.key); });
+    else if (!among(keys, field.key))
+      unknown.push_back(field);
+  errors.unknown_keys(unknown, keys);
+  return unknown.empty();
 }
 
 /// Those in which names are declared.
@@ -36,7 +36,7 @@ bool sections_are_tables(const Value::Table& table) {
   using Kind = FieldType::Kind;
   const auto& fields = graph_fields().fields;
   return std::all_of(fields.begin(), fields.end(), [&](const FieldType& field) {
-    const auto* value = find(table, field.key);
+    const auto* value = find(table, field.name);
     return (field.kind != Kind::Entries && field.kind != Kind::Reference) || value == nullptr ||
            value->table() != nullptr;
   });
@@ -127,19 +127,9 @@ void check_names(const GraphSpec& spec, ErrorList& errors) {
   add_all(spec.outputs, "an output", outputs);
 }
 
-}  // namespace
-
-std::vector<FieldType> heading_fields() {
-  using Kind = FieldType::Kind;
-  return {required(field("format", Kind::Format, "format of the file, 1")),
-          field("name", Kind::Prose, "name for the user"), field("about", Kind::Prose, "description"),
-          field("source", Kind::Prose, "origin")};
-}
-
-namespace {
-
 FieldType unit_field() {
-  return text_field("unit", "\"m/s\", \"N/m\", \"ms\", \"dB\", \"full scale\"", "a plain number");
+  return field("unit", FieldType::Kind::Unit, "\"m/s\", \"N/m\", \"ms\", \"dB\", \"full scale\"",
+               "a plain number");
 }
 const SectionType& input_fields() {
   static const SectionType section{
@@ -166,108 +156,13 @@ const SectionType& output_fields() {
 }
 
 FieldType voices_field() { return whole_field("voices", 1, 1024, "number of lanes", "1"); }
-}  // namespace
-
-const SectionType& node_fields() {
-  static const SectionType section{
-      "a node of a given type",
-      {required(text_field("type", "type of the node")), voices_field(), about_field()}};
-  return section;
-}
-
-const SectionType& part_fields() {
-  static const SectionType section{
-      "a graph file used as a node; its inputs and controls are connected by name",
-      {required(text_field("use", "path of the file, relative to this file")), voices_field(),
-       text_field("rate", "sample rate of the part: a fraction, such as \"1/16\", or \"3 kHz\"",
-                  "that of the enclosing graph"),
-       choice_field("take", {"last", "mean"}, "input of a frame at that rate: the last value or the mean",
-                    "last"),
-       choice_field("between", {"hold", "line"}, "output between two of its frames: held or interpolated",
-                    "hold"),
-       about_field()}};
-  return section;
-}
-
-const SectionType& graph_fields() {
-  using Kind = FieldType::Kind;
-  static const SectionType delay{
-      "system delay",
-      {field("tested", Kind::Range, "shortest and longest delay that the instrument was tested with")}};
-  static const SectionType section{
-      "a graph file: an instrument, a plant or a part",
-      joined(heading_fields(),
-             {entries_field("inputs", input_fields(), "sensors, or the inputs of a part"),
-              entries_field("controls", control_fields(), "controls of the player"),
-              {.key = "nodes",
-               .kind = Kind::Reference,
-               .doc = "`tactus nodes` explains each type",
-               .unit = "node"},
-              {.key = "networks",
-               .kind = Kind::Reference,
-               .doc = "`tactus nodes network` explains the elements",
-               .unit = "network"},
-              entries_field("outputs", output_fields(), "drives and sound, or the outputs of a part"),
-              section_field("delay", delay)})};
-  return section;
-}
-
-void check_format(const Value::Table& table, const Source& file, ErrorList& errors) {
-  const auto* format = find(table, "format");
-  if (format == nullptr)
-    return errors.add(Errc::Missing, {file.file, 1, 1}, "'format' is missing",
-                      "begin the file with format = 1");
-  if (format->number() == nullptr || *format->number() != 1.0)
-    errors.add(Errc::OutOfRange, format->at, "this format is unknown", "write format = 1");
-}
-
-const Value::Table* read_section(const Value::Table& table, const std::string& section, ErrorList& errors) {
-  const auto* value = find(table, section);
-  if (value == nullptr) return nullptr;
-  if (value->table() == nullptr)
-    errors.add(Errc::WrongType, value->at, "'" + section + "' must be a table, not " + value->kind(),
-               "begin it with [" + section + "]");
-  return value->table();
-}
-
-std::vector<EntrySpec> read_entries(const Value::Table& table, const std::string& section,
-                                    const std::string& example, ErrorList& errors) {
-  std::vector<EntrySpec> entries;
-  const auto* fields = read_section(table, section, errors);
-  if (fields == nullptr) return entries;
-  for (const auto& field : *fields) {
-    const auto* inside = field.value.table();
-    if (inside == nullptr)
-      errors.add(Errc::WrongType, field.value.at,
-                 "'" + field.key + "' in [" + section + "] must be a table, not " + field.value.kind(),
-                 "write " + field.key + " = " + example);
-    entries.push_back({field.key, field.at, inside ? *inside : Value::Table{}, inside == nullptr});
-  }
-  return entries;
-}
-
-namespace {
 
 std::string owner_of(const char* kind, const EntrySpec& entry) {
   return std::string{kind} + " '" + entry.name + "'";
 }
 
-/// The field `unit`: plain if it is left out, nothing after an error.
-std::optional<Unit> read_unit(const EntrySpec& entry, ErrorList& errors) {
-  constexpr const char* kUnits = "write units as \"m/s\", \"N/m\", \"ms\", \"dB\" or \"full scale\"";
-  const auto* value = find(entry.fields, "unit");
-  if (value == nullptr) return Unit{};
-  if (value->text() == nullptr) {
-    errors.add(Errc::WrongType, value->at, "'unit' must be a string, not " + value->kind(), kUnits);
-    return std::nullopt;
-  }
-  const auto unit = parse_unit(*value->text());
-  if (!unit) errors.add(Errc::UnknownName, value->at, "'" + *value->text() + "' is not a unit", kUnits);
-  return unit;
-}
-
-void set_unit(PortSpec& port, ErrorList& errors) {
-  const auto unit = read_unit(port, errors);
+void set_unit(PortSpec& port, FieldReader& fields) {
+  const auto unit = fields.unit("unit");
   port.unit_known = unit.has_value();
   if (unit) port.dimension = unit->dimension;
 }
@@ -275,7 +170,7 @@ void set_unit(PortSpec& port, ErrorList& errors) {
 PortSpec read_input(EntrySpec entry, ErrorList& errors) {
   PortSpec input{std::move(entry)};
   FieldReader fields{input.fields, input_fields(), errors, owner_of("input", input)};
-  set_unit(input, errors);
+  set_unit(input, fields);
   input.lanes = static_cast<int>(fields.number("lanes").value_or(1));
   return input;
 }
@@ -283,7 +178,7 @@ PortSpec read_input(EntrySpec entry, ErrorList& errors) {
 PortSpec read_output(EntrySpec entry, ErrorList& errors) {
   PortSpec output{std::move(entry)};
   FieldReader fields{output.fields, output_fields(), errors, owner_of("output", output)};
-  set_unit(output, errors);
+  set_unit(output, fields);
   output.use = fields.choice("kind") == 1 ? OutputUse::Audio : OutputUse::Drive;
   return output;
 }
@@ -323,7 +218,7 @@ ControlSpec read_control(EntrySpec entry, ErrorList& errors) {
   read.unit_known = !read.broken;
   if (read.broken) return read;
   FieldReader fields{read.fields, control_fields(), errors, owner_of("control", read)};
-  const auto unit = read_unit(read, errors);
+  const auto unit = fields.unit("unit");
   if (unit) control.unit = *unit;
   read.unit_known = unit && read_value(read, control, errors);
   if (read.unit_known) read_range(fields, control, errors);
@@ -331,15 +226,86 @@ ControlSpec read_control(EntrySpec entry, ErrorList& errors) {
   return read;
 }
 
-/// The table called `section`, each of its entries read by `read`.
-template <class Read>
-void read_all(const Value::Table& table, const char* section, const char* example,
-              Read (*read)(EntrySpec, ErrorList&), std::vector<Read>& specs, ErrorList& errors) {
-  for (auto& entry : read_entries(table, section, example, errors))
-    specs.push_back(read(std::move(entry), errors));
+}  // namespace
+
+std::vector<FieldType> heading_fields() {
+  using Kind = FieldType::Kind;
+  return {required(field("format", Kind::Format, "format of the file, 1")),
+          field("name", Kind::Prose, "name for the user"), field("about", Kind::Prose, "description"),
+          field("source", Kind::Prose, "origin")};
 }
 
-}  // namespace
+const SectionType& node_fields() {
+  static const SectionType section{
+      "a node of a given type",
+      {required(text_field("type", "type of the node")), voices_field(), about_field()}};
+  return section;
+}
+
+const SectionType& part_fields() {
+  static const SectionType section{
+      "a graph file used as a node; its inputs and controls are connected by name",
+      {required(text_field("use", "path of the file, relative to this file")), voices_field(),
+       text_field("rate", "sample rate of the part: a fraction, such as \"1/16\", or \"3 kHz\"",
+                  "that of the enclosing graph"),
+       choice_field("take", {"last", "mean"}, "input of a frame at that rate: the last value or the mean",
+                    "last"),
+       choice_field("between", {"hold", "line"}, "output between two of its frames: held or interpolated",
+                    "hold"),
+       about_field()}};
+  return section;
+}
+
+const SectionType& graph_fields() {
+  using Kind = FieldType::Kind;
+  static const SectionType delay{
+      "system delay",
+      {field("tested", Kind::Range, "shortest and longest delay that the instrument was tested with")}};
+  static const SectionType section{
+      "a graph file: an instrument, a plant or a part",
+      joined(heading_fields(),
+             {entries_field("inputs", input_fields(), "sensors, or the inputs of a part"),
+              entries_field("controls", control_fields(), "controls of the player"),
+              {"nodes", Kind::Reference, "`tactus nodes` explains each type", {"node"}},
+              {"networks", Kind::Reference, "`tactus nodes network` explains the elements", {"network"}},
+              entries_field("outputs", output_fields(), "drives and sound, or the outputs of a part"),
+              section_field("delay", delay)})};
+  return section;
+}
+
+void check_format(const Value::Table& table, const Source& file, ErrorList& errors) {
+  const auto* format = find(table, "format");
+  if (format == nullptr)
+    return errors.add(Errc::Missing, {file.file, 1, 1}, "'format' is missing",
+                      "begin the file with format = 1");
+  if (format->number() == nullptr || *format->number() != 1.0)
+    errors.add(Errc::OutOfRange, format->at, "this format is unknown", "write format = 1");
+}
+
+const Value::Table* read_section(const Value::Table& table, const std::string& section, ErrorList& errors) {
+  const auto* value = find(table, section);
+  if (value == nullptr) return nullptr;
+  if (value->table() == nullptr)
+    errors.add(Errc::WrongType, value->at, "'" + section + "' must be a table, not " + value->kind(),
+               "begin it with [" + section + "]");
+  return value->table();
+}
+
+std::vector<EntrySpec> read_entries(const Value::Table& table, const std::string& section,
+                                    const std::string& example, ErrorList& errors) {
+  std::vector<EntrySpec> entries;
+  const auto* fields = read_section(table, section, errors);
+  if (fields == nullptr) return entries;
+  for (const auto& field : *fields) {
+    const auto* inside = field.value.table();
+    if (inside == nullptr)
+      errors.add(Errc::WrongType, field.value.at,
+                 "'" + field.key + "' in [" + section + "] must be a table, not " + field.value.kind(),
+                 "write " + field.key + " = " + example);
+    entries.push_back({field.key, field.at, inside ? *inside : Value::Table{}, inside == nullptr});
+  }
+  return entries;
+}
 
 GraphSpec read_graph(const Value::Table& table, const Source& file, ErrorList& errors) {
   GraphSpec spec;
@@ -349,12 +315,16 @@ GraphSpec read_graph(const Value::Table& table, const Source& file, ErrorList& e
   spec.name = errors.text(table, "name");
   spec.about = errors.text(table, "about");
   spec.source = errors.text(table, "source");
-  read_all(table, "inputs", "{ unit = \"full scale\" }", read_input, spec.inputs, errors);
-  read_all(table, "controls", "{ value = 0.5, range = [0, 1] }", read_control, spec.controls, errors);
-  read_all(table, "outputs", "{ from = \"node\" }", read_output, spec.outputs, errors);
+  for (auto& entry : read_entries(table, "inputs", "{ unit = \"full scale\" }", errors))
+    spec.inputs.push_back(read_input(std::move(entry), errors));
+  for (auto& entry : read_entries(table, "controls", "{ value = 0.5, range = [0, 1] }", errors))
+    spec.controls.push_back(read_control(std::move(entry), errors));
+  for (auto& entry : read_entries(table, "outputs", "{ from = \"node\" }", errors))
+    spec.outputs.push_back(read_output(std::move(entry), errors));
   if (const auto* nodes = read_section(table, "nodes", errors))
     for (const auto& field : *nodes) spec.nodes.push_back(read_node(field, errors));
-  read_all(table, "networks", "{ mass = { type = \"mass\" } }", read_network, spec.networks, errors);
+  for (auto& entry : read_entries(table, "networks", "{ mass = { type = \"mass\" } }", errors))
+    spec.networks.push_back(read_network(std::move(entry), errors));
   if (const auto* delay = read_section(table, "delay", errors))
     spec.tested = FieldReader{*delay, *graph_fields()["delay"].inside, errors, "[delay]"}.range(
         "tested", *parse_unit("s"));

@@ -22,8 +22,7 @@ class Builder {
     plan_->sample_rate = options_.sample_rate;
     plan_->system_delay_at_start = options_.system_delay;
     find_read_ports();
-    lay_out_signals();
-    lay_out_constants();
+    lay_out();
     take_nodes();
     name_sources(frozen_controls);
     for (const auto& section : sections) add_section(section);
@@ -36,41 +35,37 @@ class Builder {
  private:
   Vertex& at(int v) { return plan_->vertices[index(v)]; }
 
-  static bool has_buffer(const Vertex& vertex) {
-    return vertex.kind != Kind::Constant && vertex.kind != Kind::Output;
-  }
-
   void find_read_ports() {
     read_.assign(plan_->vertices.size(), {});
     for (const auto& vertex : plan_->vertices)
       for (const auto& wire : vertex.in) read_[index(wire.vertex)].push_back(wire.port);
   }
 
-  void lay_out_signals() {
+  /// Signals, then constants; of these the vectorised ones first, so that they lie on cache lines.
+  void lay_out() {
+    enum { kSignal, kVector, kScalar, kNowhere };
+    const auto part_of = [&](std::size_t v) {
+      const auto& vertex = plan_->vertices[v];
+      if (vertex.kind == Kind::Output || (vertex.kind == Kind::Constant && read_[v].empty())) return kNowhere;
+      return vertex.kind != Kind::Constant ? kSignal : vertex.width > 1 ? kVector : kScalar;
+    };
     place_.assign(plan_->vertices.size(), 0);
-    for (std::size_t v = 0; v < plan_->vertices.size(); ++v) {
-      place_[v] = plan_->signal_doubles;
-      const auto& vertex = plan_->vertices[v];
-      if (has_buffer(vertex)) plan_->signal_doubles += index(vertex.outputs * vertex.width) * kMaxSubBlock;
-    }
-  }
-
-  /// Behind the signals; those for all lanes first, so that they lie on cache lines.
-  void lay_out_constants() {
-    auto doubles = plan_->signal_doubles;
-    for (const int width : {kVectorWidth, 1})
-      for (std::size_t v = 0; v < plan_->vertices.size(); ++v) {
+    std::size_t doubles = 0;
+    for (const auto part : {kSignal, kVector, kScalar}) {
+      for (std::size_t v = 0; v < place_.size(); ++v) {
+        if (part_of(v) != part) continue;
         const auto& vertex = plan_->vertices[v];
-        if (vertex.kind != Kind::Constant || vertex.width != width || read_[v].empty()) continue;
         place_[v] = doubles;
-        doubles += index(width);
+        doubles += index(vertex.width) * (part == kSignal ? index(vertex.outputs) * kMaxSubBlock : 1);
       }
+      if (part == kSignal) plan_->signal_doubles = doubles;
+    }
     plan_->arena.resize(doubles);
-    for (std::size_t v = 0; v < plan_->vertices.size(); ++v) {
+    for (std::size_t v = 0; v < place_.size(); ++v) {
       const auto& vertex = plan_->vertices[v];
-      if (vertex.kind != Kind::Constant || read_[v].empty()) continue;
-      const double* const values = vertex.width == 1 ? &vertex.value : vertex.values.data();
-      std::copy_n(values, vertex.width, plan_->arena.data() + place_[v]);
+      if (const auto part = part_of(v); part == kVector || part == kScalar)
+        std::copy_n(part == kScalar ? &vertex.value : vertex.values.data(), vertex.width,
+                    plan_->arena.data() + place_[v]);
     }
   }
 
@@ -157,18 +152,14 @@ class Builder {
   }
 
   void add_step(const OrderedVertex& item, int section_start) {
-    using Half = OrderedVertex::Half;
     Step step;
-    step.kind = Step::Kind::Outside;
-    if (item.half == Half::Outside) return plan_->steps.push_back(step);
+    step.kind = item.step;
+    if (item.step == StepKind::Outside) return plan_->steps.push_back(step);
     auto& vertex = at(item.vertex);
     if (vertex.runs < 0 && vertex.kind == Kind::Operation)
       return add_operation(item.vertex, vertex, section_start);
     if (vertex.runs < 0) return;
     number(vertex);
-    step.kind = item.half == Half::Emit     ? Step::Kind::Emit
-                : item.half == Half::Absorb ? Step::Kind::Absorb
-                                            : Step::Kind::Process;
     step.vertex = item.vertex;
     step.node = vertex.runs;
     step.width = vertex.width;
@@ -227,7 +218,7 @@ class Builder {
   void report_loop(const OrderedSection& ordered) {
     LoopReport report{{}, ordered.sub_block, ordered.delay_frames};
     for (const auto& item : ordered.vertices)
-      if (item.half != OrderedVertex::Half::Absorb && item.half != OrderedVertex::Half::Outside &&
+      if (item.step != StepKind::Absorb && item.step != StepKind::Outside &&
           (report.paths.empty() || report.paths.back() != at(item.vertex).path))
         report.paths.push_back(at(item.vertex).path);
     plan_->loops.push_back(std::move(report));
@@ -274,14 +265,6 @@ std::unique_ptr<Plan> build_plan(VertexGraph graph, const FlatGraph& flat,
                                  const std::vector<OrderedSection>& sections,
                                  const std::vector<bool>& frozen_controls, const CompileOptions& options) {
   return Builder{std::move(graph), flat, options}.run(sections, frozen_controls);
-}
-
-void Arena::resize(std::size_t doubles) {
-  constexpr std::size_t kLine = 64 / sizeof(double);
-  storage_ = std::make_unique<double[]>(doubles + kLine);
-  const auto address = reinterpret_cast<std::uintptr_t>(storage_.get());
-  base_ = storage_.get() + (64 - address % 64) % 64 / sizeof(double);
-  size_ = doubles;
 }
 
 std::optional<double> Plan::constant(const Wire& wire) const {

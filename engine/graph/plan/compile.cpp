@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "engine/core/named.h"
 #include "engine/graph/file/error_list.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/graph/semantics/facts.h"
@@ -19,21 +20,19 @@ std::size_t size_of(const Expression& expression) {
   return size;
 }
 
-std::size_t in_lanes(std::size_t size, int lanes) { return size * index(lanes); }
-
 /// Nodes and operators, those of each lane counted separately.
 std::size_t unfolded_nodes(const FlatGraph& graph) {
   std::size_t count = 0;
   for (const auto& signal : graph.signals)
-    count += in_lanes(signal.kind == FlatSignal::Kind::Expression ? 1 + size_of(signal.expression) : 1,
-                      signal.lanes);
+    count += index(signal.lanes) *
+             (signal.kind == FlatSignal::Kind::Expression ? 1 + size_of(signal.expression) : 1);
   for (const auto& node : graph.nodes) {
     std::size_t inputs = 1 + node.inputs.size() * (1 + node.compensate.size());
     for (const auto& input : node.inputs)
       if (input) inputs += size_of(*input);
-    count += in_lanes(inputs, node.lanes);
+    count += index(node.lanes) * inputs;
   }
-  for (const auto& output : graph.outputs) count += in_lanes(1 + size_of(output.expression), output.lanes);
+  for (const auto& output : graph.outputs) count += index(output.lanes) * (1 + size_of(output.expression));
   return count;
 }
 
@@ -46,13 +45,16 @@ void check_constants(const VertexGraph& graph, ErrorList& errors) {
                  "write smaller numbers");
 }
 
-void set_controls(FlatGraph& flat, const std::map<std::string, ControlValue>& values, ErrorList& errors) {
+void set_controls(FlatGraph& flat, const GraphSpec& spec, const std::map<std::string, ControlValue>& values,
+                  ErrorList& errors) {
   for (const auto& [name, setting] : values) {
     const double value = setting.si;
-    const auto it = std::ranges::find(flat.controls, name, &FlatControl::name);
-    if (it == flat.controls.end()) {
-      std::vector<std::string> known;
-      for (const auto& control : flat.controls) known.push_back(control.name);
+    auto* const it = find_named(flat.controls, name);
+    if (const auto* written = find_named(spec.controls, name);
+        spec.incomplete || (written && written->broken))
+      continue;  // it is not in the flat graph, and needs no second message
+    if (it == nullptr) {
+      const auto known = names_of(flat.controls);
       errors.add(Errc::UnknownName, {}, "there is no control '" + name + "'",
                  known.empty() ? "this graph has no controls" : "this graph has " + listed(known));
     } else if (setting.dimension && !(*setting.dimension == it->unit.dimension)) {
@@ -69,19 +71,10 @@ void set_controls(FlatGraph& flat, const std::map<std::string, ControlValue>& va
   }
 }
 
-/// Broken controls are not in the flat graph, and need no second message.
-std::map<std::string, ControlValue> settable(std::map<std::string, ControlValue> values,
-                                             const GraphSpec& spec) {
-  for (const auto& control : spec.controls)
-    if (control.broken) values.erase(control.name);
-  if (spec.incomplete) values.clear();
-  return values;
-}
-
 FlatGraph flatten(const GraphSpec& spec, const NodeTable& table, const CompileOptions& options,
                   ErrorList& errors) {
   auto flat = resolve(spec, table, options.sample_rate, errors, options.taps, options.most_nodes);
-  set_controls(flat, settable(options.controls, spec), errors);
+  set_controls(flat, spec, options.controls, errors);
   infer(flat, errors);
   if (!flat.too_large && unfolded_nodes(flat) > options.most_nodes)
     errors.add(Errc::OutOfRange, spec.file,
@@ -91,19 +84,6 @@ FlatGraph flatten(const GraphSpec& spec, const NodeTable& table, const CompileOp
   return flat;
 }
 
-/// Vectorised where that makes no cycle of what was none: a lane may answer another one in the same frame.
-std::optional<std::vector<OrderedSection>> order_vectorised(VertexGraph& graph, const FlatGraph& flat,
-                                                            const CompileOptions& options) {
-  if (!options.vectorise) return std::nullopt;
-  auto vectorised = graph;
-  if (!vectorise(vectorised, flat)) return std::nullopt;
-  expand_sums(vectorised);
-  auto sections = order(vectorised, options.closed_outside);
-  if (!sections) return std::nullopt;
-  graph = std::move(vectorised);
-  return std::move(*sections);
-}
-
 /// nullptr after an error.
 std::unique_ptr<Plan> make_plan(const FlatGraph& flat, const CompileOptions& options, ErrorList& errors) {
   auto graph = lower(flat);
@@ -111,14 +91,20 @@ std::unique_ptr<Plan> make_plan(const FlatGraph& flat, const CompileOptions& opt
   check_constants(graph, errors);
   if (errors.any()) return nullptr;
   const auto frozen_controls = make_nodes(graph, flat, options, errors);
-  auto sections = errors.any() ? std::nullopt : order_vectorised(graph, flat, options);
-  if (!sections) {
+  const auto expand_and_order = [&] {
     if (!errors.any()) expand_sums(graph);
-    auto scalar = order(graph, options.closed_outside);
-    if (!scalar) errors.add(scalar.error());
-    if (errors.any()) return nullptr;
-    sections = std::move(*scalar);
+    return order(graph, options.closed_outside);
+  };
+  auto scalar = graph;
+  const bool vectorised = options.vectorise && !errors.any() && vectorise(graph, flat);
+  auto sections = expand_and_order();
+  if (!sections &&
+      vectorised) {  // a lane may answer another one in the same frame: a cycle if they run together
+    graph = std::move(scalar);
+    sections = expand_and_order();
   }
+  if (!sections) errors.add(sections.error());
+  if (errors.any()) return nullptr;
   return build_plan(std::move(graph), flat, *sections, frozen_controls, options);
 }
 

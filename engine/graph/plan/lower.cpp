@@ -19,7 +19,6 @@ class Lowering {
 
   VertexGraph run() {
     graph_.vertices.reserve(flat_.signals.size());
-    make_inputs();
     for (std::size_t i = 0; i < flat_.signals.size(); ++i) {
       const auto& signal = flat_.signals[i];
       wires_.emplace_back(index(signal.lanes));
@@ -54,20 +53,7 @@ class Lowering {
     return {static_cast<int>(graph_.vertices.size()) - 1, 0};
   }
 
-  Wire constant(double value, const Source& at = {}) {
-    auto vertex = begin(Kind::Constant, {}, at, 1);
-    vertex.value = value;
-    return add(std::move(vertex));
-  }
-
-  static Vertex begin(Vertex::Kind kind, std::string path, const Source& at, int divisor) {
-    Vertex vertex;
-    vertex.kind = kind;
-    vertex.path = std::move(path);
-    vertex.at = at;
-    vertex.divisor = divisor;
-    return vertex;
-  }
+  Wire constant(double value, const Source& at = {}) { return add({.value = value, .at = at}); }
 
   /// What is made of the same thing lane after lane belongs together; the second time round is another thing.
   void set_lane(Vertex& vertex, const void* of, int lane, int lanes) {
@@ -78,23 +64,20 @@ class Lowering {
     vertex.origin = {origin, made_of_[{origin, lane}]++};
   }
 
-  void make_inputs() {
-    for (const auto& signal : flat_.signals) {
-      if (signal.kind != SignalKind::Input) continue;
-      first_channel_.push_back(static_cast<int>(graph_.input_names.size()));
-      for (int lane = 0; lane < signal.lanes; ++lane)
-        graph_.input_names.push_back(lane_path(signal.path, lane, signal.lanes));
-    }
-  }
-
   Wire make_source(const FlatSignal& signal, int lane) {
     // As FlatSignal::Kind; a missing signal is a constant that nothing reads.
-    static constexpr Kind kKinds[] = {Kind::Constant,    Kind::Input,     Kind::Control,
-                                      Kind::SystemDelay, Kind::Operation, Kind::Operation};
-    auto vertex = begin(kKinds[static_cast<int>(signal.kind)], lane_path(signal.path, lane, signal.lanes),
-                        signal.at, signal.divisor);
+    static constexpr Kind kKinds[] = {Kind::Constant, Kind::Input,     Kind::Control,  Kind::SystemDelay,
+                                      Kind::Constant, Kind::Operation, Kind::Operation};
+    Vertex vertex{.kind = kKinds[static_cast<int>(signal.kind)],
+                  .divisor = signal.divisor,
+                  .path = lane_path(signal.path, lane, signal.lanes),
+                  .at = signal.at};
     set_lane(vertex, &signal, lane, signal.lanes);
-    if (vertex.kind == Kind::Input) vertex.index = first_channel_[index(signal.index)] + lane;
+    if (signal.kind == SignalKind::SystemRate) vertex.value = signal.range.low;
+    if (vertex.kind == Kind::Input) {
+      vertex.index = static_cast<int>(graph_.input_names.size());
+      graph_.input_names.push_back(vertex.path);
+    }
     if (vertex.kind == Kind::Control) vertex.index = signal.index;
     if (vertex.kind == Kind::Operation) vertex.op = Op::Signal;
     if (signal.conversion) make_rate_converter(vertex, signal);
@@ -134,10 +117,13 @@ class Lowering {
         continue;
       }
       for (int lane = 0; lane < node.lanes; ++lane) {
-        auto vertex = begin(Kind::Node, lane_path(node.path, lane, node.lanes), node.at, node.divisor);
-        vertex.index = static_cast<int>(n);
-        vertex.type = node.type;
-        vertex.outputs = static_cast<int>(node.outputs.size());
+        Vertex vertex{.kind = Kind::Node,
+                      .index = static_cast<int>(n),
+                      .divisor = node.divisor,
+                      .outputs = static_cast<int>(node.outputs.size()),
+                      .path = lane_path(node.path, lane, node.lanes),
+                      .at = node.at,
+                      .type = node.type};
         set_lane(vertex, &node, lane, node.lanes);
         const auto wire = add(std::move(vertex));
         for (std::size_t port = 0; port < node.outputs.size(); ++port)
@@ -173,12 +159,14 @@ class Lowering {
     const auto time = index(where.port), period = index(where.period);
     for (const int other_index : node.compensate) {
       const auto& other = flat_.nodes[index(other_index)];
-      auto vertex = begin(Kind::PhaseDelay, lane_path(node.path, lane, node.lanes) + ".compensate", node.at,
-                          node.divisor);
-      vertex.index = first_vertex_[index(other_index)] + std::min(lane, other.lanes - 1);
-      vertex.value = where.sign;
-      // What the compensations before this one left, then the period, then the parameters.
-      vertex.in = {in[time], lower(*node.inputs[period], lane, node.lanes, node.path)};
+      // It reads what the compensations before this one left, then the period, then the parameters.
+      Vertex vertex{.kind = Kind::PhaseDelay,
+                    .value = where.sign,
+                    .index = first_vertex_[index(other_index)] + std::min(lane, other.lanes - 1),
+                    .divisor = node.divisor,
+                    .in = {in[time], lower(*node.inputs[period], lane, node.lanes, node.path)},
+                    .path = lane_path(node.path, lane, node.lanes) + ".compensate",
+                    .at = node.at};
       for (std::size_t i = 0; i < other.inputs.size(); ++i)
         vertex.in.push_back(other.type->inputs[i].late || i == 0 || !other.inputs[i]
                                 ? constant(other.type->inputs[i].fallback.value_or(0))
@@ -188,7 +176,7 @@ class Lowering {
   }
 
   void connect_mix(const FlatNode& node) {
-    auto sum = begin(Kind::Sum, node.path, node.at, node.divisor);
+    Vertex sum{.kind = Kind::Sum, .divisor = node.divisor, .path = node.path, .at = node.at};
     for (int lane = 0; lane < node.lanes; ++lane)
       sum.in.push_back(lower(*node.inputs.front(), lane, node.lanes, node.path));
     const auto wire = node.lanes == 1 ? sum.in[0] : add(std::move(sum));
@@ -221,8 +209,8 @@ class Lowering {
       default:
         break;
     }
-    auto vertex = begin(Kind::Operation, path, expression.at, divisor_);
-    vertex.op = expression.op;
+    Vertex vertex{
+        .kind = Kind::Operation, .op = expression.op, .divisor = divisor_, .path = path, .at = expression.at};
     set_lane(vertex, &expression, lane, lanes);
     for (const auto& argument : expression.arguments) vertex.in.push_back(lower(argument, lane, lanes, path));
     return add(std::move(vertex));
@@ -246,10 +234,12 @@ class Lowering {
     divisor_ = 1;
     for (const auto& output : flat_.outputs) {
       for (int lane = 0; lane < output.lanes; ++lane) {
-        auto vertex = begin(Kind::Output, lane_path(output.name, lane, output.lanes), output.at, 1);
-        vertex.index = static_cast<int>(graph_.channels.size());
-        vertex.outputs = 0;
-        vertex.in = {lower(output.expression, lane, output.lanes, output.name)};
+        Vertex vertex{.kind = Kind::Output,
+                      .index = static_cast<int>(graph_.channels.size()),
+                      .in = {lower(output.expression, lane, output.lanes, output.name)},
+                      .outputs = 0,
+                      .path = lane_path(output.name, lane, output.lanes),
+                      .at = output.at};
         graph_.channels.push_back({vertex.path, output.use, output.dimension});
         add(std::move(vertex));
       }
@@ -261,7 +251,6 @@ class Lowering {
   int divisor_ = 1;                       ///< of the expression that is being lowered
   std::vector<std::vector<Wire>> wires_;  ///< [signal][lane]
   Wire system_delay_;
-  std::vector<int> first_channel_;              ///< [input]
   std::vector<int> first_vertex_;               ///< [node]
   std::map<const Expression*, Wire> shared_;    ///< what all lanes have in common
   std::map<const void*, int> origins_;          ///< numbers of signals, nodes and expressions with lanes

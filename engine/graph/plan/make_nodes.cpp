@@ -102,8 +102,7 @@ class Maker {
     }
     auto error = made.error().where.empty() ? made.error().at(node.at.text()) : made.error();
     // As the file at that place calls it, so that the error of a part used twice is reported once.
-    const auto name = node.path.substr(node.path.rfind('.') + 1);
-    error.what = node.type->name + " '" + name + "': " + error.what;
+    error.what = node.label() + ": " + error.what;
     errors_.add(std::move(error));
   }
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "engine/graph/file/error_list.h"
@@ -54,17 +55,16 @@ class Ordering {
 
   Checked<std::vector<OrderedSection>> run() {
     if (auto errors = cycle_errors(); !errors.empty()) return tl::unexpected(std::move(errors));
-    auto components = find_components(every_edge);
+    auto components = find_components(kUncut);
     std::vector<OrderedSection> sections;
     // What is read comes last.
     for (auto it = components.rbegin(); it != components.rend(); ++it) {
-      auto& component = *it;
-      if (component.size() == 1 && !reads_itself(component.front(), every_edge)) {
+      if (is_cycle(*it, kUncut)) {
+        sections.push_back(order_loop(*it));
+      } else {
         if (sections.empty() || sections.back().loop) sections.emplace_back();
-        sections.back().vertices.push_back({half_of_whole(component.front()), component.front()});
-        continue;
+        sections.back().vertices.push_back({step_of_whole(it->front()), it->front()});
       }
-      sections.push_back(order_loop(component));
     }
     return sections;
   }
@@ -72,26 +72,30 @@ class Ordering {
  private:
   const Vertex& vertex_at(int v) const { return graph_.vertices[index(v)]; }
   bool is_outside(int v) const { return v >= static_cast<int>(graph_.vertices.size()); }
-  OrderedVertex::Half half_of_whole(int v) const {
-    return is_outside(v) ? OrderedVertex::Half::Outside : OrderedVertex::Half::Whole;
-  }
+  StepKind step_of_whole(int v) const { return is_outside(v) ? StepKind::Outside : StepKind::Process; }
   const std::vector<Edge>& readers(int v) const { return readers_[index(v)]; }
 
-  template <class Follows>
-  bool reads_itself(int v, Follows follows) const {
-    return std::any_of(readers(v).begin(), readers(v).end(),
-                       [&](const Edge& e) { return e.to == v && follows(e); });
+  /// A sub-block that no delay cuts.
+  static constexpr int kUncut = std::numeric_limits<int>::max();
+
+  bool cuts(const Edge& edge, int sub_block) const {
+    return edge.late && least_[index(edge.to)] >= sub_block;
   }
 
-  static bool every_edge(const Edge&) { return true; }
+  /// Whether a component is more than one vertex that does not read itself.
+  bool is_cycle(const std::vector<int>& component, int sub_block) const {
+    const int v = component.front();
+    return component.size() > 1 || std::ranges::any_of(readers(v), [&](const Edge& edge) {
+             return edge.to == v && !cuts(edge, sub_block);
+           });
+  }
 
-  /// Over the edges that `follows` takes.
-  template <class Follows>
-  std::vector<std::vector<int>> find_components(Follows follows) const {
+  /// Over the edges that `sub_block` does not cut.
+  std::vector<std::vector<int>> find_components(int sub_block) const {
     std::vector<std::vector<int>> next(readers_.size());
     for (std::size_t v = 0; v < readers_.size(); ++v)
       for (const auto& edge : readers_[v])
-        if (follows(edge)) next[v].push_back(edge.to);
+        if (!cuts(edge, sub_block)) next[v].push_back(edge.to);
     return strong_components(next, Roots::LastToFirst);
   }
 
@@ -104,23 +108,14 @@ class Ordering {
       for (const auto& edge : readers(v))
         if (edge.late && inside.contains(edge.to))
           delays.insert(std::min(kMaxSubBlock, least_[index(edge.to)]));
-    OrderedSection section;
-    for (const int sub_block : delays) {
-      std::vector<int> left;
-      section = try_order(component, inside, sub_block, left);
-      if (left.empty()) break;
-    }
-    return section;
+    for (const int sub_block : delays)
+      if (auto section = try_order(component, inside, sub_block)) return *section;
+    return {};
   }
 
-  bool cuts(const Edge& edge, int sub_block) const {
-    return edge.late && least_[index(edge.to)] >= sub_block;
-  }
-
-  /// Kahn's algorithm without the edges that `sub_block` cuts; what lies on a remaining cycle ends up in
-  /// `left`.
-  OrderedSection try_order(const std::vector<int>& component, const std::set<int>& inside, int sub_block,
-                           std::vector<int>& left) const {
+  /// Kahn's algorithm without the edges that `sub_block` cuts. nullopt: there is still a cycle.
+  std::optional<OrderedSection> try_order(const std::vector<int>& component, const std::set<int>& inside,
+                                          int sub_block) const {
     OrderedSection section;
     section.loop = true;
     section.sub_block = sub_block;
@@ -139,29 +134,24 @@ class Ordering {
     std::vector<int> ready;
     for (auto it = component.rbegin(); it != component.rend(); ++it)
       if (waiting[*it] == 0) ready.push_back(*it);
-    std::set<int> done;
     while (!ready.empty()) {
       const int v = ready.back();
       ready.pop_back();
-      done.insert(v);
-      section.vertices.push_back({split.contains(v) ? OrderedVertex::Half::Emit : half_of_whole(v), v});
+      section.vertices.push_back({split.contains(v) ? StepKind::Emit : step_of_whole(v), v});
       for (const auto& edge : readers(v))
         if (inside.contains(edge.to) && !cuts(edge, sub_block) && --waiting[edge.to] == 0)
           ready.push_back(edge.to);
     }
-    for (const int v : component)
-      if (!done.contains(v)) left.push_back(v);
-    for (const int v : split) section.vertices.push_back({OrderedVertex::Half::Absorb, v});
+    if (section.vertices.size() < component.size()) return std::nullopt;
+    for (const int v : split) section.vertices.push_back({StepKind::Absorb, v});
     return section;
   }
 
   /// One for each part of the graph in which signals go round within a frame.
   std::vector<Error> cycle_errors() const {
-    const auto at_once = [this](const Edge& edge) { return !cuts(edge, 1); };
     std::vector<Error> errors;
-    for (const auto& component : find_components(at_once))
-      if (component.size() > 1 || reads_itself(component.front(), at_once))
-        errors.push_back(cycle_error({component.begin(), component.end()}));
+    for (const auto& component : find_components(1))
+      if (is_cycle(component, 1)) errors.push_back(cycle_error({component.begin(), component.end()}));
     sort_by_place(errors);
     return errors;
   }

@@ -17,13 +17,16 @@ namespace tactus {
 /// Doubles on cache-line boundaries, so that vector loads of whole groups never straddle two lines.
 class Arena {
  public:
-  void resize(std::size_t doubles);
-  double* data() const { return base_; }
+  void resize(std::size_t doubles) { lines_.resize(((size_ = doubles) + kOfLine - 1) / kOfLine); }
+  double* data() { return reinterpret_cast<double*>(lines_.data()); }
   std::size_t size() const { return size_; }
 
  private:
-  std::unique_ptr<double[]> storage_;
-  double* base_ = nullptr;
+  static constexpr std::size_t kOfLine = 8;
+  struct alignas(kOfLine * sizeof(double)) Line {
+    double values[kOfLine] = {};
+  };
+  std::vector<Line> lines_;
   std::size_t size_ = 0;
 };
 
@@ -44,13 +47,7 @@ struct MicroOperation {
 
 /// One entry of the flat list that a block runs through.
 struct Step {
-  enum class Kind : std::uint8_t {
-    Process,     ///< node->process
-    Emit,        ///< first half of a node that closes a loop
-    Absorb,      ///< its second half
-    Operations,  ///< adjacent element-wise operations, one call
-    Outside,  ///< the place where what lies outside answers (a plant whose drive depends on its own sensors)
-  };
+  using Kind = StepKind;
   Kind kind = Kind::Process;
   int node = -1;
   int first_in = 0, inputs = 0;    ///< in Plan::inputs

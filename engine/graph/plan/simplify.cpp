@@ -90,37 +90,19 @@ class Simplifier {
   bool try_fold(int v) {
     if (at(v).kind == Kind::Operation && !is_copy(at(v))) return fold_operation(v);
     if (at(v).kind == Kind::Node) return fold_node(v);
-    if (at(v).kind == Kind::Sum) return fold_sum(v);
-    if (at(v).kind == Kind::RateConverter) return fold_rate_converter(v);
-    return false;
-  }
-
-  /// What never changes is the same at every rate.
-  bool fold_rate_converter(int v) {
-    const auto value = constant(at(v).in.front());
-    if (value) make_constant(v, *value);
-    return value.has_value();
-  }
-
-  bool fold_sum(int v) {
-    const auto values = constants(v);
-    if (values) make_constant(v, add_lanes(*values, std::plus<>{}));
-    return values.has_value();
+    if (at(v).kind != Kind::Sum && at(v).kind != Kind::RateConverter) return false;
+    const auto values = constants(v);  // what never changes is the same at every rate
+    return values && make_constant(v, add_lanes(*values, std::plus<>{}));
   }
 
   bool fold_operation(int v) {
     auto& vertex = at(v);
-    if (const auto values = constants(v)) {
-      make_constant(v, apply(vertex.op, values->front(), values->size() > 1 ? values->back() : 0));
-      return true;
-    }
+    if (const auto values = constants(v))
+      return make_constant(v, apply(vertex.op, values->front(), values->size() > 1 ? values->back() : 0));
     if (vertex.op == Op::Multiply) {
       for (std::size_t i = 0; i < 2; ++i) {
         if (same_in_all(vertex.in[i]) == 1.0) return replace(v, vertex.in[1 - i]);
-        if (zeros_ && constant(vertex.in[i]) == 0.0) {
-          make_constant(v, 0);
-          return true;
-        }
+        if (zeros_ && constant(vertex.in[i]) == 0.0) return make_constant(v, 0);
       }
     }
     if (vertex.op == Op::Divide && same_in_all(vertex.in[1]) == 1.0) return replace(v, vertex.in[0]);
@@ -131,10 +113,11 @@ class Simplifier {
     return false;
   }
 
-  void make_constant(int v, double value) {
+  bool make_constant(int v, double value) {
     at(v).kind = Kind::Constant;
     at(v).value = value;
     at(v).in.clear();
+    return true;
   }
 
   bool replace(int v, Wire with) {
@@ -164,11 +147,7 @@ class Simplifier {
     std::vector<double*> out;
     for (auto& result : results) out.push_back(&result);
     (*made)->process({in.data(), out.data(), 1, 0});
-    if (results.size() == 1) {
-      make_constant(v, results[0]);
-      return true;
-    }
-    return fold_outputs(v, results);
+    return results.size() == 1 ? make_constant(v, results[0]) : fold_outputs(v, results);
   }
 
   bool fold_outputs(int v, const std::vector<double>& results) {
@@ -217,7 +196,7 @@ class Simplifier {
     for (int v = 0; v < static_cast<int>(graph_.vertices.size()); ++v) {
       const auto& vertex = at(v);
       if (vertex.kind == Kind::Node || vertex.kind == Kind::Control || vertex.kind == Kind::Input ||
-          vertex.kind == Kind::RateConverter || (is_copy(vertex) && vertex.path != "system.rate"))
+          vertex.kind == Kind::RateConverter || is_copy(vertex))
         named_[v] = {};
     }
   }
@@ -234,7 +213,6 @@ class Simplifier {
         else if (behind.alive || behind.kind == Kind::Node)
           continue;
       }
-      if (vertex.path.find("system.") != std::string::npos) continue;
       graph_.left_out.push_back(
           {vertex.path, vertex.kind == Kind::Control ? "its output is not used" : reason});
     }

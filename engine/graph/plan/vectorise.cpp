@@ -31,48 +31,37 @@ const Wire& first_of(const LaneRow& row) {
   return *std::find_if(row.begin(), row.end(), [](const Wire& wire) { return wire.vertex != kNone; });
 }
 
-/// Whether this is true of every wire that is there.
-template <class Condition>
-bool all_of(const LaneRow& row, Condition condition) {
-  return std::all_of(row.begin(), row.end(),
-                     [&](const Wire& wire) { return wire.vertex == kNone || condition(wire); });
-}
-
-/// Which lanes of a graph are worth vectorising: lanes 8k … 8k+7 of the same node or operator, where
-/// half of them or more are there, and where one of the groups that read one another has a state.
-class LaneGroups {
+class Vectoriser {
  public:
-  /// The nodes of the single lanes are made.
-  LaneGroups(const VertexGraph& graph, const FlatGraph& flat) : graph_(graph), flat_(flat) {
-    find();
-    drop_those_without_state();
-  }
+  Vectoriser(VertexGraph& graph, const FlatGraph& flat) : graph_(graph), flat_(flat) {}
 
-  /// In the order of their first vertices, so that one file always gives one plan.
-  std::vector<LaneGroup>& groups() { return groups_; }
-  const LaneGroup& operator[](int group) const { return groups_[index(group)]; }
-  /// Index in `groups`, or kNone.
-  int group_of(const Wire& wire) const { return group_of_[index(wire.vertex)]; }
-  /// What the lanes of a group read at input `i`.
-  LaneRow input(const LaneGroup& group, std::size_t i) const {
-    LaneRow row;
-    for (const int v : group.members) row.push_back(v == kNone ? Wire{} : at(v).in[i]);
-    return row;
-  }
-  /// The group whose lanes these are, each in its place; kNone if there is no such group.
-  int lined_up(const LaneRow& row) const {
-    const int g = group_of(first_of(row));
-    if (g == kNone) return kNone;
-    const auto& members = groups_[index(g)].members;
-    for (std::size_t lane = 0; lane < row.size(); ++lane)
-      if (row[lane].vertex != kNone && row[lane] != Wire{members[lane], first_of(row).port}) return kNone;
-    return g;
+  bool run() {
+    find_groups();
+    drop_those_without_state();
+    if (groups_.empty()) return false;
+    const auto scalars = graph_.vertices.size();
+    for (auto& group : groups_) add_vectorised(group);
+    for (auto& group : groups_) connect(group);
+    for (std::size_t v = 0; v < scalars; ++v) connect_scalar(static_cast<int>(v));
+    for (const auto& group : groups_)
+      for (const int member : group.members)
+        if (member != kNone) at(member).alive = false;
+    graph_.compact();
+    return true;
   }
 
  private:
-  const Vertex& at(int v) const { return graph_.vertices[index(v)]; }
+  Vertex& at(int v) { return graph_.vertices[index(v)]; }
 
-  void find() {
+  int add(Vertex vertex) {
+    graph_.vertices.push_back(std::move(vertex));
+    return static_cast<int>(graph_.vertices.size()) - 1;
+  }
+
+  // ---- lanes worth vectorising: 8k … 8k+7 of the same node or operator, where half of them or more are
+  // there, and where one of the groups that read one another has a state
+
+  void find_groups() {
     std::map<std::pair<Origin, int>, std::vector<int>> rows;
     for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
       const auto& vertex = graph_.vertices[v];
@@ -94,7 +83,7 @@ class LaneGroups {
     number_members();
   }
 
-  void make_node(LaneGroup& group) const {
+  void make_node(LaneGroup& group) {
     const auto& first = at(group.first);
     if (first.kind == Vertex::Kind::Operation) {
       group.node = std::make_unique<VectorOperation>(first.op);
@@ -130,35 +119,22 @@ class LaneGroups {
     number_members();
   }
 
-  const VertexGraph& graph_;
-  const FlatGraph& flat_;
-  std::vector<LaneGroup> groups_;
-  std::vector<int> group_of_;  ///< [scalar vertex]
-};
-
-class Vectoriser {
- public:
-  Vectoriser(VertexGraph& graph, const FlatGraph& flat) : graph_(graph), groups_(graph, flat) {}
-
-  bool run() {
-    if (groups_.groups().empty()) return false;
-    const auto scalars = graph_.vertices.size();
-    for (auto& group : groups_.groups()) add_vectorised(group);
-    for (auto& group : groups_.groups()) connect(group);
-    for (std::size_t v = 0; v < scalars; ++v) connect_scalar(static_cast<int>(v));
-    for (const auto& group : groups_.groups())
-      for (const int member : group.members)
-        if (member != kNone) at(member).alive = false;
-    graph_.compact();
-    return true;
+  /// Index in `groups_`, or kNone.
+  int group_of(const Wire& wire) const { return group_of_[index(wire.vertex)]; }
+  /// What the lanes of a group read at input `i`.
+  LaneRow input(const LaneGroup& group, std::size_t i) {
+    LaneRow row;
+    for (const int v : group.members) row.push_back(v == kNone ? Wire{} : at(v).in[i]);
+    return row;
   }
-
- private:
-  Vertex& at(int v) { return graph_.vertices[index(v)]; }
-
-  int add(Vertex vertex) {
-    graph_.vertices.push_back(std::move(vertex));
-    return static_cast<int>(graph_.vertices.size()) - 1;
+  /// The group whose lanes these are, each in its place; kNone if there is no such group.
+  int lined_up(const LaneRow& row) const {
+    const int g = group_of(first_of(row));
+    if (g == kNone) return kNone;
+    const auto& members = groups_[index(g)].members;
+    for (std::size_t lane = 0; lane < row.size(); ++lane)
+      if (row[lane].vertex != kNone && row[lane] != Wire{members[lane], first_of(row).port}) return kNone;
+    return g;
   }
 
   // ---- vectorised vertices
@@ -193,84 +169,73 @@ class Vectoriser {
   void connect(const LaneGroup& group) {
     std::vector<Wire> in;
     for (std::size_t i = 0; i < at(group.first).in.size(); ++i)
-      in.push_back(vector_input(groups_.input(group, i), at(group.vertex)));
+      in.push_back(vector_input(input(group, i), at(group.vertex)));
     // Every operation has two operands to point at.
     if (at(group.vertex).kind == Vertex::Kind::Operation && in.size() == 1) in.push_back(in[0]);
     at(group.vertex).in = std::move(in);
   }
 
   Wire vector_input(const LaneRow& row, const Vertex& reader) {
-    if (const int g = groups_.lined_up(row); g != kNone) return all_lanes(g, row);
-    if (all_of(row, [&](const Wire& wire) { return at(wire.vertex).kind == Vertex::Kind::Constant; }))
-      return constants(row);
-    if (all_of(row, [&](const Wire& wire) { return wire == first_of(row); }))
-      return scalar(first_of(row), reader.path);
-    return packed(row, reader.path, reader.divisor);
+    if (const int g = lined_up(row); g != kNone) return all_lanes(g, row);
+    auto wires = row;  // what a lane reads that is not there changes nothing
+    std::replace(wires.begin(), wires.end(), Wire{}, first_of(row));
+    const auto constant = [&](Wire wire) { return at(wire.vertex).kind == Vertex::Kind::Constant; };
+    if (std::ranges::all_of(wires, constant)) return constants(wires);
+    if (std::ranges::count(wires, wires[0]) == kVectorWidth) return scalar(wires[0], reader.path);
+    return packed(wires, reader.path, reader.divisor);
   }
 
   Wire all_lanes(int group, const LaneRow& row) const {
-    return {groups_[group].vertex, first_of(row).port, Wire::kAllLanes};
+    return {groups_[index(group)].vertex, first_of(row).port, Wire::kAllLanes};
   }
 
   Wire constants(const LaneRow& row) {
     Vertex vertex;
     vertex.width = kVectorWidth;
-    for (const auto& wire : row)
-      vertex.values.push_back(at(wire.vertex == kNone ? first_of(row).vertex : wire.vertex).value);
+    for (const auto& wire : row) vertex.values.push_back(at(wire.vertex).value);
     return {add(std::move(vertex)), 0, Wire::kAllLanes};
   }
 
-  Wire packed(const LaneRow& row, std::string path, int divisor) {
-    LaneRow wires;
-    for (const auto& wire : row) wires.push_back(lane_of(wire.vertex == kNone ? first_of(row) : wire));
+  Wire packed(LaneRow wires, std::string path, int divisor) {
+    for (auto& wire : wires) wire = lane_of(wire);
     wires.resize(kVectorWidth, wires[0]);
-    Vertex vertex;
-    vertex.kind = Vertex::Kind::Pack;
-    vertex.width = kVectorWidth;
-    vertex.divisor = divisor;
-    vertex.path = std::move(path);
-    auto key = wires_of(wires);
-    key.push_back(divisor);
-    if (const auto known = packs_.find(key); known != packs_.end()) return known->second;
-    vertex.in = std::move(wires);
-    vertex.node = std::make_shared<Pack>();
-    return packs_[key] = {add(std::move(vertex)), 0, Wire::kAllLanes};
-  }
-
-  static std::vector<int> wires_of(const LaneRow& wires) {
-    std::vector<int> key;
-    for (const auto& wire : wires) key.insert(key.end(), {wire.vertex, wire.port, wire.lane});
-    return key;
+    const auto [known, fresh] = packs_.try_emplace({wires, divisor});
+    if (!fresh) return known->second;
+    const int vertex = add({.kind = Vertex::Kind::Pack,
+                            .width = kVectorWidth,
+                            .divisor = divisor,
+                            .in = std::move(wires),
+                            .path = std::move(path),
+                            .node = std::make_shared<Pack>()});
+    return known->second = {vertex, 0, Wire::kAllLanes};
   }
 
   // ---- what stays scalar
 
   /// Where the signal is now: on its own, or a lane of a vectorised vertex.
   Wire lane_of(const Wire& wire) const {
-    const int g = groups_.group_of(wire);
+    const int g = group_of(wire);
     if (g == kNone) return wire;
-    const auto& group = groups_[g];
+    const auto& group = groups_[index(g)];
     const auto lane = std::find(group.members.begin(), group.members.end(), wire.vertex);
     return {group.vertex, wire.port, static_cast<int>(lane - group.members.begin())};
   }
 
   /// Its samples in a row.
   Wire scalar(const Wire& wire, std::string path) {
-    if (groups_.group_of(wire) == kNone) return wire;
+    if (group_of(wire) == kNone) return wire;
     const auto lane = lane_of(wire);
-    const auto [known, fresh] = rows_.try_emplace(wires_of({lane}));
+    const auto [known, fresh] = rows_.try_emplace(lane);
     if (!fresh) return known->second;
-    Vertex row;
-    row.kind = Vertex::Kind::Operation;
-    row.op = Expression::Op::Signal;
-    row.divisor = at(wire.vertex).divisor;
-    row.path = std::move(path);
-    row.in = {lane};
-    return known->second = {add(std::move(row)), 0};
+    return known->second = {add({.kind = Vertex::Kind::Operation,
+                                 .op = Expression::Op::Signal,
+                                 .divisor = at(wire.vertex).divisor,
+                                 .in = {lane},
+                                 .path = std::move(path)})};
   }
 
   void connect_scalar(int v) {
-    if (!at(v).alive || groups_.group_of({v, 0}) != kNone) return;
+    if (!at(v).alive || group_of({v, 0}) != kNone) return;
     if (at(v).kind == Vertex::Kind::Sum && sum_vectorised(v)) return;
     const bool takes_lanes = at(v).kind == Vertex::Kind::Output;
     auto in = at(v).in;
@@ -286,12 +251,11 @@ class Vectoriser {
       if (lane % kVectorWidth == 0) rows.emplace_back();
       rows.back().push_back(lanes[lane]);
     }
-    if (std::none_of(rows.begin(), rows.end(),
-                     [this](const LaneRow& row) { return groups_.lined_up(row) != kNone; }))
+    if (std::none_of(rows.begin(), rows.end(), [this](const LaneRow& row) { return lined_up(row) != kNone; }))
       return false;
     LaneRow in;
     for (const auto& row : rows) {
-      const int g = groups_.lined_up(row);
+      const int g = lined_up(row);
       in.push_back(g == kNone ? packed(row, at(v).path, at(v).divisor) : all_lanes(g, row));
     }
     at(v).in = std::move(in);
@@ -301,8 +265,11 @@ class Vectoriser {
   }
 
   VertexGraph& graph_;
-  LaneGroups groups_;
-  std::map<std::vector<int>, Wire> packs_, rows_;
+  const FlatGraph& flat_;
+  std::vector<LaneGroup> groups_;  ///< in the order of their first vertices, so that one file gives one plan
+  std::vector<int> group_of_;      ///< [scalar vertex]
+  std::map<std::pair<LaneRow, int>, Wire> packs_;  ///< of these lanes at this rate divisor
+  std::map<Wire, Wire> rows_;
 };
 
 }  // namespace

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <compare>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,7 +19,7 @@ struct Wire {
   int vertex = -1;
   int port = 0;
   int lane = 0;
-  bool operator==(const Wire&) const = default;
+  auto operator<=>(const Wire&) const = default;
 };
 
 /// What of the file a vertex is a lane of: the node or the operator, and which of several that this makes.
@@ -47,23 +49,23 @@ struct Vertex {
   Kind kind = Kind::Constant;
   Expression::Op op = Expression::Op::Number;  ///< Operation; `Signal` copies
   double value = 0;                            ///< Constant; PhaseDelay: its sign
-  std::vector<double> values;                  ///< Constant of width kVectorWidth
+  std::vector<double> values = {};             ///< Constant of width kVectorWidth
   int index = -1;                              ///< of the channel, control, output channel, or flat node
   int lane = 0;                                ///< the first one of a vectorised vertex
   int lanes = 1;                               ///< of its origin
-  Origin origin;
-  int width = 1;              ///< 1 or kVectorWidth
-  int divisor = 1;            ///< engine frames between two of its samples
-  RateConversion conversion;  ///< RateConverter
-  std::vector<Wire> in;
+  Origin origin = {};
+  int width = 1;                   ///< 1 or kVectorWidth
+  int divisor = 1;                 ///< engine frames between two of its samples
+  RateConversion conversion = {};  ///< RateConverter
+  std::vector<Wire> in = {};
   int outputs = 1;
-  std::string path;
-  Source at;
+  std::string path = {};
+  Source at = {};
   bool alive = true;
 
-  std::shared_ptr<const NodeType> type;  ///< Node; keeps network declarations alive
-  std::shared_ptr<Node> node;            ///< what runs it, until the plan takes it over (Plan::nodes)
-  std::uint64_t fingerprint = 0;         ///< of all that `node` was made from
+  std::shared_ptr<const NodeType> type = {};  ///< Node; keeps network declarations alive
+  std::shared_ptr<Node> node = {};            ///< what runs it, until the plan takes it over (Plan::nodes)
+  std::uint64_t fingerprint = 0;              ///< of all that `node` was made from
 
   // Set when the plan is built.
   int runs = -1;      ///< its node in Plan::nodes, or -1
@@ -128,9 +130,18 @@ struct Plan;
 std::vector<bool> make_nodes(VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options,
                              ErrorList& errors);
 
+/// What a step of a block does.
+enum class StepKind : std::uint8_t {
+  Process,     ///< node->process
+  Emit,        ///< first half of a node that closes a loop
+  Absorb,      ///< its second half
+  Operations,  ///< adjacent element-wise operations, one call
+  Outside,     ///< the place where what lies outside answers (a plant whose drive depends on its own sensors)
+};
+
 /// One vertex at one place of the order: whole, or one half of it.
 struct OrderedVertex {
-  enum class Half { Whole, Emit, Absorb, Outside } half = Half::Whole;
+  StepKind step = StepKind::Process;
   int vertex = -1;
 };
 

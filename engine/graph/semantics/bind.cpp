@@ -14,13 +14,6 @@ void look_up_names(Expression& expression, const Scope& scope, ErrorList& errors
   for (auto& argument : expression.arguments) look_up_names(argument, scope, errors);
 }
 
-Expression make(Expression::Op op, const Source& at) {
-  Expression expression;
-  expression.op = op;
-  expression.at = at;
-  return expression;
-}
-
 Expression missing_with_error(ErrorList& errors, Errc code, const Source& at, const std::string& what,
                               const std::string& remedy) {
   errors.add(code, at, what, remedy);
@@ -38,8 +31,8 @@ const SectionType& spread_fields() {
 
 Expression bind_spread(const Value& value, ErrorList& errors) {
   FieldReader fields{*value.table(), spread_fields(), errors, "a spread over lanes"};
-  auto expression = make(Expression::Op::Spread, value.at);
-  expression.exponential = fields.choice("curve") == 1;
+  Expression expression{
+      .op = Expression::Op::Spread, .exponential = fields.choice("curve") == 1, .at = value.at};
   for (const auto* key : {"from", "to"}) {
     if (!fields.has(key))
       return missing_with_error(errors, Errc::Missing, value.at,
@@ -57,92 +50,18 @@ Expression bind_spread(const Value& value, ErrorList& errors) {
   return expression;
 }
 
-/// The table entry that reads the kinds which other files have too.
-SectionType section_of(const Setting& setting) {
-  FieldType::Kind kind = FieldType::Kind::Text;
-  if (setting.kind == Setting::Kind::Choice) kind = FieldType::Kind::Choice;
-  if (setting.kind == Setting::Kind::Integer) kind = FieldType::Kind::Whole;
-  auto only = field(setting.name, kind, setting.doc);
-  only.low = setting.low;
-  only.high = setting.high;
-  only.choices = setting.choices;
-  return {"", {std::move(only)}};
-}
-
-/// Reads one setting of one node; its errors have the place and the name of the node.
-struct SettingReader {
+/// Reads a list that one setting of one node is; its errors have the place and the name of the node.
+struct ListReader {
   const Setting& setting;
   const Value::Table& fields;
-  const std::filesystem::path& folder;
   const std::string& owner;  ///< "delay 'echo'"
   ErrorList& errors;
-  SettingValue result = {};
+  SettingValue& result;
 
-  SettingValue read(const Value& value) {
-    using Kind = Setting::Kind;
-    const auto section = section_of(setting);
-    FieldReader reader{fields, section, errors, FieldReader::kKeysChecked, owner};
-    result.given = true;
-    if (setting.kind == Kind::Choice) {
-      if (const auto choice = reader.choice(setting.name)) result.text = setting.choices[index(*choice)];
-    } else if (setting.kind == Kind::Text || setting.kind == Kind::File) {
-      result.text = reader.text(setting.name);
-      if (value.text() != nullptr) check_text(value.at);
-    } else if (setting.kind == Kind::Integer) {
-      result.number = reader.number(setting.name).value_or(0);
-    } else if (setting.kind == Kind::Flag) {
-      result.number = reader.flag(setting.name) ? 1 : 0;
-    } else if (setting.kind == Kind::Quantity) {
-      read_quantity_within(value);
-    } else {
-      read_list(value);
-    }
-    return std::move(result);
-  }
-
-  void report(Errc code, const Source& at, const std::string& what, const std::string& remedy) {
-    errors.add(code, at, key_of(setting.name, owner) + " " + what, remedy);
-  }
-
-  /// Of one axis of a table: fixed, that of another setting ("=unit"), or that of a port, which is not known
-  /// here.
-  std::optional<Unit> unit(std::size_t axis) const {
-    const std::string text = axis < setting.choices.size() ? setting.choices[axis] : "";
-    if (text.empty() || text.front() != '=') return parse_unit(text);
-    const auto* named = find(fields, text.substr(1));
-    if (named == nullptr) return text == "=unit" ? std::optional{Unit{}} : std::nullopt;
-    return text == "=unit" && named->text() != nullptr ? parse_unit(*named->text()) : std::nullopt;
-  }
-
-  void check_text(const Source& at) {
-    if (setting.unit && !parse_unit(result.text))
-      report(Errc::UnknownName, at, "is not a unit: \"" + result.text + "\"",
-             "write units as \"m/s\", \"N/m\", \"ms\", \"dB\" or \"full scale\"");
-    if (setting.kind != Setting::Kind::File) return;
-    const auto found = find_part(result.text, folder, folder, at);
-    if (errors.keep(found) != nullptr) result.text = found->name;
-  }
-
-  void read_quantity_within(const Value& value) {
-    const auto number = quantity(value, 0);
-    if (!number) return;
-    result.number = *number;
-    if (*number < setting.low || *number > setting.high)
-      report(Errc::OutOfRange, value.at, "is out of range",
-             limits_text(setting.low, setting.high, unit(0).value_or(Unit{})));
-  }
-
-  std::optional<double> quantity(const Value& value, std::size_t axis) {
-    const auto expected = unit(axis);
-    const auto si = expected ? read_quantity(value, *expected, setting.name)
-                             : read_quantity(value).map([](const QuantityValue& q) { return q.si; });
-    return errors.keep(si) != nullptr ? std::optional{*si} : std::nullopt;
-  }
-
-  void read_list(const Value& value) {
+  void read(const Value& value) {
     const auto* list = value.list();
     if (list == nullptr || list->empty())
-      return report(Errc::WrongType, value.at, "must be a non-empty list", "as in " + setting.doc);
+      return report(value.at, "must be a non-empty list", "as in " + setting.doc);
     for (const auto& item : *list) {
       if (setting.kind == Setting::Kind::Names)
         read_name(item);
@@ -153,39 +72,49 @@ struct SettingReader {
     }
   }
 
+  void report(const Source& at, const std::string& what, const std::string& remedy) {
+    errors.add(Errc::WrongType, at, key_of(setting.name, owner) + " " + what, remedy);
+  }
+
+  /// Of one axis: fixed, that of another setting ("=unit"), or that of a port, which is not known here.
+  std::optional<Unit> unit(std::size_t axis) const {
+    const std::string text = axis < setting.choices.size() ? setting.choices[axis] : "";
+    if (!text.starts_with('=')) return parse_unit(text);
+    const auto* named = find(fields, text.substr(1));
+    if (named == nullptr) return text == "=unit" ? std::optional{Unit{}} : std::nullopt;
+    return text == "=unit" && named->text() != nullptr ? parse_unit(*named->text()) : std::nullopt;
+  }
+
+  std::optional<double> quantity(const Value& value, std::size_t axis) {
+    const auto expected = unit(axis);
+    const auto si = expected ? read_quantity(value, *expected, setting.name)
+                             : read_quantity(value).map([](const QuantityValue& q) { return q.si; });
+    return errors.keep(si) != nullptr ? std::optional{*si} : std::nullopt;
+  }
+
   void read_name(const Value& item) {
     if (item.text() != nullptr) return result.names.push_back(*item.text());
-    report(Errc::WrongType, item.at, "must be a list of node names", "write [\"node\", \"node\"]");
+    report(item.at, "must be a list of node names", "write [\"node\", \"node\"]");
   }
 
   void read_point(const Value& item) {
     const auto* pair = item.list();
     if (pair == nullptr || pair->size() != 2)
-      return report(Errc::WrongType, item.at, "must hold pairs", "write [[x, y], [x, y], …]");
+      return report(item.at, "must hold pairs", "write [[x, y], [x, y], …]");
     const auto x = quantity((*pair)[0], 0);
     const auto y = quantity((*pair)[1], 1);
     if (x && y) result.points.emplace_back(*x, *y);
   }
 };
 
-SettingValue fallback_of(const Setting& setting) {
-  SettingValue value;
-  value.text = setting.fallback;
-  if (setting.kind == Setting::Kind::Flag) value.number = setting.fallback == "true" ? 1 : 0;
-  if (setting.kind == Setting::Kind::Integer) value.number = std::stod(setting.fallback);
-  return value;
-}
-
 }  // namespace
 
 Expression number_expression(double si, Dimension dimension, bool bare, const Source& at) {
-  return {.number = si, .dimension = dimension, .bare = bare, .name = {}, .arguments = {}, .at = at};
+  return {.number = si, .dimension = dimension, .bare = bare, .at = at};
 }
 
 Expression missing_signal(const Source& at) {
-  auto expression = make(Expression::Op::Signal, at);
-  expression.signal = FlatGraph::kMissing;
-  return expression;
+  return {.op = Expression::Op::Signal, .signal = FlatGraph::kMissing, .at = at};
 }
 
 Expression bind_signal(const Value& value, const Scope& scope, ErrorList& errors) {
@@ -197,7 +126,7 @@ Expression bind_signal(const Value& value, const Scope& scope, ErrorList& errors
     return std::move(*expression);
   }
   if (const auto* list = value.list()) {
-    auto expression = make(Expression::Op::Lanes, value.at);
+    Expression expression{.op = Expression::Op::Lanes, .at = value.at};
     for (const auto& lane : *list) {
       if (lane.list() != nullptr || lane.table() != nullptr)
         return missing_with_error(errors, Errc::WrongType, lane.at, "a lane cannot be " + lane.kind(),
@@ -216,13 +145,34 @@ Expression bind_signal(const Value& value, const Scope& scope, ErrorList& errors
 SettingValue bind_setting(const Setting& setting, const Value::Table& fields,
                           const std::filesystem::path& folder, const std::string& owner, const Source& at,
                           ErrorList& errors) {
-  if (const auto* value = find(fields, setting.name))
-    return SettingReader{setting, fields, folder, owner, errors}.read(*value);
-  if (!setting.fallback.empty()) return fallback_of(setting);
-  if (!setting.optional)
-    errors.add(Errc::Missing, at, owner + " lacks '" + setting.name + "'",
-               "write " + setting.name + " = … (" + setting.doc + ")");
-  return {};
+  using Kind = Setting::Kind;
+  FieldReader reader{fields, {&setting, 1}, errors, FieldReader::kKeysChecked, owner};
+  const auto* value = reader.value(setting.name);
+  SettingValue result;
+  result.given = value != nullptr;
+  if (value == nullptr) {
+    if (setting.required)
+      errors.add(Errc::Missing, at, owner + " lacks '" + setting.name + "'",
+                 "write " + setting.name + " = … (" + setting.doc + ")");
+    result.text = setting.fallback;
+    if (setting.kind == Kind::Integer && !setting.fallback.empty())
+      result.number = std::stod(setting.fallback);
+  } else if (setting.kind == Kind::Choice) {
+    if (const auto choice = reader.choice(setting.name)) result.text = setting.choices[index(*choice)];
+  } else if (setting.kind == Kind::Integer || setting.kind == Kind::Quantity) {
+    result.number = reader.number(setting.name).value_or(0);
+  } else if (setting.kind == Kind::Unit) {
+    if (reader.unit(setting.name)) result.text = *value->text();
+  } else if (setting.kind == Kind::Text || setting.kind == Kind::File) {
+    result.text = reader.text(setting.name);
+    if (setting.kind == Kind::File && value->text() != nullptr) {
+      const auto found = find_part(result.text, folder, folder, value->at);
+      if (errors.keep(found) != nullptr) result.text = found->name;
+    }
+  } else {
+    ListReader{setting, fields, owner, errors, result}.read(*value);
+  }
+  return result;
 }
 
 }  // namespace tactus

@@ -38,7 +38,7 @@ class Checks {
     check_units(expression);
     check_lanes(expression, node.lanes);
     const auto rule = port_unit(node, port.unit);
-    const auto owner = "'" + port.name + "' of " + node.type->name + " '" + local_name(node.path) + "'";
+    const auto owner = "'" + port.name + "' of " + node.label();
     if (rule.kind == PortUnit::Kind::Fixed) check_unit_is(expression, rule.dimension, owner);
     if (rule.kind == PortUnit::Kind::Follows && rule.follows >= 0 && node.inputs[index(rule.follows)]) {
       const auto followed = unit(*node.inputs[index(rule.follows)]);

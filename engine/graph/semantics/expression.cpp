@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <ranges>
 #include <utility>
 
 #include "engine/core/dimension.h"
@@ -19,17 +20,11 @@ bool digit(char c) { return c >= '0' && c <= '9'; }
 bool letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
-/// [a-z][a-z0-9_]* { "." [a-z][a-z0-9_]* }
+/// name { "." name }
 bool dotted_name(std::string_view word) {
-  bool start = true;
-  for (const char c : word) {
-    if (c == '.' ? start
-        : start  ? !(c >= 'a' && c <= 'z')
-                 : !(digit(c) || c == '_' || (c >= 'a' && c <= 'z')))
-      return false;
-    start = c == '.';
-  }
-  return !start;
+  return std::ranges::all_of(word | std::views::split('.'), [](auto part) {
+    return is_name({part.begin(), part.end()});
+  });
 }
 
 class Parser {
@@ -103,9 +98,7 @@ class Parser {
     if (digit(peek()) || (peek() == '.' && digit(peek(1)))) return number(start, -1);
     auto value = factor();
     if (!value) return value;
-    auto whole = make(Op::Negate, start);
-    whole.arguments.push_back(std::move(*value));
-    return whole;
+    return Expression{.op = Op::Negate, .arguments = {std::move(*value)}, .at = place(start)};
   }
 
   Result<Expression> bracket() {
@@ -222,12 +215,7 @@ class Parser {
     place.column += static_cast<int>(offset);
     return place;
   }
-  Expression make(Expression::Op op, std::size_t offset) const {
-    Expression whole;
-    whole.op = op;
-    whole.at = place(offset);
-    return whole;
-  }
+  Expression make(Op op, std::size_t offset) const { return {.op = op, .at = place(offset)}; }
   char peek(std::size_t ahead = 0) const {
     return here_ + ahead < text_.size() ? text_[here_ + ahead] : '\0';
   }
@@ -249,6 +237,11 @@ class Parser {
 };
 
 }  // namespace
+
+bool is_name(std::string_view word) {
+  return !word.empty() && word[0] >= 'a' && word[0] <= 'z' &&
+         std::ranges::all_of(word, [](char c) { return (c >= 'a' && c <= 'z') || digit(c) || c == '_'; });
+}
 
 Result<Expression> parse_expression(std::string_view text, const Source& at) {
   return Parser{text, at}.whole();

@@ -33,18 +33,21 @@ struct Expression {
 
   Op op = Op::Number;
   double number = 0;         ///< SI
-  Dimension dimension;       ///< of a number with a unit
+  Dimension dimension = {};  ///< of a number with a unit
   bool bare = false;         ///< a number without a unit: takes the dimension that its place asks for
   bool exponential = false;  ///< Spread: along a geometric curve
-  std::string name;          ///< Signal, as written
+  std::string name = {};     ///< Signal, as written
   int signal = -1;           ///< Signal, once its name is looked up
-  std::vector<Expression> arguments;
-  Source at;  ///< of this part of the text; of an operator, its sign
+  std::vector<Expression> arguments = {};
+  Source at = {};  ///< of this part of the text; of an operator, its sign
 };
 
 /// `at` is the place of the first character of `text` in the file. Errors: Syntax, with the column of what
 /// could not be read and what was expected there.
 Result<Expression> parse_expression(std::string_view text, const Source& at);
+
+/// [a-z][a-z0-9_]*
+bool is_name(std::string_view word);
 
 /// The place of the first letter of a string: behind its quote.
 Source text_start(const Value& value);

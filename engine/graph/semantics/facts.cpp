@@ -73,12 +73,7 @@ Interval input_range(const FlatGraph& graph, const FlatNode& node, std::size_t i
 }
 
 NodeSetup setup_of(const FlatNode& node, Hertz sample_rate, int lane) {
-  NodeSetup setup;
-  setup.sample_rate = Hertz{sample_rate.value / node.divisor};
-  setup.type = node.type.get();
-  setup.settings = node.settings;
-  setup.lane = lane;
-  return setup;
+  return {Hertz{sample_rate.value / node.divisor}, node.type.get(), {}, node.settings, lane};
 }
 
 PortUnit port_unit(const FlatNode& node, const std::string& declared) {

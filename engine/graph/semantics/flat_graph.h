@@ -36,35 +36,38 @@ struct RateConversion {
 
 struct FlatSignal {
   /// Missing replaces what an error of the file left out, so that it raises no second error.
-  enum class Kind { Missing, Input, Control, SystemDelay, Expression, NodeOutput };
+  enum class Kind { Missing, Input, Control, SystemDelay, SystemRate, Expression, NodeOutput };
 
   Kind kind = Kind::Expression;
-  std::string path;  ///< "bridge.loss.low"
-  Source at;
-  int index = -1;                            ///< of the input, control or node
-  int port = 0;                              ///< of the node's output
-  Expression expression;                     ///< Expression
-  std::optional<Dimension> declared;         ///< the unit that the file gives
-  int divisor = 1;                           ///< engine frames between two samples
-  std::optional<RateConversion> conversion;  ///< Expression at the border of a part
+  std::string path = {};  ///< "bridge.loss.low"
+  Source at = {};
+  int index = -1;                                 ///< of the control or node
+  int port = 0;                                   ///< of the node's output
+  Expression expression = {};                     ///< Expression
+  std::optional<Dimension> declared = {};         ///< the unit that the file gives
+  int divisor = 1;                                ///< engine frames between two samples
+  std::optional<RateConversion> conversion = {};  ///< Expression at the border of a part
   // Inferred:
-  UnitFact unit;
+  UnitFact unit = {};
   int lanes = 1;
-  Interval range;
+  Interval range = {};
 };
 
 struct FlatNode {
   std::string path;
   Source at;
   std::shared_ptr<const NodeType> type;
-  std::vector<std::optional<Expression>> inputs;  ///< declaration order; nullopt: left out
-  std::vector<SettingValue> settings;             ///< declaration order
-  std::vector<int> outputs;                       ///< signals, declaration order
-  std::vector<int> compensate;                    ///< nodes whose phase delay is taken off `time`
-  int voices = 1;                                 ///< lanes asked for with `voices`
-  int divisor = 1;                                ///< engine frames between two of its own
-  int lanes = 1;                                  ///< inferred
-  std::vector<Interval> ranges;                   ///< inferred, of the inputs
+  std::vector<std::optional<Expression>> inputs = {};  ///< declaration order; nullopt: left out
+  std::vector<SettingValue> settings = {};             ///< declaration order
+  std::vector<int> outputs = {};                       ///< signals, declaration order
+  std::vector<int> compensate = {};                    ///< nodes whose phase delay is taken off `time`
+  int voices = 1;                                      ///< lanes asked for with `voices`
+  int divisor = 1;                                     ///< engine frames between two of its own
+  int lanes = 1;                                       ///< inferred
+  std::vector<Interval> ranges = {};                   ///< inferred, of the inputs
+
+  /// As messages call it, by its name in its own file: "delay 'echo'".
+  std::string label() const { return type->name + " '" + path.substr(path.rfind('.') + 1) + "'"; }
 };
 
 struct FlatControl {

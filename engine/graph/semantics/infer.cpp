@@ -1,3 +1,4 @@
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -58,22 +59,24 @@ class Inference {
   FlatSignal& signal(int id) { return graph_.signals[index(id)]; }
   const FlatNode& node_of(const FlatSignal& output) const { return graph_.nodes[index(output.index)]; }
 
+  /// Passes over all signals until none changes.
+  template <class Update>
+  void repeat(Update update, int most_passes = std::numeric_limits<int>::max()) {
+    bool changed = true;
+    for (int pass = 0; changed && pass < most_passes; ++pass) {
+      changed = false;
+      for (const int id : order_) changed |= update(signal(id), id);
+    }
+  }
+
   // ---- lanes: they only grow, and by no more than the widest list, so this ends
 
   void infer_lanes() {
-    while (grow_all_lanes()) {
-    }
+    repeat([this](FlatSignal& s, int id) {
+      if (s.kind == SignalKind::Expression) return grow(s.lanes, lanes_of(graph_, s.expression));
+      return s.kind == SignalKind::NodeOutput && grow_node_lanes(s, id);
+    });
     for (auto& output : graph_.outputs) output.lanes = std::max(1, lanes_of(graph_, output.expression));
-  }
-
-  bool grow_all_lanes() {
-    bool changed = false;
-    for (const int id : order_) {
-      auto& s = signal(id);
-      if (s.kind == SignalKind::Expression) changed |= grow(s.lanes, lanes_of(graph_, s.expression));
-      if (s.kind == SignalKind::NodeOutput) changed |= grow_node_lanes(s, id);
-    }
-    return changed;
   }
 
   bool grow_node_lanes(const FlatSignal& output, int id) {
@@ -98,19 +101,15 @@ class Inference {
   void infer_units() {
     for (auto& s : graph_.signals)
       if (s.declared) s.unit = UnitFact::known(*s.declared);
-    for (bool changed = true; changed;) {
-      changed = false;
-      for (const int id : order_) {
-        auto& s = signal(id);
-        if (s.unit.kind == UnitKind::Known) continue;
-        UnitFact fact = s.unit;
-        if (s.kind == SignalKind::Expression) fact = unit_of(graph_, s.expression);
-        if (s.kind == SignalKind::NodeOutput) fact = output_unit(node_of(s), s.port);
-        if (fact == s.unit || fact.kind == UnitKind::Unknown) continue;
-        s.unit = fact;
-        changed = true;
-      }
-    }
+    repeat([this](FlatSignal& s, int) {
+      if (s.unit.kind == UnitKind::Known) return false;
+      UnitFact fact = s.unit;
+      if (s.kind == SignalKind::Expression) fact = unit_of(graph_, s.expression);
+      if (s.kind == SignalKind::NodeOutput) fact = output_unit(node_of(s), s.port);
+      if (fact == s.unit || fact.kind == UnitKind::Unknown) return false;
+      s.unit = fact;
+      return true;
+    });
   }
 
   UnitFact output_unit(const FlatNode& node, int port) const {
@@ -123,27 +122,17 @@ class Inference {
     return rule.dimension.plain() ? followed : product(followed, UnitFact::known(rule.dimension), false);
   }
 
-  // ---- ranges: each pass narrows further along chains; endless loops are cut off, which
-  // is safe
+  // ---- ranges: each pass narrows further along chains; endless loops are cut off, which is safe
 
   void infer_ranges() {
     constexpr int kPasses = 16;
-    for (int pass = 0; pass < kPasses; ++pass)
-      if (!narrow_all()) return;
-  }
-
-  bool narrow_all() {
-    bool changed = false;
-    for (const int id : order_) {
-      auto& s = signal(id);
-      Interval found = s.range;
-      if (s.kind == SignalKind::Expression) found = range_of(graph_, s.expression);
-      if (s.kind == SignalKind::NodeOutput) found = output_range(node_of(s), s.port);
-      if (found.low == s.range.low && found.high == s.range.high) continue;
-      s.range = found;
-      changed = true;
-    }
-    return changed;
+    const auto narrow = [this](FlatSignal& s, int) {
+      const auto before = s.range;
+      if (s.kind == SignalKind::Expression) s.range = range_of(graph_, s.expression);
+      if (s.kind == SignalKind::NodeOutput) s.range = output_range(node_of(s), s.port);
+      return s.range.low != before.low || s.range.high != before.high;
+    };
+    repeat(narrow, kPasses);
   }
 
   Interval output_range(const FlatNode& node, int port) const {

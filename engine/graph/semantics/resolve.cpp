@@ -1,10 +1,8 @@
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <set>
 #include <unordered_map>
-#include <unordered_set>
 
 #include "engine/core/named.h"
 #include "engine/graph/file/read_graph.h"
@@ -18,10 +16,11 @@ namespace {
 ///
 ///   loop = { use = "loop.toml", rate = "1/16", take = "mean", between = "line", … }
 struct PartRate {
+  using How = RateConversion::How;
   static constexpr int kSlowest = 1024;
-  int ratio = 1;      ///< frames around it for one of its own
-  bool mean = false;  ///< its inputs are means of the frames since its last one; else what there is
-  bool line = false;  ///< its outputs go straight from one sample to the next; else they are held
+  int ratio = 1;            ///< frames around it for one of its own
+  How take = How::Last;     ///< its inputs; Smooth: means of the frames since its last one
+  How between = How::Last;  ///< its outputs; Smooth: straight from one sample to the next
 };
 
 std::string owner_of(const NodeSpec& part) { return "part '" + part.name + "'"; }
@@ -29,16 +28,6 @@ std::string owner_of(const NodeSpec& part) { return "part '" + part.name + "'"; 
 /// Whether an input or a control of the part is called like this.
 bool declares(const GraphSpec& part, std::string_view name) {
   return find_named(part.inputs, name) != nullptr || find_named(part.controls, name) != nullptr;
-}
-
-/// The number below "1/"; nothing if it is no fraction.
-std::optional<double> below_one(std::string text) {
-  std::erase(text, ' ');
-  if (!text.starts_with("1/")) return std::nullopt;
-  double number = 0;
-  const char* const end = text.data() + text.size();
-  const auto read = std::from_chars(text.data() + 2, end, number);
-  return read.ec == std::errc{} && read.ptr == end ? std::optional{number} : std::nullopt;
 }
 
 std::string in_hertz(double hertz) { return short_quantity(hertz, parse_unit("Hz")->dimension); }
@@ -56,8 +45,11 @@ int read_ratio(const Value& value, Hertz around, const std::string& owner, Error
     errors.add(code, value.at, key_of("rate", owner) + what, remedy);
     return 1;
   };
-  auto ratio = value.text() != nullptr ? below_one(*value.text()) : std::nullopt;
-  if (!ratio) {
+  std::string text = value.text() != nullptr ? *value.text() : "";
+  std::erase(text, ' ');
+  const auto below_one = text.starts_with("1/") ? parse_quantity(text.substr(2)) : std::nullopt;
+  double ratio = below_one ? below_one->si : 0;
+  if (!below_one || !below_one->bare) {
     const auto quantity = read_quantity(value);
     if (!quantity || quantity->bare || !(quantity->unit.dimension == parse_unit("Hz")->dimension))
       return report(Errc::WrongType, " is not a rate",
@@ -68,13 +60,13 @@ int read_ratio(const Value& value, Hertz around, const std::string& owner, Error
           "the rate of a part must not exceed the " + in_hertz(around.value) + " of the enclosing graph");
     ratio = around.value / quantity->si;
   }
-  const double whole = std::round(*ratio);
+  const double whole = std::round(ratio);
   // Rates come as decimal numbers: 44.1 kHz / 14.7 kHz is 3 but for rounding.
-  if (std::abs(*ratio - whole) > 1e-9 * *ratio || whole < 1)
+  if (std::abs(ratio - whole) > 1e-9 * ratio || whole < 1)
     return report(
         Errc::OutOfRange,
         " is not the " + in_hertz(around.value) + " of the enclosing graph divided by a whole number",
-        nearest_rates(around.value, *ratio));
+        nearest_rates(around.value, ratio));
   if (whole <= PartRate::kSlowest) return static_cast<int>(whole);
   return report(Errc::OutOfRange, " is too low",
                 "give at least \"1/" + std::to_string(PartRate::kSlowest) + "\"");
@@ -84,20 +76,20 @@ int read_ratio(const Value& value, Hertz around, const std::string& owner, Error
 PartRate read_part_rate(const NodeSpec& node, const GraphSpec& part, Hertz around, ErrorList& errors) {
   Value::Table own = node.fields;
   std::erase_if(own, [&](const Field& field) { return declares(part, field.key); });
-  FieldReader fields{own, part_fields(), errors, FieldReader::kKeysChecked, owner_of(node)};
+  FieldReader fields{own, part_fields().fields, errors, FieldReader::kKeysChecked, owner_of(node)};
   const auto second_choice = [&](const char* key) {
     const auto choice = fields.choice(key);
     if (choice && !fields.has("rate"))
       errors.add(Errc::Missing, fields.value(key)->at,
                  key_of(key, owner_of(node)) + " has no effect without a 'rate'",
                  "give the part its own rate, or remove '" + std::string{key} + "'");
-    return choice == 1;
+    return choice == 1 ? PartRate::How::Smooth : PartRate::How::Last;
   };
   PartRate rate;
   if (const auto* value = fields.value("rate"))
     rate.ratio = read_ratio(*value, around, owner_of(node), errors);
-  rate.mean = second_choice("take");
-  rate.line = second_choice("between");
+  rate.take = second_choice("take");
+  rate.between = second_choice("between");
   return rate;
 }
 
@@ -160,14 +152,7 @@ class Instance {
   }
 
   int add_signal(const std::string& name, const Source& at, FlatSignal::Kind kind, int index, int port = 0) {
-    FlatSignal added;
-    added.kind = kind;
-    added.path = prefix_ + name;
-    added.at = at;
-    added.index = index;
-    added.port = port;
-    added.divisor = divisor_;
-    flat_.signals.push_back(std::move(added));
+    flat_.signals.push_back({kind, prefix_ + name, at, index, port, {}, {}, divisor_});
     const int id = static_cast<int>(flat_.signals.size()) - 1;
     scope_.add(name, id);
     return id;
@@ -180,7 +165,7 @@ class Instance {
   }
 
   void declare_input(const PortSpec& input) {
-    const int id = add_signal(input.name, input.at, FlatSignal::Kind::Input, inputs_++);
+    const int id = add_signal(input.name, input.at, FlatSignal::Kind::Input, -1);
     if (input.unit_known) signal(id).declared = input.dimension;
     signal(id).lanes = input.lanes;
     if (input.broken) scope_.hide(input.name);
@@ -196,8 +181,9 @@ class Instance {
   }
 
   void declare_system() {
-    const int rate = add_expression("system.rate", {});
-    signal(rate).expression = number_expression(sample_rate().value, parse_unit("Hz")->dimension, false, {});
+    const int rate = add_signal("system.rate", {}, FlatSignal::Kind::SystemRate, -1);
+    signal(rate).declared = parse_unit("Hz")->dimension;
+    signal(rate).range = Interval::exactly(sample_rate().value);
     const int delay = add_signal("system.delay", {}, FlatSignal::Kind::SystemDelay, -1);
     signal(delay).declared = parse_unit("s")->dimension;
     signal(delay).range = {0, 1};
@@ -242,26 +228,14 @@ class Instance {
   void declare_network(const NetworkSpec& network) {
     auto type = resolving_.table.network ? resolving_.table.network(network)
                                          : Checked<std::shared_ptr<const NodeType>>{};
-    if (!type || network.broken) {
-      // An element without a type has been reported for that.
-      auto errors = type ? std::vector<Error>{} : std::move(type.error());
-      std::erase_if(errors, [&](const Error& error) {
-        return std::any_of(network.elements.begin(), network.elements.end(), [&](const NodeSpec& element) {
-          return element.type.empty() && element.type_at.text() == error.where;
-        });
-      });
-      errors_.add(std::move(errors));
+    if (!type) {
+      errors_.add(std::move(type.error()));
       return scope_.hide(network.name);
     }
-    // Thousands of ports: asked for one by one they would take a time with their square.
-    std::unordered_set<std::string_view> ports;
-    ports.reserve((*type)->inputs.size());
-    for (const auto& port : (*type)->inputs) ports.insert(port.name);
     EntrySpec entry{network.name, network.at, {}};
     for (const auto& element : network.elements)
       for (const auto& field : element.fields)
-        if (auto port = element.name + "." + field.key; ports.contains(port))
-          entry.fields.push_back({std::move(port), field.at, field.value});
+        entry.fields.push_back({element.name + "." + field.key, field.at, field.value});
     network_entries_.push_back(std::make_unique<EntrySpec>(std::move(entry)));
     const auto& outputs = (*type)->outputs;
     scope_.explain(network.name, "write an element of the network, such as '" + network.name + "." +
@@ -271,10 +245,7 @@ class Instance {
 
   void declare_outputs(const EntrySpec& entry, std::shared_ptr<const NodeType> type, bool bare_name) {
     const int index = static_cast<int>(flat_.nodes.size());
-    FlatNode node;
-    node.path = prefix_ + entry.name;
-    node.at = entry.at;
-    node.type = type;
+    FlatNode node{prefix_ + entry.name, entry.at, type};
     // A sum adds the lanes that there are, in a part with voices too.
     node.voices = type->reduces_lanes ? 1 : voices_;
     node.divisor = divisor_;
@@ -293,7 +264,7 @@ class Instance {
     const auto part = spec_.parts.find(node.use);
     if (part == spec_.parts.end()) return scope_.hide(node.name);  // its file cannot be read
     if (too_large(node)) return scope_.hide(node.name);
-    FieldReader fields{node.fields, part_fields(), errors_, FieldReader::kKeysChecked, owner_of(node)};
+    FieldReader fields{node.fields, part_fields().fields, errors_, FieldReader::kKeysChecked, owner_of(node)};
     const int voices = static_cast<int>(fields.number("voices").value_or(voices_));
     const auto rate = read_part_rate(node, *part->second, sample_rate(), errors_);
     auto instance = std::make_unique<Instance>(*part->second, resolving_, prefix_ + node.name + ".", voices,
@@ -314,11 +285,9 @@ class Instance {
   }
 
   void declare_part_outputs(const NodeSpec& node, const GraphSpec& part, const Instance& instance) {
-    using How = RateConversion::How;
     for (const auto& output : part.outputs) {
       const int id = add_expression(node.name + "." + output.name, node.at);
-      if (instance.divisor_ != divisor_)
-        signal(id).conversion = {instance.divisor_, instance.rate_.line ? How::Smooth : How::Last};
+      if (instance.divisor_ != divisor_) signal(id).conversion = {instance.divisor_, instance.rate_.between};
     }
     if (part.outputs.size() == 1)
       scope_.add(node.name, static_cast<int>(flat_.signals.size()) - 1);
@@ -330,11 +299,9 @@ class Instance {
 
   /// What a part is given: it comes from the rate around the part into its own.
   int declare_binding(const EntrySpec& entry) {
-    using How = RateConversion::How;
     const int id = add_expression(entry.name, entry.at);
     bindings_[entry.name] = id;
-    if (divisor_ != outer_divisor_)
-      signal(id).conversion = {outer_divisor_, rate_.mean ? How::Smooth : How::Last};
+    if (divisor_ != outer_divisor_) signal(id).conversion = {outer_divisor_, rate_.take};
     return id;
   }
 
@@ -365,12 +332,11 @@ class Instance {
   }
 
   void connect_node(const EntrySpec& entry, FlatNode& node) {
-    const auto& type = *node.type;
-    const auto owner = type.name + " '" + entry.name + "'";
-    FieldReader fields{entry.fields, node_fields(), errors_, FieldReader::kKeysChecked, owner};
+    const auto owner = node.label();
+    FieldReader fields{entry.fields, node_fields().fields, errors_, FieldReader::kKeysChecked, owner};
     if (const auto voices = fields.number("voices")) node.voices = static_cast<int>(*voices);
     connect_ports(entry, node, owner);
-    for (const auto& setting : type.settings) {
+    for (const auto& setting : node.type->settings) {
       node.settings.push_back(bind_setting(setting, entry.fields, folder(), owner, entry.at, errors_));
       if (setting.kind == Setting::Kind::Names) connect_compensation(entry, setting.name, node);
     }
@@ -407,8 +373,9 @@ class Instance {
                       "omit it; list only nodes that change the phase");
         node.compensate.push_back(known->second);
       } else if (scope_.find(name, value->at) != FlatGraph::kMissing) {
-        errors_.add(Errc::UnknownName, value->at, "there is no node '" + name + "' to compensate",
-                    "list nodes of this file that have a type");
+        errors_.add(
+            Errc::UnknownName, value->at, "there is no node '" + name + "' to compensate",
+            "list nodes that this file declares with 'type'; expressions and parts cannot be compensated");
       }
     }
   }
@@ -467,12 +434,9 @@ class Instance {
   }
 
   void connect_tap(const std::string& name) {
-    FlatOutput output;
-    output.name = name;
-    output.use = OutputUse::Tap;
     const auto found = scope_.find(name, spec_.file);
     if (errors_.keep(found) == nullptr) return;
-    output.expression.op = Expression::Op::Signal;
+    FlatOutput output{name, OutputUse::Tap, missing_signal({})};
     output.expression.signal = *found;
     flat_.outputs.push_back(std::move(output));
   }
@@ -486,7 +450,6 @@ class Instance {
   int outer_divisor_, divisor_;  ///< engine frames between two of its user's, and of its own
   PartRate rate_;
   Scope scope_;
-  int inputs_ = 0;
   std::map<std::string, int> nodes_by_name_;
   std::map<std::string, int> bindings_;  ///< a part's inputs and controls: their signals
   std::vector<std::unique_ptr<EntrySpec>> network_entries_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <ranges>
 #include <tuple>
 
 #include "engine/core/dimension.h"
@@ -12,24 +13,14 @@ namespace {
 
 constexpr std::array<std::string_view, 4> kReserved = {"system", "min", "max", "abs"};
 
-bool small_letter(char c) { return c >= 'a' && c <= 'z'; }
-
-bool well_formed(std::string_view name) {
-  return !name.empty() && small_letter(name.front()) && std::all_of(name.begin(), name.end(), [](char c) {
-    return small_letter(c) || (c >= '0' && c <= '9') || c == '_';
-  });
-}
-
 }  // namespace
 
 std::string Scope::suggestion(const std::string& name) const {
   // Each costs a look at every name: a file with thousands of wrong ones shall not take minutes.
   constexpr int kMostSuggestions = 100;
   if (++suggestions_ > kMostSuggestions) return {};
-  std::vector<std::string> names;
-  names.reserve(signals_.size());
-  for (const auto& [known, signal] : signals_) names.push_back(known);
-  return nearest_name(name, names);
+  const auto names = std::views::keys(signals_);
+  return nearest_name(name, std::vector<std::string>{names.begin(), names.end()});
 }
 
 Result<int> Scope::find(const std::string& name, const Source& at) const {
@@ -53,7 +44,7 @@ void NameSpace::add(const std::string& name, const std::string& kind, const Sour
   const auto refuse = [&](const char* because, const char* remedy) {
     errors.add(Errc::Syntax, at, quoted + because + " cannot name " + kind, remedy);
   };
-  if (!well_formed(name))
+  if (!is_name(name))
     return refuse("", "names begin with a lower-case letter, followed by lower-case letters, digits and _");
   if (name.size() > 1 && is_unit_symbol(name)) return refuse(" is a unit and", "choose another name");
   if (std::ranges::find(kReserved, name) != kReserved.end())

@@ -1,10 +1,9 @@
 #include "engine/dsp/delays/delay_line.h"
 #include "engine/dsp/delays/taps.h"
-#include "engine/dsp/envelopes/rise_kernel.h"
+#include "engine/dsp/envelopes/envelope_kernel.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/nodes/declare.h"
 #include "engine/nodes/delays/align_kernel.h"
-#include "engine/nodes/delays/delay_taps.h"
 #include "engine/nodes/process.h"
 
 namespace tactus {
@@ -17,8 +16,7 @@ class AlignNode final : public Node {
   explicit AlignNode(const NodeSetup& setup)
       : start_(start_of(setup)),
         state_(start_),
-        taps_(TimeRange{0, tactus_align_longest_pad(&start_, start_.longest_period)}, setup.sample_rate),
-        line_(taps_.longest() + kMaxSubBlock, kMaxSubBlock + kOrder) {}
+        line_(tactus_delay_most(&start_.delay, kOrder) + kOrder + kMaxSubBlock, kMaxSubBlock + kOrder) {}
 
   static Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
     const double longest = std::min(setup.input("period").range.high, TACTUS_ALIGN_LONGEST);
@@ -37,13 +35,9 @@ class AlignNode final : public Node {
     const auto* in = block.in;
     Contiguous samples;
     line_.write(samples(in[kIn], block.frames), block.frames);
-    for (int n = 0; n < block.frames; ++n) {
-      tactus_align_follow(&state_, in[kPeriod][n], in[kDelay][n], in[kPhase][n], in[kTrigger][n], in[kOn][n]);
-      const int written = block.frames - n;
-      double y = sum(state_.now, written);
-      if (state_.fading > 0) y += tactus_align_fade(&state_) * (sum(state_.before, written) - y);
-      block.out[0][n] = y;
-    }
+    for (int n = 0; n < block.frames; ++n)
+      block.out[0][n] = tactus_align_read(&state_, line_.line(), block.frames - n, in[kPeriod][n],
+                                          in[kDelay][n], in[kPhase][n], in[kTrigger][n], in[kOn][n]);
   }
 
   void reset() noexcept override {
@@ -54,7 +48,10 @@ class AlignNode final : public Node {
     if (auto* other = dynamic_cast<AlignNode*>(&before)) line_.adopt(other->line_);
   }
 
-  DelayRange delay(int input, int) const override { return input == kIn ? taps_.delay() : DelayRange{}; }
+  DelayRange delay(int input, int) const override {
+    if (input != kIn) return {};
+    return {tactus_delay_least(&start_.delay, kOrder), tactus_delay_most(&start_.delay, kOrder)};
+  }
 
   /// As a note that starts with these inputs.
   std::optional<std::complex<double>> response(int input, int, std::complex<double> z,
@@ -64,7 +61,7 @@ class AlignNode final : public Node {
     const double period = tactus_align_period(&start_, at[kPeriod]);
     const double rest = tactus_align_rest(period, at[kDelay], at[kPhase]);
     const double turns = tactus_align_turns(&start_, period, rest);
-    return taps_.response(tactus_align_inside(&start_, turns * period - rest), z);
+    return delay_response<kOrder>(start_.delay, tactus_delay_inside(&start_.delay, turns * period - rest), z);
   }
 
  private:
@@ -76,14 +73,7 @@ class AlignNode final : public Node {
     return start;
   }
 
-  double sum(const tactus_align_taps& taps, int written) const noexcept {
-    const double *newest = line_.behind(taps.newest + kOrder + written) + kOrder, *weights = taps.weights;
-    return tap_sum<TACTUS_ALIGN_TAPS>([=](std::size_t k) { return weights[k]; },
-                                      [=](std::size_t k) { return *(newest - k); }, 0.0);
-  }
-
   tactus_align start_, state_;
-  DelayTaps<kOrder> taps_;
   DelayLine line_;
 };
 
@@ -119,9 +109,9 @@ NodeType align_type() {
                  {"trigger", "", "start of a note", 0},
                  {"on", "", "below 0.5 no delay is added: the input passes unchanged", 1}},
       .outputs = {{"out", "=in", "the input, delayed"}},
-      .settings = {optional({"compensate", Setting::Kind::Names,
-                             "filters in the same loop, or models of hardware in it; their phase delays at "
-                             "the pitch count as part of the loop delay"})},
+      .settings = {{"compensate", Setting::Kind::Names,
+                    "filters in the same loop, or models of hardware in it; their phase delays at "
+                    "the pitch count as part of the loop delay"}},
       .make = AlignNode::make,
       .compensation = PhaseCompensation{.port = AlignNode::kDelay, .period = AlignNode::kPeriod, .sign = 1}};
 }

@@ -3,7 +3,7 @@
 // Thread: [realtime].
 
 #include "engine/dsp/delays/taps_kernel.h"
-#include "engine/dsp/envelopes/rise_kernel.h"
+#include "engine/dsp/envelopes/envelope_kernel.h"
 
 #define TACTUS_ALIGN_TAPS 4
 #define TACTUS_ALIGN_LONGEST 0.1  ///< period [s]: 10 Hz, the lowest string
@@ -32,7 +32,8 @@ typedef struct tactus_align {
   tactus_align_taps now, before;
 
   // What does not change.
-  tactus_real rate, frame, shortest_period, longest_period;  ///< [Hz], [s]
+  tactus_delay delay;                                  ///< the pad
+  tactus_real frame, shortest_period, longest_period;  ///< [s]
   int fade_frames;
 } tactus_align;
 
@@ -49,26 +50,21 @@ static inline tactus_real tactus_align_rest(tactus_real period, tactus_real dela
 static inline tactus_real tactus_align_turns(const tactus_align* s, tactus_real period, tactus_real rest) {
   return ceil((rest + s->frame) / period);
 }
-static inline tactus_real tactus_align_inside(const tactus_align* s, tactus_real pad) {
-  return pad > 0 ? tactus_min(pad, tactus_align_longest_pad(s, s->longest_period)) : 0.0;
-}
 
 static inline void tactus_align_aim(tactus_align* s, tactus_real pad) {
-  const tactus_real inside = tactus_align_inside(s, pad);
+  const tactus_real inside = tactus_delay_inside(&s->delay, pad);
   if (inside != s->pad) {
-    const tactus_real frames = tactus_delay_frames(inside, s->rate);
     s->pad = inside;
-    s->now.newest = tactus_delay_newest(frames, TACTUS_ALIGN_TAPS - 1, 0);
-    tactus_lagrange(s->now.weights, TACTUS_ALIGN_TAPS, frames - s->now.newest);
+    s->now.newest = tactus_delay_aim(&s->delay, TACTUS_ALIGN_TAPS - 1, inside, s->now.weights);
   }
 }
 
 /// Of a state of zeros.
 static inline void tactus_align_start(tactus_align* s, tactus_real rate, tactus_real longest_period) {
-  s->rate = rate;
   s->frame = 1 / rate;
   s->shortest_period = 2 * s->frame;
   s->longest_period = tactus_clamp(longest_period, s->shortest_period, TACTUS_ALIGN_LONGEST);
+  s->delay = tactus_delay_between(0, tactus_align_longest_pad(s, s->longest_period), rate);
   s->fade_frames = (int)lround(0.010 / s->frame);
   s->now.weights[0] = s->before.weights[0] = 1;
 }
@@ -102,21 +98,28 @@ static inline void tactus_align_follow(tactus_align* s, tactus_real wanted_perio
   if (!s->note) tactus_align_aim(s, s->on ? s->turns * period - rest : 0.0);
 }
 
-/// What the taps where the pad was count in this frame; then one frame on.
-static inline tactus_real tactus_align_fade(tactus_align* s) {
-  return (tactus_real)s->fading-- / s->fade_frames;
+static inline tactus_real tactus_align_sum(const tactus_align_taps* taps, const tactus_line* line,
+                                           int written) {
+  const tactus_real* newest = tactus_line_tap(line, taps->newest + written, TACTUS_ALIGN_TAPS - 1);
+  return tactus_tap_sum(newest, taps->weights, TACTUS_ALIGN_TAPS, 0);
 }
 
-/// `line` holds the longest pad and the taps.
-static inline tactus_real tactus_align_step(tactus_align* s, tactus_line* line, tactus_real in,
+/// The output of a frame, the last but `written` - 1 of `line`, which holds the longest pad and the taps.
+static inline tactus_real tactus_align_read(tactus_align* s, const tactus_line* line, int written,
                                             tactus_real period, tactus_real delay, tactus_real phase,
                                             tactus_real trigger, tactus_real on) {
   tactus_real out;
-  tactus_line_write(line, in);
   tactus_align_follow(s, period, delay, phase, trigger, on);
-  out = tactus_line_sum(line, s->now.newest + 1, s->now.weights, TACTUS_ALIGN_TAPS, 0);
-  if (s->fading > 0)
-    out += tactus_align_fade(s) *
-           (tactus_line_sum(line, s->before.newest + 1, s->before.weights, TACTUS_ALIGN_TAPS, 0) - out);
+  out = tactus_align_sum(&s->now, line, written);
+  if (s->fading > 0) {
+    const tactus_real share = (tactus_real)s->fading-- / s->fade_frames;
+    out += share * (tactus_align_sum(&s->before, line, written) - out);
+  }
   return out;
+}
+static inline tactus_real tactus_align_step(tactus_align* s, tactus_line* line, tactus_real in,
+                                            tactus_real period, tactus_real delay, tactus_real phase,
+                                            tactus_real trigger, tactus_real on) {
+  tactus_line_write(line, in);
+  return tactus_align_read(s, line, 1, period, delay, phase, trigger, on);
 }

@@ -4,7 +4,6 @@
 #include "engine/dsp/delays/delay_line.h"
 #include "engine/dsp/delays/taps.h"
 #include "engine/nodes/declare.h"
-#include "engine/nodes/delays/delay_taps.h"
 #include "engine/nodes/process.h"
 
 namespace tactus {
@@ -42,13 +41,13 @@ class DelayMemory : public Node {
 template <int Order, int Width = 1>
 class DelayNode final : public DelayMemory<Width> {
  public:
-  using AllTaps = std::array<DelayTaps<Order>, static_cast<std::size_t>(Width)>;
-  using Used = std::array<bool, static_cast<std::size_t>(Width)>;
+  template <class T>
+  using PerLane = std::array<T, static_cast<std::size_t>(Width)>;
 
   /// Clamped frames are counted in lanes that are `used`.
-  DelayNode(const AllTaps& taps, const Used& used)
-      : DelayMemory<Width>(longest(taps), Order), taps_(taps), used_(used) {
-    for (std::size_t lane = 0; lane < Width; ++lane) set_aim(lane, taps_[lane].range().low_s);
+  DelayNode(const PerLane<tactus_delay>& ranges, const PerLane<bool>& used)
+      : DelayMemory<Width>(range_of(ranges).most + Order, Order), ranges_(ranges), used_(used) {
+    for (std::size_t lane = 0; lane < Width; ++lane) set_aim(lane, ranges_[lane].low);
   }
 
   void process(const NodeBlock& block) noexcept override {
@@ -57,48 +56,41 @@ class DelayNode final : public DelayMemory<Width> {
   }
   void emit(const NodeBlock& block) noexcept override { read(block, 0); }
 
-  DelayRange delay(int input, int) const override {
-    if (input != 0) return {};
-    DelayRange all = taps_[0].delay();
-    for (const auto& taps : taps_)
-      all = {std::min(all.least, taps.delay().least), std::max(all.most, taps.delay().most)};
-    return all;
-  }
+  DelayRange delay(int input, int) const override { return input == 0 ? range_of(ranges_) : DelayRange{}; }
 
   std::optional<std::complex<double>> response(int input, int, std::complex<double> z,
                                                std::span<const double> at) const override {
     if (input != 0) return std::nullopt;
-    return taps_[0].response(taps_[0].inside(at[kDelayTime]), z);
+    return delay_response<Order>(ranges_[0], tactus_delay_inside(&ranges_[0], at[kDelayTime]), z);
   }
 
   std::unique_ptr<Node> vectorised(std::span<const Node* const> lanes) const override {
-    typename DelayNode<Order, kVectorWidth>::AllTaps taps;
-    typename DelayNode<Order, kVectorWidth>::Used used{};
+    std::array<tactus_delay, kVectorWidth> ranges;
+    std::array<bool, kVectorWidth> used{};
     for (std::size_t lane = 0; lane < kVectorWidth; ++lane) {
       used[lane] = lanes[lane] != nullptr;
-      taps[lane] = static_cast<const DelayNode*>(used[lane] ? lanes[lane] : this)->taps_[0];
+      ranges[lane] = static_cast<const DelayNode*>(used[lane] ? lanes[lane] : this)->ranges_[0];
     }
-    return std::make_unique<DelayNode<Order, kVectorWidth>>(taps, used);
+    return std::make_unique<DelayNode<Order, kVectorWidth>>(ranges, used);
   }
 
  private:
-  static int longest(const AllTaps& all) {
-    int frames = 0;
-    for (const auto& taps : all) frames = std::max(frames, taps.longest());
-    return frames;
+  static DelayRange range_of(const PerLane<tactus_delay>& ranges) {
+    DelayRange all{tactus_delay_least(&ranges[0], Order), 0};
+    for (const auto& range : ranges)
+      all = {std::min(all.least, tactus_delay_least(&range, Order)),
+             std::max(all.most, tactus_delay_most(&range, Order))};
+    return all;
   }
 
   void set_aim(std::size_t lane, double seconds) noexcept {
-    const auto aim = taps_[lane].at(seconds);
+    double weights[Order + 1];
     aimed_at_[lane] = seconds;
-    newest_[lane] = aim.newest;
-    if constexpr (Width == 1)
-      weights_ = aim.weights;
-    else
-      for (std::size_t k = 0; k <= Order; ++k) weights_[k][lane] = aim.weights[k];
+    newest_[lane] = tactus_delay_aim(&ranges_[lane], Order, seconds, weights);
+    for (std::size_t k = 0; k <= Order; ++k) weights_[k * Width + lane] = weights[k];
   }
   double inside(std::size_t lane, double wanted, int frames) noexcept {
-    const double seconds = taps_[lane].inside(wanted);
+    const double seconds = tactus_delay_inside(&ranges_[lane], wanted);
     if (seconds != wanted && used_[lane]) this->clamped_ += frames;
     return seconds;
   }
@@ -125,34 +117,29 @@ class DelayNode final : public DelayMemory<Width> {
     }
     for (int n = 0; n < block.frames; ++n)
       if constexpr (Width == 1) {
-        const auto aim = taps_[0].at(inside(0, time[n], 1));
-        const double* newest = newest_tap(aim.newest, written - n);
-        y[n] = Order == 0 ? *newest : tap_sum(newest, aim.weights, 0);
+        y[n] = tactus_delay_read(&ranges_[0], Order, line_.line(), written - n, inside(0, time[n], 1));
       } else {
         set_aims(VectorSignal{time}, n, 1);
         read_steady(y + n * Width, 1, written - n);
       }
   }
 
-  const double* newest_tap(int newest, int written) const noexcept {
-    return this->line_.behind(newest + Order + written) + Order;
-  }
-
   void read_steady(double* y, int frames, int written) noexcept {
+    const double* const newest = line_.tap(newest_[0] + written, Order);
     if constexpr (Width > 1)
       read_lanes(y, frames, written);
     else if constexpr (Order == 0)
-      copy_samples(newest_tap(newest_[0], written), frames, y);
+      copy_samples(newest, frames, y);
     else
-      tap_sums(newest_tap(newest_[0], written), weights_, nullptr, y, frames);
+      tap_sums<Order + 1>(newest, weights_.data(), nullptr, y, frames);
   }
 
   void read_lanes(double* y, int frames, int written) noexcept {
     LanePlaces oldest;
     std::array<Lanes, Order + 1> weights;
     for (std::size_t lane = 0; lane < Width; ++lane)
-      oldest[lane] = this->line_.behind((newest_[lane] + Order + written) * Width) + lane;
-    for (std::size_t k = 0; k <= Order; ++k) weights[k] = Lanes::load(weights_[k].data());
+      oldest[lane] = line_.tap((newest_[lane] + Order + written) * Width) + lane;
+    for (std::size_t k = 0; k <= Order; ++k) weights[k] = Lanes::load(&weights_[k * Width]);
     VectorTaps<Order + 1> taps{oldest};
     for (int n = 0; n < frames; ++n, y += Width) {
       taps.next(oldest, n);
@@ -160,15 +147,13 @@ class DelayNode final : public DelayMemory<Width> {
     }
   }
 
-  template <class T>
-  using PerLane = std::array<T, static_cast<std::size_t>(Width)>;
-  using Row = std::conditional_t<Width == 1, double, PerLane<double>>;
+  using DelayMemory<Width>::line_;
 
-  AllTaps taps_;
-  Used used_;
+  PerLane<tactus_delay> ranges_;
+  PerLane<bool> used_;
   PerLane<double> aimed_at_{};
   PerLane<int> newest_{};
-  alignas(64) std::array<Row, Order + 1> weights_{};
+  alignas(64) std::array<double, static_cast<std::size_t>((Order + 1) * Width)> weights_{};
 };
 
 /// A setting that is a time.
@@ -185,7 +170,7 @@ Result<std::optional<double>> time_of(const NodeSetup& setup, std::string_view n
   return quantity->si;
 }
 
-Result<TimeRange> range_of(const NodeSetup& setup) {
+Result<tactus_delay> range_of(const NodeSetup& setup) {
   const auto min = time_of(setup, "min");
   if (!min) return tl::unexpected(min.error());
   const auto max = time_of(setup, "max");
@@ -194,12 +179,13 @@ Result<TimeRange> range_of(const NodeSetup& setup) {
   if (low > high)
     return fail(Errc::OutOfRange, {}, "'min' of a delay is longer than its 'max'", "exchange them");
   const auto known = setup.input("time").range;
-  const TimeRange range{std::clamp(known.low, low, high), std::clamp(known.high, low, high)};
-  if (!std::isfinite(range.high_s))
+  const auto range = tactus_delay_between(std::clamp(known.low, low, high), std::clamp(known.high, low, high),
+                                          setup.sample_rate.value);
+  if (!std::isfinite(range.high))
     return fail(Errc::OutOfRange, {}, "the maximum delay cannot be determined", "give max = \"...\" a time");
-  if (range.high_s * setup.sample_rate.value > kDelayMostFrames)
+  if (range.high * setup.sample_rate.value > kDelayMostFrames)
     return fail(Errc::OutOfRange, {},
-                "it can be " + std::to_string(std::llround(std::min(range.high_s, 1e15))) +
+                "it can be " + std::to_string(std::llround(std::min(range.high, 1e15))) +
                     " s long, but the longest possible delay is " +
                     std::to_string(std::llround(kDelayMostFrames / setup.sample_rate.value)) + " s",
                 "shorten 'time', or give 'max'");
@@ -207,21 +193,20 @@ Result<TimeRange> range_of(const NodeSetup& setup) {
 }
 
 template <int Order>
-Result<std::unique_ptr<Node>> delay_of(TimeRange range, Hertz sample_rate) {
-  return std::make_unique<DelayNode<Order>>(std::array{DelayTaps<Order>{range, sample_rate}},
-                                            std::array{true});
+Result<std::unique_ptr<Node>> delay_of(const tactus_delay& range) {
+  return std::make_unique<DelayNode<Order>>(std::array{range}, std::array{true});
 }
 
 Result<std::unique_ptr<Node>> make_delay(const NodeSetup& setup) {
   const auto range = range_of(setup);
   if (!range) return tl::unexpected(range.error());
-  const auto frames = static_cast<std::size_t>(std::ceil(range->high_s * setup.sample_rate.value));
+  const auto frames = static_cast<std::size_t>(std::ceil(range->high * setup.sample_rate.value));
   if (const auto fits = setup.take_memory(frames); !fits) return tl::unexpected(fits.error());
   const auto& word = setup.setting("interpolation").text;
-  if (word == "none") return delay_of<0>(*range, setup.sample_rate);
-  if (word == "linear") return delay_of<1>(*range, setup.sample_rate);
-  if (word == "lagrange5") return delay_of<5>(*range, setup.sample_rate);
-  return delay_of<3>(*range, setup.sample_rate);
+  if (word == "none") return delay_of<0>(*range);
+  if (word == "linear") return delay_of<1>(*range);
+  if (word == "lagrange5") return delay_of<5>(*range);
+  return delay_of<3>(*range);
 }
 
 }  // namespace
@@ -247,11 +232,11 @@ NodeType delay_type() {
                   "to fs/21, lagrange3 up to fs/8 (its taps begin one frame earlier), lagrange5 up to fs/6 "
                   "(two frames earlier)",
                   {"none", "linear", "lagrange3", "lagrange5"}, "lagrange3"),
-           optional({"min", Setting::Kind::Text, "minimum delay time, if the graph does not determine it"}),
-           optional({"max", Setting::Kind::Text, "maximum delay time, if the graph does not determine it"}),
-           optional({"compensate", Setting::Kind::Names,
-                     "filters in the same loop; their phase delays at the frequency 1/time are subtracted "
-                     "from the time, so that the loop is in tune"})},
+           {"min", Setting::Kind::Text, "minimum delay time, if the graph does not determine it"},
+           {"max", Setting::Kind::Text, "maximum delay time, if the graph does not determine it"},
+           {"compensate", Setting::Kind::Names,
+            "filters in the same loop; their phase delays at the frequency 1/time are subtracted "
+            "from the time, so that the loop is in tune"}},
       .make = make_delay,
       .compensation = PhaseCompensation{.port = kDelayTime, .period = kDelayTime, .sign = -1}};
 }

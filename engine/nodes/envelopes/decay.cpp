@@ -1,5 +1,5 @@
 #include "engine/nodes/declare.h"
-#include "engine/nodes/envelopes/decay_kernel.h"
+#include "engine/nodes/envelopes/pulse_kernel.h"
 #include "engine/nodes/process.h"
 
 namespace tactus {

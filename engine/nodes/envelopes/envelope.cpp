@@ -1,4 +1,5 @@
-#include "engine/dsp/envelopes/follower_kernel.h"
+#include "engine/dsp/envelopes/envelope_kernel.h"
+#include "engine/nodes/envelopes/pulse_kernel.h"
 #include "engine/nodes/kernel_node.h"
 
 namespace tactus {
@@ -24,6 +25,26 @@ NodeType envelope_type() {
           [](int, const NodeSetup& setup) {
             return Interval{0, abs(setup.input("in").range).high};
           },
+  };
+}
+
+NodeType adsr_type() {
+  return {
+      .name = "adsr",
+      .summary =
+          "Envelope of a gate: linear attack, exponential decay to the sustained level, exponential release.",
+      .equation =
+          "e0 = e before the gate rises. Attack: e = min(1, e0 + t / attack), t = 1 / rate in the gate's "
+          "first frame; then e = sustain + (1 - sustain) exp(-t / decay); gate low: e exp(-t / release)",
+      .source = "Moore, Elements of Computer Music, 1990",
+      .example = "shape = { type = \"adsr\", gate = \"touch\", attack = \"5 ms\", release = \"80 ms\" }",
+      .inputs = {{"gate", "", "gate; high: at least 0.5"},
+                 {"attack", "s", "attack time from 0 to 1; 0: immediate", 0.005, 0},
+                 {"decay", "s", "time constant of the decay to `sustain`", 0.050, 0},
+                 {"sustain", "", "level while the gate stays high", 0.7, 0, 1},
+                 {"release", "s", "time constant of the release to 0", 0.100, 0}},
+      .outputs = {bounded(0, 1, {"out", "", "the envelope"})},
+      .make = make_node<KernelNode<tactus_adsr_step, 5>>,
   };
 }
 

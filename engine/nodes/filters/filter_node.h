@@ -18,7 +18,7 @@ template <int Order, std::size_t ParameterCount, int Width = 1>
 class FilterNode : public Node {
  public:
   using Parameters = std::array<double, ParameterCount>;
-  using Design = FilterCoefficients<Order> (*)(const Parameters&, Hertz sample_rate);
+  using Design = tactus_filter_design (*)(const Parameters&, Hertz sample_rate);
 
   FilterNode(Design design, Hertz sample_rate, bool has_remainder)
       : design_(design), sample_rate_(sample_rate), has_remainder_(has_remainder) {}
@@ -40,7 +40,7 @@ class FilterNode : public Node {
     if (input != 0) return std::nullopt;
     Parameters parameters;
     std::copy_n(at.begin() + 1, ParameterCount, parameters.begin());
-    const auto filtered = design_(parameters, sample_rate_).response(1.0 / z);
+    const auto filtered = filter_response(design_(parameters, sample_rate_), 1.0 / z);
     return output == 0 ? filtered : 1.0 - filtered;
   }
 
@@ -107,8 +107,8 @@ class FilterNode : public Node {
 
 /// A design that depends on a cutoff alone, the first parameter.
 template <tactus_filter_design (*Shape)(double radians)>
-FilterCoefficients<1> of_cutoff(const std::array<double, 1>& parameters, Hertz sample_rate) {
-  return FilterCoefficients<1>{Shape(tactus_filter_radians(parameters[0], sample_rate.value))};
+tactus_filter_design of_cutoff(const std::array<double, 1>& parameters, Hertz sample_rate) {
+  return Shape(tactus_filter_radians(parameters[0], sample_rate.value));
 }
 
 }  // namespace tactus

@@ -52,13 +52,13 @@ NodeType fir_type() {
           .example = "{ type = \"fir\", in = \"piezo\", rate = \"48 kHz\", taps = [0.25, 0.5, 0.25] }",
           .inputs = {filtered_input()},
           .outputs = {filtered_output("out", "filtered")},
-          .settings = {{"taps", Setting::Kind::Numbers, "impulse response, one number per sample"},
+          .settings = {required({"taps", Setting::Kind::Numbers, "impulse response, one number per sample"}),
                        within(1000, 1e6,
-                              optional({"rate",
-                                        Setting::Kind::Quantity,
-                                        "sample rate of the taps; they are resampled if the engine runs at "
-                                        "another rate; default: the engine's",
-                                        {"Hz"}}))},
+                              {"rate",
+                               Setting::Kind::Quantity,
+                               "sample rate of the taps; they are resampled if the engine runs at "
+                               "another rate; default: the engine's",
+                               {"Hz"}})},
           .make = make_fir};
 }
 

@@ -114,11 +114,11 @@ NodeType modal_type() {
       .example =
           "{ type = \"modal\", in = \"strike\", frequency = \"220 Hz\", series = \"bar\", modes = 12, "
           "decay = \"1 s\" }",
-      .inputs = {late({"in", "any", "excitation"}), mode_frequency_input(false), mode_decay_input(false)},
+      .inputs = {late({"in", "any", "excitation"}), mode_frequency_input(), mode_decay_input()},
       .outputs = {filtered_output("out", "all modes together")},
       .settings =
-          mode_settings({optional({"gains", Setting::Kind::Numbers,
-                                   "gain of each mode: one number for all, or one per mode; default: 1"}),
+          mode_settings({{"gains", Setting::Kind::Numbers,
+                          "gain of each mode: one number for all, or one per mode; default: 1"},
                          within(-4, 4,
                                 {"gain_slope",
                                  Setting::Kind::Quantity,

@@ -1,6 +1,7 @@
 #include "engine/nodes/filters/mode_table.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "engine/dsp/resonators/mode_series.h"
@@ -12,12 +13,10 @@ namespace {
 constexpr int kMaxModes = 4096;
 constexpr double kLowestMode_hz = 1, kShortestDecay_s = 1e-4, kLongestDecay_s = 1e4;
 
-ModeSeries series_of(const std::string& word) {
-  if (word == "geometric") return ModeSeries::Geometric;
-  if (word == "bar") return ModeSeries::Bar;
-  if (word == "clamped_bar") return ModeSeries::ClampedBar;
-  if (word == "membrane") return ModeSeries::Membrane;
-  return ModeSeries::Harmonic;
+constexpr std::array kSeries = {"harmonic", "geometric", "bar", "clamped_bar", "membrane"};
+
+ModeSeries series_of(const std::string& word) {  // in the order of the words
+  return static_cast<ModeSeries>(std::find(kSeries.begin(), kSeries.end(), word) - kSeries.begin());
 }
 
 Result<std::vector<double>> listed_frequencies(const std::vector<double>& list) {
@@ -90,41 +89,37 @@ double ModeTable::decay_s(std::size_t mode, double first_s) const noexcept {
   return clamped_mode(first_s, kShortestDecay_s, kLongestDecay_s) * (decays_[mode] / decays_[0]);
 }
 
-InputPort mode_frequency_input(bool fixed) {
+InputPort mode_frequency_input() {
   return {.name = "frequency",
           .unit = "Hz",
           .doc =
               "frequency of the first mode; the others keep their ratio to it; default if `frequencies` are "
               "listed: their first",
           .fallback = 220,
-          .low = 0,
-          .fixed = fixed};
+          .low = 0};
 }
 
-InputPort mode_decay_input(bool fixed) {
+InputPort mode_decay_input() {
   return {.name = "decay",
           .unit = "s",
           .doc =
               "time in which the first mode decays by 60 dB; the others keep their ratio to it; default if "
               "`decays` are listed: their first",
           .fallback = 0.1,
-          .low = 0,
-          .fixed = fixed};
+          .low = 0};
 }
 
 std::vector<Setting> mode_settings(std::vector<Setting> further) {
   std::vector<Setting> settings = {
-      optional(
-          {"frequencies", Setting::Kind::Numbers, "frequencies of the modes, instead of a series", {"Hz"}}),
-      optional(
-          {"decays",
-           Setting::Kind::Numbers,
-           "time in which each mode decays by 60 dB, instead of a slope: one number for all, or one per mode",
-           {"s"}}),
+      {"frequencies", Setting::Kind::Numbers, "frequencies of the modes, instead of a series", {"Hz"}},
+      {"decays",
+       Setting::Kind::Numbers,
+       "time in which each mode decays by 60 dB, instead of a slope: one number for all, or one per mode",
+       {"s"}},
       choice("series",
              "frequency ratios. harmonic: 1, 2, 3 …; geometric: equal pitch steps; bar: free at both ends "
              "(marimba); clamped_bar: clamped at one end (kalimba); membrane: drum head",
-             {"harmonic", "geometric", "bar", "clamped_bar", "membrane"}, "harmonic"),
+             {kSeries.begin(), kSeries.end()}, "harmonic"),
       within(1, kMaxModes,
              {"modes",
               Setting::Kind::Integer,

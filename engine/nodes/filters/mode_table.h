@@ -27,9 +27,9 @@ class ModeTable {
   bool frequency_moves_ = true, decay_moves_ = true;  ///< else as listed
 };
 
-/// Of the first mode; the others follow it. `fixed`: read once, when the node is made.
-InputPort mode_frequency_input(bool fixed);
-InputPort mode_decay_input(bool fixed);
+/// Of the first mode; the others follow it.
+InputPort mode_frequency_input();
+InputPort mode_decay_input();
 /// `further` are the node's own; they come last.
 std::vector<Setting> mode_settings(std::vector<Setting> further);
 

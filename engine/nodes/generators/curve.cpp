@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "engine/dsp/envelopes/rise_kernel.h"
+#include "engine/dsp/envelopes/envelope_kernel.h"
 #include "engine/nodes/declare.h"
 
 namespace tactus {
@@ -78,10 +78,11 @@ NodeType curve_type() {
       .inputs = {{"trigger", "",
                   "restarts the curve; if it is connected, the curve waits for the first trigger", 0}},
       .outputs = {{"out", "=unit", "value of the curve"}},
-      .settings = {{"points",
-                    Setting::Kind::Points,
-                    "[[time, value], ...] with ascending times; two points at the same time make a jump",
-                    {"s", "=unit"}},
+      .settings = {required(
+                       {"points",
+                        Setting::Kind::Points,
+                        "[[time, value], ...] with ascending times; two points at the same time make a jump",
+                        {"s", "=unit"}}),
                    choice("curve", "interpolation between two points", {"linear", "step", "smooth"},
                           "linear"),
                    unit_setting("values")},

@@ -65,36 +65,20 @@ Result<Recording> read_recording(const std::string& path, int channel) {
 
 constexpr double kMaxSpeed = 1000;
 
-class SampleNode final : public Node {
- public:
-  SampleNode(const NodeSetup& setup, Recording recording)
-      : recording_(std::move(recording)),
-        samples_per_frame_(recording_.sample_rate / setup.sample_rate),
-        cubic_(setup.setting("interpolation").text == "cubic") {}
-
-  void process(const NodeBlock& block) noexcept override {
-    run_frames<3>(block, [this](double trigger, double speed, double level) {
-      if (tactus_rise_step(&player_.rise, trigger) != 0) tactus_sample_start(&player_);
-      const double increment = std::clamp(speed, 0.0, kMaxSpeed) * samples_per_frame_;
-      const auto& samples = recording_.samples;
-      return level * tactus_sample_read(&player_, samples.data(), static_cast<int>(samples.size()), increment,
-                                        cubic_);
-    });
-  }
-  void reset() noexcept override { player_ = {}; }
-
- private:
-  Recording recording_;
-  double samples_per_frame_;
-  bool cubic_;
-  tactus_sample player_{};
-};
-
 Result<std::unique_ptr<Node>> make_sample(const NodeSetup& setup) {
   auto recording =
       read_recording(setup.setting("file").text, static_cast<int>(setup.setting("channel").number));
   if (!recording) return tl::unexpected<Error>(recording.error());
-  return std::make_unique<SampleNode>(setup, std::move(*recording));
+  const double samples_per_frame = recording->sample_rate / setup.sample_rate;
+  const bool cubic = setup.setting("interpolation").text == "cubic";
+  return make_step_node<3, tactus_sample>([samples = std::move(recording->samples), samples_per_frame, cubic](
+                                              tactus_sample& player, double trigger, double speed,
+                                              double level) {
+    if (tactus_rise_step(&player.rise, trigger) != 0) tactus_sample_start(&player);
+    const double increment = std::clamp(speed, 0.0, kMaxSpeed) * samples_per_frame;
+    return level *
+           tactus_sample_read(&player, samples.data(), static_cast<int>(samples.size()), increment, cubic);
+  });
 }
 
 }  // namespace
@@ -110,7 +94,8 @@ NodeType sample_type() {
                  {"speed", "", "playback speed; 1: as recorded; not band-limited above 1", 1, 0, kMaxSpeed},
                  {"level", "any", "output level for full scale in the file", 1}},
       .outputs = {{"out", "=level", "the played recording"}},
-      .settings = {{"file", Setting::Kind::File, "WAV, AIFF or FLAC file; played at its own sample rate"},
+      .settings = {required({"file", Setting::Kind::File,
+                             "WAV, AIFF or FLAC file; played at its own sample rate"}),
                    within(
                        1, 1024,
                        {"channel", Setting::Kind::Integer, "channel of the file, counted from 1", {}, "1"}),

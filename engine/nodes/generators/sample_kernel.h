@@ -2,8 +2,8 @@
 
 // Thread: [realtime].
 
-#include "engine/dsp/curves/catmull_rom_kernel.h"
-#include "engine/dsp/envelopes/rise_kernel.h"
+#include "engine/dsp/curves/curve_kernel.h"
+#include "engine/dsp/envelopes/envelope_kernel.h"
 
 /// Plays a recording from its start, at any speed. Before and behind the recording lies silence:
 /// the last sample fades into it within one sample of the recording.

@@ -129,8 +129,8 @@ NodeType modal_body_type() {
           {{"wave", "N", "incoming force wave: the `wave` of a network's port"},
            fixed(
                {"impedance", "N s/m", "wave impedance, equal to that of the connected port", {}, 1e-9, 1e9}),
-           mode_frequency_input(true),
-           mode_decay_input(true),
+           fixed(mode_frequency_input()),
+           fixed(mode_decay_input()),
            fixed({"mass", "kg",
                   "effective mass of the first mode at the point of contact; without `masses`, of all modes",
                   1, 1e-9, 1e9})},
@@ -138,11 +138,11 @@ NodeType modal_body_type() {
                   {"velocity", "m/s", "velocity of the point of contact"},
                   {"position", "m", "velocity of the point of contact"},
                   {"force", "N", "force on the body"}},
-      .settings = mode_settings({optional(
-          {"masses",
-           Setting::Kind::Numbers,
-           "effective masses of the modes at the point of contact: one number for all, or one per mode",
-           {"kg"}})}),
+      .settings = mode_settings(
+          {{"masses",
+            Setting::Kind::Numbers,
+            "effective masses of the modes at the point of contact: one number for all, or one per mode",
+            {"kg"}}}),
       .make = make_modal_body,
       .skips_unused_outputs = true};
 }

@@ -87,7 +87,7 @@ NodeType terrain_type() {
       .outputs = {{"out", "N", "force on the device"}, {"z", "m", "height of the profile at the position"}},
       .settings = {choice("profile", "shape of the profile; `points` ignores height and length",
                           {"detent", "sine", "points"}, "detent"),
-                   optional({"points", Setting::Kind::Points, "[[x, z], ...] with ascending x", {"m", "m"}})},
+                   {"points", Setting::Kind::Points, "[[x, z], ...] with ascending x", {"m", "m"}}},
       .make = make_terrain,
       .stateless = true,
   };

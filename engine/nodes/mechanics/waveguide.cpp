@@ -1,4 +1,4 @@
-#include "engine/dsp/strings/wave_line.h"
+#include "engine/dsp/strings/string_loop.h"
 #include "engine/nodes/declare.h"
 #include "engine/nodes/delays/string_setup.h"
 #include "engine/nodes/process.h"

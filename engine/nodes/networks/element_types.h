@@ -36,7 +36,7 @@ inline ElementField signal(std::string name, std::string unit, std::string doc,
 
 /// A whole number; without a fallback it is required.
 inline Setting whole(std::string name, std::string doc, double low, double high, std::string fallback = {}) {
-  return within(low, high, {name, Setting::Kind::Integer, doc, {}, fallback});
+  return within(low, high, {name, Setting::Kind::Integer, doc, {}, fallback, fallback.empty()});
 }
 
 /// [realtime] A quantity of one part, as `Network` reads it.

@@ -78,17 +78,13 @@ std::uint64_t fingerprint_of(const NetworkLayout& layout) {
 
 class NetworkNode final : public Node, public NetworkView {
  public:
-  NetworkNode(NetworkRecipe recipe, Network network, std::vector<NetworkReading> readings,
-              const NodeType& type)
-      : fingerprint_(type.fingerprint),
-        recipe_(std::move(recipe)),
-        network_(std::move(network)),
-        state_(network_.initial_state()),
-        readings_(std::move(readings)),
-        now_(recipe_.signal_ports.size()),
-        read_(readings_.size()),
+  NetworkNode(NetworkView view, const NodeType& type)
+      : NetworkView(std::move(view)),
+        fingerprint_(type.fingerprint),
+        now_(recipe.signal_ports.size()),
+        read_(readings.size()),
         late_(type.inputs.size()) {
-    for (const int port : recipe_.signal_ports) late_[index(port)] = true;
+    for (const int port : recipe.signal_ports) late_[index(port)] = true;
   }
 
   void process(const NodeBlock& block) noexcept override {
@@ -100,56 +96,44 @@ class NetworkNode final : public Node, public NetworkView {
   }
   void emit(const NodeBlock& block) noexcept override { write(block, 0, find_read(block)); }
   void absorb(const NodeBlock& block) noexcept override { step(block, 0); }
-  void reset() noexcept override { network_.reset(state_); }
+  void reset() noexcept override { network.reset(state); }
 
   void adopt(Node& before) noexcept override {
     const auto* other = dynamic_cast<const NetworkNode*>(&before);
-    if (other != nullptr && other->fingerprint_ == fingerprint_) network_.adopt(state_, other->state_);
+    if (other != nullptr && other->fingerprint_ == fingerprint_) network.adopt(state, other->state);
   }
 
   std::string about() const override {
-    const auto& choice = network_.choice();
-    return choice ? "solver " + explain_choice(*choice) : std::string{};
+    const auto choice = explain_choice(network.choice());
+    return choice.empty() ? choice : "solver " + choice;
   }
 
   DelayRange delay(int input, int) const override {
     return late_[index(input)] ? DelayRange{1, 1} : DelayRange{};
   }
 
-  const NetworkRecipe& recipe() const override { return recipe_; }
-  double energy() const override { return network_.energy(state_); }
-  double position(int point) const override { return network_.position(state_, point); }
-  double shown(const Network& network, const NetworkState& state, int output) const override {
-    const auto& reading = readings_[index(output)];
-    return reading.read(network, state, reading.parts);
-  }
-
  private:
   /// Puts the outputs that somebody reads to the front of `read_`.
   std::size_t find_read(const NodeBlock& block) noexcept {
     std::size_t count = 0;
-    for (std::size_t i = 0; i < readings_.size(); ++i)
+    for (std::size_t i = 0; i < readings.size(); ++i)
       if (block.out[i] != nullptr) read_[count++] = i;
     return count;
   }
 
   void write(const NodeBlock& block, int frame, std::size_t count) const noexcept {
     for (std::size_t i = 0; i < count; ++i) {
-      const auto& reading = readings_[read_[i]];
-      block.out[read_[i]][frame] = reading.read(network_, state_, reading.parts);
+      const auto& reading = readings[read_[i]];
+      block.out[read_[i]][frame] = reading.read(network, state, reading.parts);
     }
   }
 
   void step(const NodeBlock& block, int frame) noexcept {
-    for (std::size_t i = 0; i < now_.size(); ++i) now_[i] = block.in[recipe_.signal_ports[i]][frame];
-    network_.step(state_, now_.data());
+    for (std::size_t i = 0; i < now_.size(); ++i) now_[i] = block.in[recipe.signal_ports[i]][frame];
+    network.step(state, now_.data());
   }
 
   std::uint64_t fingerprint_;  ///< which elements, joined how
-  NetworkRecipe recipe_;
-  Network network_;
-  NetworkState state_;
-  std::vector<NetworkReading> readings_;
   std::vector<double> now_;
   std::vector<std::size_t> read_;
   std::vector<bool> late_;
@@ -178,8 +162,8 @@ Result<std::unique_ptr<Node>> make_network_node(const NetworkLayout& layout, con
   if (!network) return tl::unexpected(network.error());
   recipe.solver = network->solver();
   recipe.oversample = network->oversample();
-  return std::make_unique<NetworkNode>(std::move(recipe), std::move(*network), builder.readings(),
-                                       *setup.type);
+  return std::make_unique<NetworkNode>(
+      NetworkView{std::move(recipe), std::move(*network), builder.readings()}, *setup.type);
 }
 
 }  // namespace

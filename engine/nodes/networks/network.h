@@ -7,8 +7,7 @@
 
 #include "engine/core/error.h"
 #include "engine/graph/file/spec.h"
-#include "engine/graph/node_type.h"
-#include "engine/physics/network.h"
+#include "engine/nodes/networks/network_elements.h"
 
 namespace tactus {
 
@@ -30,19 +29,25 @@ struct NetworkRecipe {
   std::vector<std::string> points, springs, contacts;  ///< names of the elements, in their order
 };
 
-/// What studies read from the node of a network.
-class NetworkView {
- public:
-  virtual ~NetworkView() = default;
-  /// [any]
-  virtual const NetworkRecipe& recipe() const = 0;
-  /// [any] The value of `output` of the node for a state of `network`, whose elements are in the order of
-  /// the recipe's.
-  virtual double shown(const Network& network, const NetworkState& state, int output) const = 0;
-  /// [control & stopped] What is stored in it now [J].
-  virtual double energy() const = 0;
-  /// [control & stopped] Where a point is now [m].
-  virtual double position(int point) const = 0;
+/// One output of a network: what to read of which parts.
+struct NetworkReading {
+  ReadElement read;
+  ElementParts parts;
+};
+
+/// A running network: what its node is beside a `Node`, for studies.
+struct NetworkView {
+  /// [any] The value of `output` of the node for a state of a network whose elements are in the order of the
+  /// recipe's.
+  double shown(const Network& of, const NetworkState& at, int output) const {
+    const auto& reading = readings[index(output)];
+    return reading.read(of, at, reading.parts);
+  }
+
+  NetworkRecipe recipe;
+  Network network;
+  std::vector<NetworkReading> readings;
+  NetworkState state = network.initial_state();
 };
 
 }  // namespace tactus

@@ -23,12 +23,6 @@ struct NetworkLayout {
 /// the wrong kind; options out of their range. `NetworkElement::ports` is filled later.
 Checked<NetworkLayout> read_network_layout(const NetworkSpec& spec);
 
-/// One output of a network: what to read of which parts.
-struct NetworkReading {
-  ReadElement read;
-  ElementParts parts;
-};
-
 /// Builds the physical network of `[networks.x]`.
 class NetworkBuilder {
  public:

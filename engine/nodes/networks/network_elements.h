@@ -14,7 +14,7 @@
 
 // The table of the elements of networks. All behaviour of an element's type is in its
 // entry; generic code reads the entry and never compares names. To add one: a file with its declaration, a
-// line in network_elements.cpp, a test.
+// line in network_builder.cpp, a test.
 namespace tactus {
 
 struct ElementType;

@@ -4,7 +4,6 @@
 #include <unordered_map>
 
 #include "engine/core/index.h"
-#include "engine/graph/file/field.h"
 #include "engine/graph/semantics/scope.h"
 #include "engine/nodes/networks/network_builder.h"
 #include "engine/nodes/networks/solver_names.h"
@@ -38,19 +37,6 @@ std::vector<std::string> keys_of(const ElementType& type) {
   return keys;
 }
 
-/// Of a network, beside its elements.
-const SectionType& options() {
-  static const SectionType section = [] {
-    std::vector<std::string> solvers;
-    for (const auto solver : kSolvers) solvers.emplace_back(name_of(solver));
-    return SectionType{
-        "A network",
-        {choice_field("solver", std::move(solvers), "How it is stepped", name_of(Solver::Passive)),
-         whole_field("oversample", 1, kMostOversample, "Steps in a frame")}};
-  }();
-  return section;
-}
-
 class LayoutReader {
  public:
   explicit LayoutReader(const NetworkSpec& spec) : spec_(spec) {}
@@ -65,13 +51,13 @@ class LayoutReader {
     if (spec_.elements.empty())
       errors_.add(Errc::Missing, spec_.at, "network '" + spec_.name + "' has no elements",
                   "give it a mass, as in stick = { type = \"mass\", mass = \"12 g\" }");
-    if (errors_.any()) return tl::unexpected(errors_.take());
+    if (errors_.any() || spec_.broken) return tl::unexpected(errors_.take());
     return std::move(layout_);
   }
 
  private:
   void read_options() {
-    FieldReader reader(spec_.fields, options(), errors_);
+    FieldReader reader(spec_.fields, network_options(), errors_);
     if (const auto solver = reader.choice("solver")) layout_.solver = kSolvers[index(*solver)];
     layout_.oversample = static_cast<int>(reader.number("oversample").value_or(0));
   }
@@ -85,7 +71,7 @@ class LayoutReader {
     if (element.name == "energy")
       errors_.add(Errc::Duplicate, element.at, "an element cannot have the name 'energy'",
                   "'" + spec_.name + ".energy' is the energy of the whole network");
-    if (type == nullptr)
+    if (type == nullptr && !element.type.empty())  // else reported when the file was read
       errors_.add(Errc::UnknownName, element.type_at, "there is no element type '" + element.type + "'",
                   suggest(element.type, names_of(network_elements(), [](const auto&) { return true; })));
   }

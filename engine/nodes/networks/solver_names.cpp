@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 namespace tactus {
@@ -92,6 +93,18 @@ std::string warning(const SolverBounds& best) {
 
 const char* name_of(Solver solver) { return entry_of(solver).name; }
 const char* source_of(Solver solver) { return entry_of(solver).source; }
+
+const SectionType& network_options() {
+  static const SectionType section = [] {
+    std::vector<std::string> solvers;
+    for (const auto solver : kSolvers) solvers.emplace_back(name_of(solver));
+    return SectionType{
+        "A network",
+        {choice_field("solver", std::move(solvers), "solver of the network", name_of(Solver::Passive)),
+         whole_field("oversample", 1, kMostOversample, "solver steps per frame", "1")}};
+  }();
+  return section;
+}
 
 std::string explain_choice(const SolverChoice& choice) {
   const auto is_best = [&](const SolverBounds& b) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <string>
 
+#include "engine/graph/file/field.h"
 #include "engine/physics/solvers/solver_choice.h"
 
 namespace tactus {
@@ -16,6 +17,9 @@ inline constexpr std::array kSolvers = {Solver::Explicit, Solver::Exact, Solver:
 const char* name_of(Solver solver);
 /// [any] Where it comes from.
 const char* source_of(Solver solver);
+
+/// [any] The keys of `[networks.x]` beside its elements.
+const SectionType& network_options();
 
 /// [any] Which solver was taken, a warning if even that one is not accurate, and why none of the cheaper
 /// ones: a line for each solver at most.

@@ -1,5 +1,5 @@
 #include "engine/nodes/kernel_node.h"
-#include "engine/nodes/shapers/hysteresis_kernel.h"
+#include "engine/nodes/shapers/shaper_kernel.h"
 
 namespace tactus {
 

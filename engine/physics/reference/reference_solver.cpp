@@ -1,5 +1,6 @@
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <unsupported/Eigen/MatrixFunctions>
@@ -7,8 +8,8 @@
 
 #include "engine/core/find_root.h"
 #include "engine/core/index.h"
+#include "engine/core/matrix2.h"
 #include "engine/physics/numbers.h"
-#include "engine/physics/reference/extrapolation.h"
 #include "engine/physics/solvers/network_solver.h"
 
 namespace tactus {
@@ -35,20 +36,6 @@ constexpr double kMostRounding = 1e4;
 
 Eigen::Index row_of(std::size_t i) { return static_cast<Eigen::Index>(i); }
 
-/// matrix x = b for `n` unknowns, symmetric and positive (semi)definite; the result in `b`.
-void solve(double* matrix, double* b, std::size_t n) {
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = i + 1; j < n; ++j) {
-      const double share = matrix[i * n + i] > 0.0 ? matrix[j * n + i] / matrix[i * n + i] : 0.0;
-      for (std::size_t l = i; l < n; ++l) matrix[j * n + l] -= share * matrix[i * n + l];
-      b[j] -= share * b[i];
-    }
-  for (std::size_t i = n; i-- > 0;) {
-    for (std::size_t l = i + 1; l < n; ++l) b[i] -= matrix[i * n + l] * b[l];
-    b[i] = matrix[i * n + i] > 0.0 ? b[i] / matrix[i * n + i] : 0.0;
-  }
-}
-
 double largest(const double* numbers, std::size_t count) {
   double most = 0.0;
   for (std::size_t i = 0; i < count; ++i)
@@ -72,6 +59,93 @@ double start_loss(const NetworkModel::Contact& contact, double speed) {
   return contact.loss_speed / std::max(speed, kSlowest_m_per_s);
 }
 
+/// One step of y' = f(t, y) by the midpoint rule in 2, 4, 6, ... 16 parts, extrapolated to parts of no
+/// length:
+///     z_1 = y + h f(0, y),  z_m+1 = z_m-1 + 2h f(m h, z_m),  T_j1 = z_2j,  h = H / 2j
+///     T_jk = T_j,k-1 + (T_j,k-1 - T_j-1,k-1) / ((j / (j-k+1))^2 - 1)
+/// The result T_jj is of order 2j; |T_jj - T_j,j-1| estimates its error. Nothing of it is shared with the
+/// solvers that networks are stepped with. Gragg, SIAM J. Numer. Anal. 2, 1965; Hairer, Norsett & Wanner,
+/// Solving Ordinary Differential Equations I, II.9.
+class Extrapolation {
+ public:
+  static constexpr std::size_t kColumns = 8;
+
+  /// What came of a step that was tried.
+  struct Outcome {
+    bool good = false;     ///< the error is tolerated
+    double error = 0;      ///< in units of what is tolerated
+    double advised_s = 0;  ///< length of the next step, or of the next try
+  };
+
+  /// [control] For so many unknowns.
+  explicit Extrapolation(std::size_t unknowns = 0)
+      : size_(unknowns), start_(unknowns), before_(unknowns), now_(unknowns), slope_(unknowns) {
+    for (auto& row : row_) row.resize(unknowns);
+  }
+
+  /// [any] `rates(t, y, slope)` with t from the start of the step; `error(y, difference)` in units of what is
+  /// tolerated. The result is in `result()`.
+  template <class Rates, class Error>
+  Outcome step(const Rates& rates, const double* y, double seconds, const Error& error) {
+    double last = 0;
+    rates(0.0, y, start_.data());
+    for (std::size_t j = 0; j < kColumns; ++j) {
+      midpoint(rates, y, seconds, 2 * (j + 1));
+      extrapolate(j);
+      if (j < 2) continue;
+      last = error(row_[j].data(), slope_.data());
+      if (last <= 1.0) return {true, last, seconds * advice(last, j)};
+    }
+    return {false, last, seconds * (last == last ? std::min(0.7, advice(last, kColumns - 1)) : 0.1)};
+  }
+
+  /// [any] After a step that was good.
+  const std::vector<double>& result() const { return row_[columns_ - 1]; }
+
+ private:
+  /// The error grows with the (2j - 1)-th power of the step.
+  static double advice(double error, std::size_t j) {
+    return std::clamp(0.8 * std::pow(std::max(error, 1e-30), -1.0 / static_cast<double>(2 * j + 1)), 0.1,
+                      4.0);
+  }
+
+  template <class Rates>
+  void midpoint(const Rates& rates, const double* y, double seconds, std::size_t parts) {
+    const double h = seconds / static_cast<double>(parts);
+    for (std::size_t i = 0; i < size_; ++i) {
+      before_[i] = y[i];
+      now_[i] = y[i] + h * start_[i];
+    }
+    for (std::size_t m = 1; m < parts; ++m) {
+      rates(h * static_cast<double>(m), now_.data(), slope_.data());
+      for (std::size_t i = 0; i < size_; ++i) before_[i] += 2.0 * h * slope_[i];
+      before_.swap(now_);
+    }
+  }
+
+  /// Turns the row T_j-1,1 ... T_j-1,j-1 into the next one; the last difference is left in `slope_`.
+  void extrapolate(std::size_t j) {
+    row_[j].swap(now_);
+    for (std::size_t i = 0; i < size_; ++i) {
+      double carry = row_[j][i];
+      for (std::size_t k = 0; k < j; ++k) {
+        const double ratio = static_cast<double>(j + 1) / static_cast<double>(j - k);
+        const double old = row_[k][i];
+        row_[k][i] = carry;
+        slope_[i] = (carry - old) / (ratio * ratio - 1.0);
+        carry += slope_[i];
+      }
+      row_[j][i] = carry;
+    }
+    columns_ = j + 1;
+  }
+
+  std::size_t size_;
+  std::vector<double> start_, before_, now_, slope_;
+  std::array<std::vector<double>, kColumns> row_;
+  std::size_t columns_ = 1;
+};
+
 /// The equation of motion and its solution over one step of the network. Its numbers `y` are the positions
 /// and the velocities of all slots, then the currents.
 class Motion {
@@ -81,10 +155,7 @@ class Motion {
                    [](double m) { return 1.0 / m; });
     numbers_.resize(2 * points() + model.coils.size());
     next_ = slope_ = numbers_;
-    loss_.resize(model.contacts.size());
     contacts_.resize(model.contacts.size());
-    slide_.resize(model.frictions.size());
-    slipped_.resize(model.bonds.size());
     hold_.resize(model.frictions.size());
     mutual_.resize(model.frictions.size() * model.frictions.size());
     inputs_.resize(model.forces.size() + model.coils.size() + model.ports.size() + model.frictions.size() +
@@ -113,18 +184,17 @@ class Motion {
   enum class ContactState { Open, Pressing, Releasing };
 
   std::size_t points() const { return model_.start_position.size(); }
+  std::size_t frictions() const { return model_.frictions.size(); }
   const double* velocities(const double* y) const { return y + points(); }
 
   /// Which contacts press follows from how deep they are and how fast that changes.
-  void load(const NetworkState& state) {
+  void load(NetworkState& state) {
+    loss_ = state.loss.data(), slide_ = state.sliding.data(), slipped_ = state.slipped.data();
     const auto copy = [](std::vector<double>& into, std::initializer_list<const AlignedNumbers*> lists) {
       auto to = into.begin();
       for (const auto* list : lists) to = std::copy(list->begin(), list->end(), to);
     };
     copy(numbers_, {&state.position, &state.velocity, &state.current});
-    copy(loss_, {&state.loss});
-    copy(slide_, {&state.sliding});
-    copy(slipped_, {&state.slipped});
     copy(inputs_, {&state.force, &state.voltage, &state.wave, &state.normal});
     inputs_.back() = 1.0;
     for (std::size_t c = 0; c < contacts_.size(); ++c) {
@@ -142,15 +212,12 @@ class Motion {
     std::copy_n(velocities(y), points(), state.velocity.begin());
     for (std::size_t i = 0; i < state.current.size(); ++i)
       state.current[i] = state.mean_current[i] = current(y, i);
-    std::copy(loss_.begin(), loss_.end(), state.loss.begin());
-    std::copy(slide_.begin(), slide_.end(), state.sliding.begin());
-    std::copy(slipped_.begin(), slipped_.end(), state.slipped.begin());
-    for (std::size_t f = 0; f < slide_.size(); ++f) {
+    for (std::size_t f = 0; f < frictions(); ++f) {
       // Of one that holds: the force at the end of the last step.
       state.friction_force[f] = slide_[f] == 0.0 ? hold_[f] : sliding_force(y, f, slide_[f]);
       state.friction_velocity[f] = between(velocities(y), model_.frictions[f]);
     }
-    for (std::size_t b = 0; b < slipped_.size(); ++b)
+    for (std::size_t b = 0; b < model_.bonds.size(); ++b)
       state.root[model_.contacts.size() + b] =
           model_.bonds[b].law->root(between(state.position, model_.bonds[b]));
     model_.send_waves(state, [&](int slot) { return state.change[index(slot)]; });
@@ -186,7 +253,7 @@ class Motion {
     const auto& f = model_.frictions[friction];
     const double force = f.normal_contact >= 0  ? pressure(y, index(f.normal_contact))
                          : f.normal_spring >= 0 ? tension(y, model_.springs[index(f.normal_spring)])
-                                                : inputs_[inputs_.size() - 1 - slide_.size() + friction];
+                                                : inputs_[inputs_.size() - 1 - frictions() + friction];
     return std::max(0.0, force);
   }
 
@@ -233,9 +300,9 @@ class Motion {
   }
 
   void add_slides(const double* y, double* force) const {
-    for (std::size_t f = 0; f < slide_.size(); ++f)
+    for (std::size_t f = 0; f < frictions(); ++f)
       if (slide_[f] != 0.0) push(force, model_.frictions[f], sliding_force(y, f, slide_[f]));
-    for (std::size_t b = 0; b < slipped_.size(); ++b) {
+    for (std::size_t b = 0; b < model_.bonds.size(); ++b) {
       const auto& bond = model_.bonds[b];
       if (slipped_[b] == 0.0)
         push(force, bond, bond.law->force(between(y, bond)) + bond.damping * between(velocities(y), bond));
@@ -244,7 +311,7 @@ class Motion {
 
   /// Adds the forces of the frictions that hold to those of all others: (x_lower - x_upper)'' = 0.
   void hold(double* force) {
-    const auto n = slide_.size();
+    const auto n = frictions();
     const auto& frictions = model_.frictions;
     for (std::size_t i = 0; i < n; ++i) {
       const auto& a = frictions[i];
@@ -262,7 +329,7 @@ class Motion {
         mutual_[i * n + j] = holds && slide_[j] == 0.0 ? mutual : 0.0;
       }
     }
-    solve(mutual_.data(), hold_.data(), n);
+    solve_symmetric(mutual_.data(), hold_.data(), n);
     for (std::size_t i = 0; i < n; ++i) push(force, frictions[i], hold_[i]);
   }
 
@@ -322,7 +389,7 @@ class Motion {
 
   /// At the start of a frame driven points have new speeds, which what held to them has not.
   void start_slides() {
-    for (std::size_t f = 0; f < slide_.size(); ++f) {
+    for (std::size_t f = 0; f < frictions(); ++f) {
       const double v = between(velocities(numbers_.data()), model_.frictions[f]);
       if (slide_[f] == 0.0 && std::abs(v) > kStill) slide_[f] = sign_of(v);
     }
@@ -397,8 +464,8 @@ class Motion {
   double least_margin(const double* y) {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t c = 0; c < contacts_.size(); ++c) least = std::min(least, contact_margin(y, c));
-    for (std::size_t f = 0; f < slide_.size(); ++f) least = std::min(least, friction_margin(y, f));
-    for (std::size_t b = 0; b < slipped_.size(); ++b) least = std::min(least, bond_margin(y, b));
+    for (std::size_t f = 0; f < frictions(); ++f) least = std::min(least, friction_margin(y, f));
+    for (std::size_t b = 0; b < model_.bonds.size(); ++b) least = std::min(least, bond_margin(y, b));
     return least;
   }
 
@@ -449,10 +516,10 @@ class Motion {
     const double* y = numbers_.data();
     for (std::size_t c = 0; c < contacts_.size(); ++c)
       if (contact_margin(y, c) < 0.0) switch_contact(c);
-    for (std::size_t b = 0; b < slipped_.size(); ++b)
+    for (std::size_t b = 0; b < model_.bonds.size(); ++b)
       if (bond_margin(y, b) < 0.0)
         slipped_[b] = slipped_[b] != 0.0 ? 0.0 : sign_of(between(y, model_.bonds[b]));
-    for (std::size_t f = 0; f < slide_.size(); ++f)
+    for (std::size_t f = 0; f < frictions(); ++f)
       if (friction_margin(y, f) < 0.0) switch_friction(f);
   }
 
@@ -488,10 +555,9 @@ class Motion {
   Eigen::MatrixXd transition_;          ///< from numbers and inputs to the numbers of the next frame
   std::vector<double> numbers_, next_;  ///< y at the start and at the end of a step
   std::vector<double> slope_;           ///< workspace
-  std::vector<double> loss_;            ///< of each contact: r [s/m]
   std::vector<ContactState> contacts_;
-  /// Of each friction: 0 while it holds, else the sign of the velocity; of each bond, of n.
-  std::vector<double> slide_, slipped_;
+  double *loss_ = nullptr, *slide_ = nullptr,
+         *slipped_ = nullptr;          ///< of contacts, frictions and bonds: the state's
   std::vector<double> inputs_;         ///< of the frame: forces, voltages, waves, normal forces, and 1
   std::vector<double> hold_, mutual_;  ///< forces of the frictions that hold, and the matrix for them
   double step_s_ = 0.0;                ///< what the last step advises

@@ -4,10 +4,9 @@
 #include "engine/core/index.h"
 #include "engine/physics/couplings/couplings.h"
 #include "engine/physics/numbers.h"
-#include "engine/physics/solvers/mass_row.h"
+#include "engine/physics/solvers/link_operator.h"
 #include "engine/physics/solvers/network_solver.h"
 #include "engine/physics/solvers/sparse_solver.h"
-#include "engine/physics/solvers/vectorised.h"
 
 namespace tactus {
 namespace {

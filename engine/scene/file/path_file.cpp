@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <functional>
+#include <ranges>
+
 #include "engine/graph/plan/compile.h"
 #include "engine/graph/semantics/scope.h"
 #include "engine/nodes/table.h"
@@ -15,74 +19,40 @@ constexpr const char* kForm =
 
 enum FirSetting { kTaps, kRate };
 
-/// Reads the one node of a graph without errors.
-class PathReader {
- public:
-  explicit PathReader(const GraphSpec& graph) : graph_(graph), errors_(graph.file) {}
+void report(ErrorList& errors, const Source& at, const std::string& what) {
+  errors.add(Errc::BadFile, at, what, kForm);
+}
 
-  Checked<PathFile> read() {
-    if (const auto* node = the_node()) {
-      check_ends(*node);
-      read_rate(*node);
-      path_.taps = setting(*node, kTaps).numbers;
-    }
-    if (errors_.any()) return tl::unexpected(errors_.take());
-    path_.name = graph_.name;
-    path_.about = graph_.about;
-    path_.source = graph_.source;
-    return path_;
-  }
+const NodeSpec* path_node(const GraphSpec& graph, ErrorList& errors) {
+  const auto is_path = [](const NodeSpec& node) {
+    return node.name == "path" && node.type == fir_type().name;
+  };
+  const auto others = [&](auto&& items) {
+    for (const auto& item : items)
+      report(errors, item.at, "'" + item.name + "' is not part of a measured path");
+  };
+  others(graph.nodes | std::views::filter(std::not_fn(is_path)));
+  others(graph.networks);
+  others(graph.controls);
+  const auto path = std::ranges::find_if(graph.nodes, is_path);
+  if (path != graph.nodes.end()) return &*path;
+  report(errors, {graph.file.file, 1, 1}, "there is no fir node called 'path'");
+  return nullptr;
+}
 
- private:
-  void other(const Source& at, const std::string& what) { errors_.add(Errc::BadFile, at, what, kForm); }
-
-  const NodeSpec* the_node() {
-    const NodeSpec* path = nullptr;
-    for (const auto& node : graph_.nodes)
-      if (node.name == "path" && node.type == fir_type().name)
-        path = &node;
-      else
-        other(node.at, "'" + node.name + "' is not part of a measured path");
-    const auto others = [this](const auto& items) {
-      for (const auto& item : items) other(item.at, "'" + item.name + "' is not part of a measured path");
-    };
-    others(graph_.networks);
-    others(graph_.controls);
-    if (path == nullptr) other({graph_.file.file, 1, 1}, "there is no fir node called 'path'");
-    return path;
-  }
-
-  void check_ends(const NodeSpec& node) {
-    if (graph_.inputs.size() != 1 || graph_.outputs.size() != 1)
-      return other({graph_.file.file, 1, 1}, fmt::format("there are {} inputs and {} outputs",
-                                                         graph_.inputs.size(), graph_.outputs.size()));
-    expect(node.fields, "in", graph_.inputs[0].name);
-    expect(graph_.outputs[0].fields, "from", "path");
-  }
-
-  /// What comes before or behind the taps would be lost.
-  void expect(const Value::Table& fields, const char* key, const std::string& name) {
-    const auto* value = find(fields, key);
+/// What comes before or behind the taps would be lost.
+void check_ends(const GraphSpec& graph, const NodeSpec& node, ErrorList& errors) {
+  if (graph.inputs.size() != 1 || graph.outputs.size() != 1)
+    return report(
+        errors, {graph.file.file, 1, 1},
+        fmt::format("there are {} inputs and {} outputs", graph.inputs.size(), graph.outputs.size()));
+  const auto expect = [&](const Value* value, const char* key, const std::string& name) {
     if (value != nullptr && (value->text() == nullptr || *value->text() != name))
-      other(value->at, fmt::format("'{}' is not \"{}\" alone", key, name));
-  }
-
-  SettingValue setting(const NodeSpec& node, std::size_t which) {
-    return bind_setting(fir_type().settings[which], node.fields, {}, "fir 'path'", node.at, errors_);
-  }
-
-  void read_rate(const NodeSpec& node) {
-    const auto rate = setting(node, kRate);
-    path_.rate = Hertz{rate.number};
-    if (!rate.given)
-      errors_.add(Errc::Missing, node.at, "fir 'path' lacks 'rate'",
-                  "give the sample rate of its taps, as in rate = \"48 kHz\"");
-  }
-
-  const GraphSpec& graph_;
-  ErrorList errors_;
-  PathFile path_;
-};
+      report(errors, value->at, fmt::format("'{}' is not \"{}\" alone", key, name));
+  };
+  expect(find(node.fields, "in"), "in", graph.inputs[0].name);
+  expect(find(graph.outputs[0].fields, "from"), "from", "path");
+}
 
 std::string lines_of(const std::vector<double>& taps) {
   std::string text;
@@ -121,7 +91,23 @@ Checked<PathFile> read_path(LoadedGraph loaded) {
   auto wrong = std::move(loaded.errors);
   if (wrong.empty()) wrong = check(*loaded.spec, standard_nodes(), {});
   if (!wrong.empty()) return tl::unexpected(std::move(wrong));
-  return PathReader{*loaded.spec}.read();
+  const auto& graph = *loaded.spec;
+  ErrorList errors{graph.file};
+  PathFile path{graph.name, graph.about, graph.source, {}, {}};
+  if (const auto* node = path_node(graph, errors)) {
+    check_ends(graph, *node, errors);
+    const auto setting = [&](FirSetting which) {
+      return bind_setting(fir_type().settings[which], node->fields, {}, "fir 'path'", node->at, errors);
+    };
+    const auto rate = setting(kRate);
+    if (!rate.given)
+      errors.add(Errc::Missing, node->at, "fir 'path' lacks 'rate'",
+                 "give the sample rate of its taps, as in rate = \"48 kHz\"");
+    path.rate = Hertz{rate.number};
+    path.taps = setting(kTaps).numbers;
+  }
+  if (errors.any()) return tl::unexpected(errors.take());
+  return path;
 }
 
 }  // namespace tactus

@@ -1,4 +1,3 @@
-
 #include "engine/graph/file/read_graph.h"
 #include "engine/rig/profile.h"
 #include "engine/scene/file/scene_spec.h"
@@ -86,10 +85,7 @@ const SectionType& scene_fields() {
               quantity_field("delay", "s", 0, 10, "system delay", "0 s"),
               required(quantity_field("duration", "s", 1e-3, kLongestTime_s, "duration of the scene")),
               whole_field("seed", 0, kMaxSeed, "seed of all random numbers"),
-              required({.key = "parts",
-                        .kind = FieldKind::Reference,
-                        .doc = "graphs and their connections",
-                        .unit = "part"}),
+              required({"parts", FieldKind::Reference, "graphs and their connections", {"part"}}),
               entries_field("gestures", gesture, "gestures of the player"),
               section_field("converters", converter),
               entries_field("drives", drive, "actuators on the instrument's outputs"),

@@ -16,6 +16,7 @@ namespace tactus {
 namespace {
 
 constexpr double kMinPlayabilityWindow_s = 1;  // a roll has a worst second
+constexpr Dimension kSecond{.second = 1};
 
 const SectionType& section_fields(std::string_view section) { return *scene_fields()[section].inside; }
 
@@ -25,16 +26,14 @@ bool check_keys(const Value::Table& table, ErrorList& errors) {
   const auto among = [](const std::vector<std::string>& names, const std::string& name) {
     return std::ranges::find(names, name) != names.end();
   };
-  const auto of_graph = [&](const Field& field) {
-    return among(graph_keys, field.key) && !among(keys, field.key);
-  };
-  Value::Table rest = table;
-  std::erase_if(rest, of_graph);
-  errors.unknown_keys(rest, keys);
+  Value::Table rest;
   for (const auto& field : table)
-    if (of_graph(field))
+    if (among(keys, field.key) || !among(graph_keys, field.key))
+      rest.push_back(field);
+    else
       errors.add(Errc::UnknownName, field.at, "'" + field.key + "' is a key of graphs, but this is a scene",
                  "move it to the file of a part");
+  errors.unknown_keys(rest, keys);
   return std::ranges::all_of(rest, [&](const Field& field) {
     const bool known = among(keys, field.key);
     const bool section = field.key == "parts" || field.key == "gestures";
@@ -55,58 +54,42 @@ std::string name_of_file(const std::filesystem::path& file) {
   return (file.filename() == "scene.toml" && !folder.empty() ? folder : file.stem()).string();
 }
 
-std::string seconds_text(double seconds) {
-  return short_quantity(seconds, parse_unit("s").value().dimension);
-}
-
 // ---- gestures ----
 
-/// Reads the points of one gesture; points with errors are reported and left out.
-class PointReader {
- public:
-  PointReader(Gesture& gesture, ErrorList& errors) : gesture_(gesture), errors_(errors) {
-    gesture_.bare = true;
-  }
+std::optional<double> read_time(const Value& value, const Gesture& gesture, ErrorList& errors) {
+  const auto time = read_quantity(value, parse_unit("s").value(), "time");
+  if (errors.keep(time) == nullptr) return std::nullopt;
+  const double last_s = gesture.points.empty() ? -1 : gesture.points.back().time_s;
+  if (*time < 0 || *time > kLongestTime_s)
+    errors.add(Errc::OutOfRange, value.at, "the time of a point cannot be " + short_quantity(*time, kSecond),
+               "use times between 0 s and one day");
+  else if (*time <= last_s)
+    errors.add(Errc::OutOfRange, value.at,
+               short_quantity(*time, kSecond) + " is not later than the " + short_quantity(last_s, kSecond) +
+                   " before it",
+               "the times of a gesture must be ascending");
+  return std::max(last_s, *time);
+}
 
-  void read(const Value& point) {
-    const auto* pair = point.list();
-    if (pair == nullptr || pair->size() != 2)
-      return errors_.add(Errc::WrongType, point.at, "a point must be a time and a value",
-                         "write for instance [\"0.1 s\", \"2 m/s\"]");
-    const auto time = read_time((*pair)[0]);
-    const auto value = read_value((*pair)[1]);
-    if (time && value) gesture_.points.push_back({*time, *value});
-  }
+std::optional<double> read_value(const Value& value, Gesture& gesture, ErrorList& errors) {
+  const auto quantity = read_quantity(value);
+  if (errors.keep(quantity) == nullptr) return std::nullopt;
+  if (quantity->bare) return quantity->si;
+  if (std::exchange(gesture.bare, false)) gesture.unit = quantity->unit;
+  const auto checked = read_quantity(value, gesture.unit, gesture.name);
+  return errors.keep(checked) == nullptr ? std::nullopt : std::optional{*checked};
+}
 
- private:
-  std::optional<double> read_time(const Value& value) {
-    const auto time = read_quantity(value, parse_unit("s").value(), "time");
-    if (errors_.keep(time) == nullptr) return std::nullopt;
-    if (*time < 0 || *time > kLongestTime_s) {
-      errors_.add(Errc::OutOfRange, value.at, "the time of a point cannot be " + seconds_text(*time),
-                  "use times between 0 s and one day");
-    } else if (*time <= last_s_) {
-      errors_.add(Errc::OutOfRange, value.at,
-                  seconds_text(*time) + " is not later than the " + seconds_text(last_s_) + " before it",
-                  "the times of a gesture must be ascending");
-    }
-    last_s_ = std::max(last_s_, *time);
-    return *time;
-  }
-
-  std::optional<double> read_value(const Value& value) {
-    const auto quantity = read_quantity(value);
-    if (errors_.keep(quantity) == nullptr) return std::nullopt;
-    if (quantity->bare) return quantity->si;
-    if (std::exchange(gesture_.bare, false)) gesture_.unit = quantity->unit;
-    const auto checked = read_quantity(value, gesture_.unit, gesture_.name);
-    return errors_.keep(checked) == nullptr ? std::nullopt : std::optional{*checked};
-  }
-
-  Gesture& gesture_;
-  ErrorList& errors_;
-  double last_s_ = -1;
-};
+/// Points with errors are reported and left out.
+void read_point(const Value& point, Gesture& gesture, ErrorList& errors) {
+  const auto* pair = point.list();
+  if (pair == nullptr || pair->size() != 2)
+    return errors.add(Errc::WrongType, point.at, "a point must be a time and a value",
+                      "write for instance [\"0.1 s\", \"2 m/s\"]");
+  const auto time = read_time((*pair)[0], gesture, errors);
+  const auto value = read_value((*pair)[1], gesture, errors);
+  if (time && value) gesture.points.push_back({*time, *value});
+}
 
 Gesture read_gesture(const EntrySpec& entry, ErrorList& errors) {
   FieldReader fields{entry, section_fields("gestures"), errors, "gesture"};
@@ -118,8 +101,8 @@ Gesture read_gesture(const EntrySpec& entry, ErrorList& errors) {
                "write points = [[\"0 s\", 0], [\"1 s\", 1]]");
     return gesture;
   }
-  PointReader reader{gesture, errors};
-  for (const auto& point : *points->list()) reader.read(point);
+  gesture.bare = true;
+  for (const auto& point : *points->list()) read_point(point, gesture, errors);
   return gesture;
 }
 
@@ -136,12 +119,8 @@ Converters read_converters(const Value::Table& section, ErrorList& errors) {
 
 Port read_port(const EntrySpec& entry, ErrorList& errors) {
   FieldReader fields{entry, section_fields("ports"), errors, "port"};
-  return {entry.name,
-          entry.at,
-          fields.text("force"),
-          fields.text("position"),
-          fields.at("force", entry.at),
-          fields.at("position", entry.at),
+  const auto signal = [&](const char* key) { return SignalName{fields.text(key), fields.at(key, entry.at)}; };
+  return {entry.name, entry.at, signal("force"), signal("position"),
           fields.number("active_up_to").value_or(0)};
 }
 
@@ -149,7 +128,6 @@ Port read_port(const EntrySpec& entry, ErrorList& errors) {
 
 MeasureEntry read_measure(const EntrySpec& entry, FieldReader& fields, Seconds duration) {
   MeasureEntry read{entry.name, entry.at};
-  read.measure_at = fields.at("measure", entry.at);
   if (fields.choice("measure")) read.measure = fields.text("measure");
   read.of = fields.text("of");
   read.of_at = fields.at("of", entry.at);
@@ -217,72 +195,66 @@ void read_roles(const Value::Table& table, SceneSpec& scene, ErrorList& errors) 
 
 // ---- [playability] ----
 
-using Kind = Playability::Kind;
-
-void read_times(FieldReader& fields, double end_s, Playability& playability, ErrorList& errors) {
-  playability.from_s = fields.number("from", end_s).value_or(playability.from_s);
-  playability.to_s = fields.number("to", end_s);
-  if (playability.to_s.value_or(end_s) - playability.from_s < kMinPlayabilityWindow_s)
-    errors.add(Errc::OutOfRange, fields.at("from", playability.at),
-               "the evaluated window is shorter than one second",
-               "lower 'from', or raise 'to' or 'duration'");
-}
-
-void read_signal(FieldReader& fields, const char* key, Playability::Signal& signal) {
-  if (fields.has(key)) signal = {fields.text(key), fields.value(key)->at};
-}
-
 /// "110 Hz", or "wanted.pitch": an output of a part.
 void read_pitch(FieldReader& fields, Playability& playability, ErrorList& errors) {
   if (!fields.has("pitch"))
     return errors.add(Errc::Missing, playability.at, "a tone needs the expected 'pitch'",
                       "write pitch = \"110 Hz\", or an output of a part: \"wanted.pitch\"");
-  const auto* text = fields.value("pitch")->text();
+  const auto& [value, at] = *fields.value("pitch");
+  const auto* text = std::get_if<std::string>(&value);
   if (text != nullptr && !text->empty() && text->front() >= 'a' && text->front() <= 'z')
-    return read_signal(fields, "pitch", playability.pitch);
-  playability.pitch_hz = fields.number("pitch").value_or(playability.pitch_hz);
-}
-
-void read_tone(FieldReader& fields, double end_s, Playability& playability, ErrorList& errors) {
-  read_signal(fields, "sound", playability.sound);
-  playability.begin_s = fields.number("begin", end_s).value_or(playability.begin_s);
-  playability.quiet = fields.number("quiet").value_or(playability.quiet);
-  read_pitch(fields, playability, errors);
-  if (playability.begin_s > playability.from_s)
-    errors.add(Errc::OutOfRange, fields.value("begin")->at,
-               "'begin' is later than 'from', where the tone must be steady", "raise 'from' (default: 1 s)");
+    playability.pitch = {*text, at};
+  else
+    playability.pitch_hz = fields.number("pitch").value_or(playability.pitch_hz);
 }
 
 std::optional<Playability> read_playability(const Value::Table& section, const Source& at, Seconds duration,
                                             const std::vector<Role>& roles, ErrorList& errors) {
   FieldReader fields{section, section_fields("playability"), errors, "[playability]", at};
-  Playability playability;
-  playability.at = at;
-  playability.hits = {signal_of(roles, "hit"), at};
-  playability.contact = {signal_of(roles, "contact"), at};
-  playability.sound = {signal_of(roles, "monitor"), at};
+  const auto number = [&](const char* key, double fallback, double most = kUnlimited) {
+    return fields.number(key, most).value_or(fallback);
+  };
+  const auto signal = [&](const char* key, const char* role) {
+    return fields.has(key) ? SignalName{fields.text(key), fields.value(key)->at}
+                           : SignalName{signal_of(roles, role), at};
+  };
   const auto kind = fields.choice("kind");
   const double end_s = duration.value > 0 ? duration.value : kLongestTime_s;
-  read_times(fields, end_s, playability, errors);
-  if (!kind) return std::nullopt;
-  playability.kind = static_cast<Kind>(*kind);
-  if (playability.kind == Kind::Tone) {
-    read_tone(fields, end_s, playability, errors);
-  } else {
-    read_signal(fields, "hits", playability.hits);
-    read_signal(fields, "contact", playability.contact);
-    playability.fewest = fields.number("fewest").value_or(playability.fewest);
-  }
-  return playability;
+  Playability read{static_cast<Playability::Kind>(kind.value_or(0)), at};
+  read.from_s = number("from", read.from_s, end_s);
+  read.to_s = fields.number("to", end_s);
+  read.hits = signal("hits", "hit");
+  read.contact = signal("contact", "contact");
+  read.fewest = number("fewest", read.fewest);
+  read.sound = signal("sound", "monitor");
+  read.begin_s = number("begin", read.begin_s, end_s);
+  read.quiet = number("quiet", read.quiet);
+  if (read.to_s.value_or(end_s) - read.from_s < kMinPlayabilityWindow_s)
+    errors.add(Errc::OutOfRange, fields.at("from", at), "the evaluated window is shorter than one second",
+               "lower 'from', or raise 'to' or 'duration'");
+  if (!kind || read.kind == Playability::Kind::Roll) return kind ? std::optional{read} : std::nullopt;
+  read_pitch(fields, read, errors);
+  if (read.begin_s > read.from_s)
+    errors.add(Errc::OutOfRange, fields.value("begin")->at,
+               "'begin' is later than 'from', where the tone must be steady", "raise 'from' (default: 1 s)");
+  return read;
 }
 
 // ---- [compare] ----
 
-void read_compared(const Field& field, const std::string& name, Comparison& comparison, ErrorList& errors) {
-  const auto value = read_quantity(field.value);
-  if (errors.keep(value) == nullptr) return;
-  comparison.set[name] = value->si;
-  comparison.places[name] = field.at;
+/// `plant.gain = 1` is a table in TOML.
+void read_compared(const Value::Table& table, const std::string& prefix, Comparison& comparison,
+                   ErrorList& errors) {
+  for (const auto& [key, at, value] : table) {
+    const auto name = prefix + key;
+    if (name == "name") continue;
+    if (value.table() != nullptr) {
+      read_compared(*value.table(), name + ".", comparison, errors);
+    } else if (const auto quantity = read_quantity(value); errors.keep(quantity) != nullptr) {
+      comparison.set[name] = quantity->si;
+      comparison.places[name] = at;
+    }
+  }
 }
 
 Comparison read_comparison(const Value::Table& section, const Source& at, ErrorList& errors) {
@@ -290,13 +262,7 @@ Comparison read_comparison(const Value::Table& section, const Source& at, ErrorL
   if (comparison.name.empty())
     errors.add(Errc::Missing, at, "[compare] lacks 'name'",
                "add a name, such as name = \"without the pulse\"");
-  for (const auto& field : section) {
-    if (field.key == "name") continue;
-    const auto* part = field.value.table();  // plant.gain = 1
-    if (part == nullptr) read_compared(field, field.key, comparison, errors);
-    for (const auto& inner : part != nullptr ? *part : Value::Table{})
-      read_compared(inner, field.key + "." + inner.key, comparison, errors);
-  }
+  read_compared(section, "", comparison, errors);
   return comparison;
 }
 
@@ -371,7 +337,7 @@ class SceneReader {
   }
 
   void read_times(const Value::Table& table) {
-    FieldReader fields{table, scene_fields(), errors_, FieldReader::kKeysChecked};
+    FieldReader fields{table, scene_fields().fields, errors_, FieldReader::kKeysChecked};
     if (const auto seed = fields.number("seed")) scene_.seed = static_cast<std::uint64_t>(*seed);
     if (const auto rate = fields.number("rate")) scene_.rate = Hertz{*rate};
     if (const auto delay = fields.number("delay")) scene_.delay = Seconds{*delay};

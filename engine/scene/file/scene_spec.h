@@ -58,13 +58,18 @@ struct Converters {
   int bits = 24;
 };
 
+/// "part.port", and where the file names it.
+struct SignalName {
+  std::string name;
+  Source at;
+};
+
 /// Where a motor moves the plant: the energy that it gives is added up while the scene plays.
 struct Port {
   std::string name;
   Source at;
-  std::string force, position;  ///< outputs of parts: "plant.motor", "plant.arm"
-  Source force_at, position_at;
-  double allowed = 0;  ///< [J] that the instrument may give
+  SignalName force, position;  ///< outputs of parts: "plant.motor", "plant.arm"
+  double allowed = 0;          ///< [J] that the instrument may give
 };
 
 /// A signal and what it is to measures and reports, see `role_types`.
@@ -91,8 +96,7 @@ struct MeasureEntry {
   std::string name;
   Source at;
   std::string measure{};  ///< empty after an error
-  Source measure_at{};
-  std::string of{};  ///< "part.port", or empty
+  std::string of{};       ///< "part.port", or empty
   Source of_at{};
   std::optional<double> from_s{}, to_s{};
 };
@@ -114,24 +118,20 @@ struct Playability {
     Roll,  ///< repeated strikes
     Tone,  ///< a note that is held, or several
   };
-  struct Signal {
-    std::string name;  ///< "part.port"
-    Source at;
-  };
   Kind kind = Kind::Roll;
   Source at;
-  double from_s = 1;           ///< start of the evaluated window
-  std::optional<double> to_s;  ///< its end; else that of the scene
+  double from_s = 1;             ///< start of the evaluated window
+  std::optional<double> to_s{};  ///< its end; else that of the scene
 
   // Signals that are left out play the roles "hit", "contact" and "monitor".
-  Signal hits{};        ///< of a roll: the trigger of a detected strike
-  Signal contact{};     ///< the contact force of the strikes
-  double fewest = 10;   ///< strikes in its worst second
-  Signal sound{};       ///< of a tone
-  double pitch_hz = 0;  ///< the expected note; 0: that of `pitch`
-  Signal pitch{};       ///< the expected notes, one after the other; "": the one of `pitch_hz`
-  double begin_s = 0;   ///< when the bow is on the string
-  double quiet = 1e-3;  ///< softer than this it is silent: root mean square
+  SignalName hits{};     ///< of a roll: the trigger of a detected strike
+  SignalName contact{};  ///< the contact force of the strikes
+  double fewest = 10;    ///< strikes in its worst second
+  SignalName sound{};    ///< of a tone
+  double pitch_hz = 0;   ///< the expected note; 0: that of `pitch`
+  SignalName pitch{};    ///< the expected notes, one after the other; "": the one of `pitch_hz`
+  double begin_s = 0;    ///< when the bow is on the string
+  double quiet = 1e-3;   ///< softer than this it is silent: root mean square
 };
 
 /// The same scene once more with some controls elsewhere, to show beside it what they do.

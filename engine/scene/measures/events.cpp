@@ -24,11 +24,8 @@ int longest_growth(const std::vector<double>& intervals) {
 int fewest_per_second(const std::vector<double>& times, double from, double to) {
   if (to - from < 1) return 0;
   int fewest = static_cast<int>(times.size());
-  for (double start = from; start + 1 <= to + 1e-9; start += 0.1) {
-    const auto first = std::ranges::lower_bound(times, start);
-    const auto last = std::ranges::lower_bound(times, start + 1);
-    fewest = std::min(fewest, static_cast<int>(last - first));
-  }
+  for (double start = from; start + 1 <= to + 1e-9; start += 0.1)
+    fewest = std::min(fewest, events_in_second(times, start));
   return fewest;
 }
 
@@ -57,6 +54,11 @@ std::vector<Strike> find_strikes(const std::vector<double>& force, Hertz sample_
   }
   std::erase_if(strikes, [least](const Strike& strike) { return strike.peak < least; });
   return strikes;
+}
+
+int events_in_second(const std::vector<double>& times_s, double from_s) {
+  const auto first = std::ranges::lower_bound(times_s, from_s);
+  return static_cast<int>(std::ranges::lower_bound(times_s, from_s + 1) - first);
 }
 
 Rhythm rhythm_of(const std::vector<double>& times_s, double from_s, double to_s) {

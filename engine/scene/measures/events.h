@@ -39,6 +39,9 @@ Rhythm rhythm_of(const std::vector<double>& times_s, double from_s, double to_s)
 double restitution(const std::vector<double>& position, Hertz sample_rate,
                    const std::vector<Strike>& strikes);
 
+/// Events in the second from a time on; times rise.
+int events_in_second(const std::vector<double>& times_s, double from_s);
+
 /// How well a detector did.
 struct Detection {
   int found = 0, missed = 0, doubled = 0;

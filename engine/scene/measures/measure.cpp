@@ -27,10 +27,6 @@ const RecordedSignal* find_signal(const SceneRecording& recording, const std::st
   return nullptr;
 }
 
-std::string subject_of(const SceneRecording& recording, const Expectation& expectation, const Measure& type) {
-  return expectation.of.empty() ? signal_of(recording.roles, type.of) : expectation.of;
-}
-
 tl::unexpected<Error> unknown_signal(const SceneRecording& recording, const Expectation& expectation) {
   const auto names = names_of(recording.signals);
   return fail(Errc::UnknownName, (expectation.of.empty() ? expectation.at : expectation.of_at).text(),
@@ -54,7 +50,8 @@ Result<Window> window_of(const SceneRecording& recording, const Expectation& exp
                   "declare it under [ports]");
   }
   if (type.subject != Subject::Signal && type.subject != Subject::Events) return window;
-  window.signal = find_signal(recording, subject_of(recording, expectation, type));
+  window.signal =
+      find_signal(recording, expectation.of.empty() ? signal_of(recording.roles, type.of) : expectation.of);
   if (!type.beside.empty()) window.beside = find_signal(recording, signal_of(recording.roles, type.beside));
   // Without any trigger nothing was detected.
   const bool may_be_silent = !type.beside.empty() && type.subject == Subject::Events;
@@ -73,10 +70,19 @@ std::string limits_text(const Expectation& expectation, const std::string& unit)
   return expectation.min ? "at least " + number(*expectation.min) : "at most " + number(*expectation.max);
 }
 
-std::string unit_in(const SceneRecording& recording, const Expectation& expectation, const Measure& type) {
-  if (type.unit != Measure::kUnitOfSubject) return type.unit;
-  const auto* signal = find_signal(recording, subject_of(recording, expectation, type));
-  return signal != nullptr ? to_string(signal->dimension) : "";
+struct Measured {
+  double value;
+  std::string unit;
+};
+Result<Measured> measured(const SceneRecording& recording, const Expectation& expectation) {
+  const auto* type = find_measure(expectation.measure);
+  if (type == nullptr || type->value == nullptr)
+    return fail(Errc::UnknownName, expectation.at.text(), "there is no measure '" + expectation.measure + "'",
+                "there are " + listed(value_names()));
+  return window_of(recording, expectation, *type).map([&](const Window& window) {
+    const bool own = type->unit != Measure::kUnitOfSubject;
+    return Measured{type->value(window), own ? type->unit : to_string(window.signal->dimension)};
+  });
 }
 
 std::vector<std::string> names_with(auto Measure::*function) {
@@ -118,11 +124,7 @@ std::vector<std::string> value_names() { return names_with(&Measure::value); }
 std::vector<std::string> error_names() { return names_with(&Measure::error); }
 
 Result<double> measure(const SceneRecording& recording, const Expectation& expectation) {
-  const auto* type = find_measure(expectation.measure);
-  if (type == nullptr || type->value == nullptr)
-    return fail(Errc::UnknownName, expectation.measure_at.text(),
-                "there is no measure '" + expectation.measure + "'", "there are " + listed(value_names()));
-  return window_of(recording, expectation, *type).map(type->value);
+  return measured(recording, expectation).map(&Measured::value);
 }
 
 std::vector<Strike> strikes_in(const RecordedSignal& contact, Hertz sample_rate) {
@@ -152,16 +154,16 @@ Checked<std::vector<ExpectationResult>> check_expectations(const SceneSpec& scen
   std::vector<ExpectationResult> outcomes;
   std::vector<Error> errors;
   for (const auto& expectation : scene.expect) {
-    const auto value = measure(recording, expectation);
-    if (!value) {
-      errors.push_back(value.error());
+    const auto result = measured(recording, expectation);
+    if (!result) {
+      errors.push_back(result.error());
       continue;
     }
-    const bool holds = (!expectation.min || *value >= expectation.min->si) &&
-                       (!expectation.max || *value <= expectation.max->si);
-    const auto unit = unit_in(recording, expectation, *find_measure(expectation.measure));
+    const auto& [value, unit] = *result;
+    const bool holds = (!expectation.min || value >= expectation.min->si) &&
+                       (!expectation.max || value <= expectation.max->si);
     outcomes.push_back(
-        {expectation.name, expectation.measure, *value, unit, holds, limits_text(expectation, unit)});
+        {expectation.name, expectation.measure, value, unit, holds, limits_text(expectation, unit)});
   }
   if (!errors.empty()) return tl::unexpected(std::move(errors));
   return outcomes;

@@ -38,8 +38,8 @@ double faults(const Window& w) {
 }
 
 double energy_given(const Window& w) {
-  const auto force = w.samples(*w.recording.find(w.port->force));
-  const auto position = w.samples(*w.recording.find(w.port->position));
+  const auto force = w.samples(*w.recording.find(w.port->force.name));
+  const auto position = w.samples(*w.recording.find(w.port->position.name));
   EnergyWatch watch{*w.port};
   watch.take(force.data(), position.data(), static_cast<int>(force.size()));
   return watch.energy(w.rate()).given;

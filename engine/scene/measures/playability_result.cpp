@@ -11,7 +11,7 @@ namespace {
 constexpr int kMaxBeats = 4;
 constexpr double kRepeats = 0.02;  // a pattern that close needs no longer one
 constexpr std::size_t kMinHits = 6;
-constexpr double kWindow_s = 1.0, kStep_s = 0.1;
+constexpr double kStep_s = 0.1;
 
 double pattern_spread(const std::vector<double>& intervals, std::size_t beats, double mean) {
   if (intervals.size() <= beats) return 1;
@@ -110,12 +110,8 @@ const std::vector<RunKind>& run_kinds(Playability::Kind kind) {
 
 double sustained(const std::vector<double>& times, double from, double to, double fewest) {
   int windows = 0, alive = 0;
-  for (int i = 0; from + i * kStep_s + kWindow_s <= to + 1e-9; ++i, ++windows) {
-    const auto begin = from + i * kStep_s;
-    const auto first = std::ranges::lower_bound(times, begin);
-    const auto last = std::lower_bound(first, times.end(), begin + kWindow_s);
-    alive += static_cast<double>(last - first) >= fewest ? 1 : 0;
-  }
+  for (; from + windows * kStep_s + 1 <= to + 1e-9; ++windows)
+    alive += events_in_second(times, from + windows * kStep_s) >= fewest ? 1 : 0;
   return windows == 0 ? 0 : static_cast<double>(alive) / windows;
 }
 

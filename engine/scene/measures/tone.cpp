@@ -22,16 +22,18 @@ struct ToneNote {
   std::span<const double> moving = {};  ///< pitch of each frame of the scene; empty: it does not move
   double rate = 0;
 
-  double hertz_at(double time_s) const {
-    const auto frame = static_cast<std::size_t>(time_s * rate);
-    return frame < moving.size() && moving[frame] > 0 ? moving[frame] : hertz;
+  std::vector<ToneMoment> moments(const std::vector<PitchPoint>& track, double from, double to) const {
+    return moments_between(track, from, to, [this](double time_s) {
+      const auto frame = static_cast<std::size_t>(time_s * rate);
+      return frame < moving.size() && moving[frame] > 0 ? moving[frame] : hertz;
+    });
   }
 };
 
 /// The moments of the part that should be steady.
 struct SteadyMoments {
-  double frames = 0;  ///< that there are, with a pitch or without
-  double right = 0, partials = 0;
+  double frames;  ///< that there are, with a pitch or without
+  double right, partials;
   std::vector<double> hertz, off_cents, level;
 
   double right_share() const { return right / frames; }
@@ -39,20 +41,20 @@ struct SteadyMoments {
 };
 
 SteadyMoments steady_moments_of(const std::vector<PitchPoint>& track, const ToneNote& note) {
-  SteadyMoments moments;
-  moments.frames = std::max(1.0, std::floor((note.until_s - note.steady_s) / kPitchHop_s));
-  for (const auto& point : track) {
-    if (point.time_s < note.steady_s || point.time_s >= note.until_s) continue;
-    const double expected = note.hertz_at(point.time_s);
-    moments.hertz.push_back(point.hertz);
-    moments.off_cents.push_back(cents(point.hertz, expected));
-    moments.level.push_back(point.rms);
-    const int partial = partial_of(point.hertz, expected);
-    if (partial == 1 && std::abs(moments.off_cents.back()) <= kInTune_cents) ++moments.right;
-    if (partial > 1) ++moments.partials;
+  const auto all = note.moments(track, note.steady_s, note.until_s);
+  SteadyMoments steady{std::max(1.0, std::floor((note.until_s - note.steady_s) / kPitchHop_s)),
+                       0,
+                       0,
+                       each(all, &ToneMoment::hertz),
+                       each(all, &ToneMoment::off_cents),
+                       each(all, &ToneMoment::rms)};
+  for (const auto& moment : all) {
+    const int partial = partial_of(moment.hertz, moment.expected_hz);
+    if (partial == 1 && std::abs(moment.off_cents()) <= kInTune_cents) ++steady.right;
+    if (partial > 1) ++steady.partials;
   }
-  moments.right = std::min(moments.right, moments.frames);
-  return moments;
+  steady.right = std::min(steady.right, steady.frames);
+  return steady;
 }
 
 /// Standard deviation around the straight line through the values, over their mean: a swell is steady.
@@ -78,9 +80,9 @@ double spread_of(const std::vector<double>& values) {
 /// The first moment of the note from which on it is steady; its end if there is none.
 double steady_in(const std::vector<PitchPoint>& track, const SteadyMoments& moments, const ToneNote& note) {
   if (moments.hertz.empty()) return note.to_s;
-  const auto all =
-      moments_between(track, note.from_s, note.to_s, [&](double time_s) { return note.hertz_at(time_s); });
-  return steady_from(all, median(moments.off_cents), median(moments.level)).value_or(note.to_s);
+  return steady_from(note.moments(track, note.from_s, note.to_s), median(moments.off_cents),
+                     median(moments.level))
+      .value_or(note.to_s);
 }
 
 const char* kind_of(double level, double quiet, const SteadyMoments& moments) {
@@ -110,9 +112,6 @@ ToneResult evaluate_note(std::span<const double> steady, const std::vector<Pitch
   return tone;
 }
 
-/// Half of the window of the tracker: three periods of the lowest pitch.
-double reach_s(double lowest_hz) { return 1.5 / lowest_tracked(Hertz{lowest_hz}).value; }
-
 ToneNote held_note(const SceneRecording& recording, const Playability& playability) {
   const double end = playability.to_s.value_or(recording.seconds());
   return {playability.begin_s, end, playability.from_s,
@@ -135,10 +134,12 @@ std::vector<ToneNote> notes_of(const SceneRecording& recording, const Playabilit
         {from, to, from + settles, to, note.hertz, expected->samples, recording.sample_rate.value});
     lowest = std::min(lowest, note.hertz);
   }
-  // No moment counts whose window reaches into the next note, or beyond the end.
+  // No moment counts whose window (three periods of the lowest pitch) reaches into the next note, or beyond
+  // the end.
+  const double reach_s = 1.5 / lowest_tracked(Hertz{lowest}).value;
   for (auto& note : notes) {
     const bool last = &note == &notes.back();
-    const double edge = last ? recording.seconds() - 10 / note.hertz : note.to_s - reach_s(lowest);
+    const double edge = last ? recording.seconds() - 10 / note.hertz : note.to_s - reach_s;
     note.until_s = std::max(note.steady_s, std::min(note.to_s, edge));
   }
   return notes;

@@ -69,7 +69,8 @@ class Disturbed final : public BlockProcessor {
 double stored(const Player& engine) {
   double energy = 0;
   for (const auto& node : engine.plan().nodes)
-    if (const auto* network = dynamic_cast<const NetworkView*>(node.get())) energy += network->energy();
+    if (const auto* view = dynamic_cast<const NetworkView*>(node.get()))
+      energy += view->network.energy(view->state);
   return energy;
 }
 

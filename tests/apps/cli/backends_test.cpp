@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "engine/core/named.h"
+
 using namespace tactus;
 using namespace tactus::app;
 
 TEST_CASE("app backends: a simulated card is there for whoever names it, and for nobody else", "[apps]") {
-  const auto cards = card_backends();
+  const auto cards = names_of(sound_backends());
   CHECK(std::count(cards.begin(), cards.end(), "loop") == 0);
   const auto named = backends_called("loop");
   REQUIRE(named);

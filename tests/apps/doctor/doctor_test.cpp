@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/doctor/findings.h"
+#include "engine/core/named.h"
 #include "tests/support/temporary_folder.h"
 
 // Texts of real systems, and what the doctor must say of them.
@@ -26,11 +27,11 @@ constexpr auto* kDebianRt =
 constexpr auto* kServer = "Linux version 3.10.0-1160.el7.x86_64 (mockbuild@kbuilder) #1 SMP Mon Oct 19 2020";
 
 /// A system made of some files.
-class FakeSystem : public SystemFiles {
+class FakeSystem : public SystemState {
  public:
   explicit FakeSystem(
       std::unique_ptr<test::TemporaryFolder> folder = std::make_unique<test::TemporaryFolder>())
-      : SystemFiles(folder->path()), folder_(std::move(folder)) {}
+      : SystemState(folder->path()), folder_(std::move(folder)) {}
   void write(const std::string& path, const std::string& text) const { folder_->write(path, text); }
   void version(const char* version, const char* command_line) const {
     write("proc/version", version);
@@ -41,23 +42,40 @@ class FakeSystem : public SystemFiles {
   std::unique_ptr<test::TemporaryFolder> folder_;
 };
 
+/// What is found under a name; of a system without /proc, that it is unknown.
+SystemFinding found(const SystemState& system, const std::string& name) {
+  const auto all = check_system(system);
+  const auto* finding = find_named(all, name);
+  return finding != nullptr ? *finding : all.back();
+}
+
 State kernel(const char* version, const char* preemption = nullptr, const char* command_line = "quiet") {
   const FakeSystem system;
   system.version(version, command_line);
   if (preemption != nullptr) system.write("sys/kernel/debug/sched/preempt", preemption);
-  return check_kernel(system).state;
+  return found(system, "kernel").state;
 }
 
 State interrupts(const char* version, const char* command_line, bool rtirq) {
   const FakeSystem system;
   system.version(version, command_line);
   if (rtirq) system.write("usr/sbin/rtirq", "");
-  return check_interrupts(system).state;
+  return found(system, "interrupts").state;
 }
 
-SystemFinding server(const std::string& name, std::vector<std::string> arguments,
+SystemFinding server(const std::string& name, const std::vector<std::string>& arguments,
                      const std::string& pipewire = "") {
-  const auto findings = check_servers({{"bash", {"-bash"}}, {name, std::move(arguments)}}, pipewire);
+  FakeSystem system;
+  system.write("proc/41/comm", "bash\n");
+  system.write("proc/42/comm", name + "\n");
+  std::string line;
+  for (const auto& argument : arguments) line += argument + '\0';
+  system.write("proc/42/cmdline", line);
+  system.pipewire = pipewire;
+  auto findings = check_system(system);
+  std::erase_if(findings, [](const SystemFinding& finding) {
+    return std::string{"JACK PipeWire PulseAudio sound server"}.find(finding.name) == std::string::npos;
+  });
   REQUIRE(findings.size() == 1);
   return findings[0];
 }
@@ -72,19 +90,21 @@ std::string quantum(int usual, int forced) {
 }  // namespace
 
 TEST_CASE("doctor: missing real-time priority is reported with each step that fixes it", "[doctor]") {
-  const FakeSystem system;
-  const auto command = [&](const char* item) { return check_right(system, kRefused, item).command; };
-  CHECK(check_right(system, kGranted, "rtprio").state == State::Ok);
+  FakeSystem system;
+  const auto command = [&](const char* name) { return found(system, name).command; };
+  CHECK(found(system, "real-time priority").state == State::Ok);
+  system.priority = system.memory = kRefused;
   system.write("etc/group", "root:x:0:\naudio:x:29:pulse\nme:x:1000:\n");
   system.write("proc/self/status", "Name:\ttactus\nGroups:\t1000 \n");
-  CHECK(check_right(system, kRefused, "rtprio").state == State::Warn);
-  CHECK(command("rtprio").find("sudo tee /etc/security/limits.d/audio.conf") != std::string::npos);
+  CHECK(found(system, "real-time priority").state == State::Warn);
+  CHECK(command("real-time priority").find("sudo tee /etc/security/limits.d/audio.conf") !=
+        std::string::npos);
   system.write("etc/security/limits.d/audio.conf",
                "@audio   -  rtprio     95\n@audio   -  memlock    unlimited\n");
-  CHECK(command("rtprio") == "sudo usermod -aG audio $USER   # then log in again");
-  CHECK(command("memlock") == "sudo usermod -aG audio $USER   # then log in again");
+  CHECK(command("real-time priority") == "sudo usermod -aG audio $USER   # then log in again");
+  CHECK(command("memory lock") == "sudo usermod -aG audio $USER   # then log in again");
   system.write("proc/self/status", "Name:\ttactus\nGroups:\t29 1000 \n");
-  CHECK(command("memlock").starts_with("exec su - $USER"));
+  CHECK(command("memory lock").starts_with("exec su - $USER"));
 }
 
 TEST_CASE("doctor: kernels and their preemption", "[doctor]") {
@@ -97,7 +117,7 @@ TEST_CASE("doctor: kernels and their preemption", "[doctor]") {
   CHECK(kernel(kDebian, nullptr, "quiet preempt=voluntary") == State::Warn);
   CHECK(kernel("Linux version 5.15.0-86-lowlatency (buildd@lcy02) #95-Ubuntu SMP PREEMPT") == State::Ok);
   CHECK(kernel(kServer) == State::Warn);
-  CHECK(check_kernel(FakeSystem{}).state == State::Unknown);
+  CHECK(found(FakeSystem{}, "kernel").state == State::Unknown);
 }
 
 TEST_CASE("doctor: interrupts are threads, and the card's comes first", "[doctor]") {
@@ -108,15 +128,17 @@ TEST_CASE("doctor: interrupts are threads, and the card's comes first", "[doctor
 }
 
 TEST_CASE("doctor: governors, idle states, swap and virtual machines", "[doctor]") {
-  const FakeSystem system;
+  FakeSystem system;
+  system.memory = kRefused;
   const std::string processors = "sys/devices/system/cpu/cpu";
-  CHECK(check_governor(system).state == State::Unknown);
+  system.write("proc/version", kServer);
+  CHECK(found(system, "CPU governor").state == State::Unknown);
   system.write(processors + "0/cpufreq/scaling_governor", "performance\n");
-  CHECK(check_governor(system).state == State::Ok);
+  CHECK(found(system, "CPU governor").state == State::Ok);
   system.write(processors + "1/cpufreq/scaling_governor", "powersave\n");
-  CHECK(check_governor(system).state == State::Warn);
-  CHECK(check_governor(system).what.find("'powersave'") != std::string::npos);
-  CHECK(check_idle(system).state == State::Unknown);
+  CHECK(found(system, "CPU governor").state == State::Warn);
+  CHECK(found(system, "CPU governor").what.find("'powersave'") != std::string::npos);
+  CHECK(found(system, "CPU idle states").state == State::Unknown);
   int state = 0;
   const auto add_state = [&](int latency_us, const char* disable) {
     const auto folder = processors + "0/cpuidle/state" + std::to_string(state++);
@@ -125,24 +147,26 @@ TEST_CASE("doctor: governors, idle states, swap and virtual machines", "[doctor]
   };
   for (const int latency_us : {0, 2, 10, 85}) add_state(latency_us, "0\n");  // POLL, C1, C1E, C3
   add_state(900, "1\n");
-  CHECK(check_idle(system).state == State::Ok);
+  CHECK(found(system, "CPU idle states").state == State::Ok);
   add_state(1034, "0\n");  // C10 of a laptop
-  CHECK(check_idle(system).command == "sudo cpupower idle-set -D 101");
-  CHECK(check_swap(system, false).state == State::Unknown);
+  CHECK(found(system, "CPU idle states").command == "sudo cpupower idle-set -D 101");
+  CHECK(found(system, "swap").state == State::Unknown);
   const std::string heading = "Filename\t\t\t\tType\t\tSize\t\tUsed\t\tPriority\n";
   system.write("proc/swaps", heading);
-  CHECK(check_swap(system, false).state == State::Ok);
+  CHECK(found(system, "swap").state == State::Ok);
   system.write("proc/swaps",
                heading + "/dev/dm-2                               partition\t16777212\t0\t\t-2\n");
   system.write("proc/sys/vm/swappiness", "60\n");
-  CHECK(check_swap(system, false).state == State::Warn);
-  CHECK(check_swap(system, true).state == State::Ok);
+  CHECK(found(system, "swap").state == State::Warn);
+  system.memory = kGranted;
+  CHECK(found(system, "swap").state == State::Ok);
+  system.memory = kRefused;
   system.write("proc/sys/vm/swappiness", "10\n");
-  CHECK(check_swap(system, false).state == State::Ok);
+  CHECK(found(system, "swap").state == State::Ok);
   system.write("proc/cpuinfo", "flags\t\t: fpu vme de sse2 ht syscall nx rdtscp lm\n");
-  CHECK(check_machine(system).state == State::Ok);
+  CHECK(found(system, "machine").state == State::Ok);
   system.write("proc/cpuinfo", "flags\t\t: fpu vme de sse2 ht syscall nx rdtscp lm hypervisor lahf_lm\n");
-  CHECK(check_machine(system).state == State::Warn);
+  CHECK(found(system, "machine").state == State::Warn);
 }
 
 TEST_CASE("doctor: sound servers, their rates and their blocks", "[doctor]") {
@@ -171,51 +195,37 @@ TEST_CASE("doctor: sound servers, their rates and their blocks", "[doctor]") {
 
 TEST_CASE("doctor: cards, and where they are connected by USB", "[doctor]") {
   const FakeSystem system;
-  CHECK(check_cards(system).state == State::Unknown);
+  system.write("proc/version", kServer);
+  CHECK(found(system, "sound cards").state == State::Unknown);
   system.write("proc/asound/cards", "--- no soundcards ---\n");
-  CHECK(check_cards(system).state == State::Warn);
+  CHECK(found(system, "sound cards").state == State::Warn);
   system.write(
       "proc/asound/cards",
       " 0 [PCH            ]: HDA-Intel - HDA Intel PCH\n                      HDA Intel PCH at 0xa1228000 "
       "irq 137\n"
       " 1 [USB            ]: USB-Audio - Scarlett 2i2 USB\n                      Focusrite Scarlett 2i2 "
       "USB\n");
-  CHECK(check_cards(system).what == "HDA Intel PCH, Scarlett 2i2 USB");
+  CHECK(found(system, "sound cards").what == "HDA Intel PCH, Scarlett 2i2 USB");
   const std::string usb = "sys/bus/usb/devices/";
-  CHECK(check_usb(system)[0].state == State::Unknown);
+  CHECK(found(system, "USB").state == State::Unknown);
   system.write(usb + "1-1/product", "USB2.0 Hub\n");
   system.write(usb + "1-1/bDeviceClass", "09\n");
   system.write(usb + "1-2/product", "Keyboard\n");
-  REQUIRE(check_usb(system).size() == 1);
-  CHECK(check_usb(system)[0].state == State::Ok);
+  CHECK(found(system, "USB").state == State::Ok);
   system.write(usb + "1-1.2/product", "Scarlett 2i2 USB\n");
   system.write(usb + "1-1.2/power/control", "on\n");
   system.write(usb + "1-1.2/1-1.2:1.0/bInterfaceClass", "01\n");
-  REQUIRE(check_usb(system).size() == 1);
-  CHECK(check_usb(system)[0].state == State::Ok);
+  CHECK(found(system, "USB").state == State::Ok);
   system.write(usb + "1-1.4/product", "Webcam\n");
-  CHECK(check_usb(system)[0].what == "'Scarlett 2i2 USB' shares a hub with 'Webcam'");
+  CHECK(found(system, "USB").what == "'Scarlett 2i2 USB' shares a hub with 'Webcam'");
   system.write(usb + "1-1.2/power/control", "auto\n");
-  CHECK(check_usb(system)[0].command == "echo on | sudo tee /sys/bus/usb/devices/1-1.2/power/control");
-}
-
-TEST_CASE("doctor: checks a system by its files", "[doctor]") {
-  const FakeSystem system;
-  system.version(kDebianRt, "quiet");
-  system.write("proc/42/comm", "jackd\n");
-  system.write("proc/42/cmdline", std::string{"jackd\0-d\0dummy\0-p\0"
-                                              "64\0",
-                                              20});
-  const auto processes = processes_of(system);
-  REQUIRE(processes.size() == 1);
-  CHECK(processes[0].arguments == std::vector<std::string>{"jackd", "-d", "dummy", "-p", "64"});
-  const auto all = check_system(system, kGranted, kGranted, "");
-  CHECK(std::count_if(all.begin(), all.end(),
-                      [](const SystemFinding& finding) { return finding.name == "JACK"; }) == 1);
+  CHECK(found(system, "USB").command == "echo on | sudo tee /sys/bus/usb/devices/1-1.2/power/control");
 }
 
 TEST_CASE("doctor: of a system that it cannot read it says so", "[doctor]") {
-  const auto findings = check_system(FakeSystem{}, kRefused, kGranted, "");
+  FakeSystem system;
+  system.priority = kRefused;
+  const auto findings = check_system(system);
   REQUIRE(findings.size() == 3);
   CHECK(findings[0].state == State::Warn);
   CHECK(findings[1].state == State::Ok);

@@ -152,14 +152,14 @@ TEST_CASE("loop: what is unstable differs between openings, in blocks or frames"
   CHECK(delays == std::set<std::size_t>{200, 264, 328, 392});
 }
 
-TEST_CASE("loop: the monitor plays what is heard once more, later by its own delay or by the buffers too",
-          "[loop]") {
+TEST_CASE("loop: the monitor plays what is heard once more, a frame later or by the buffers too", "[loop]") {
   auto card = delayed(100.0);
   card.delay_blocks = 2;
-  card.monitor = {0.5, 30, GENERATE(false, true)};
+  card.monitor_gain = 0.5;
+  card.monitor_in_software = GENERATE(false, true);
   const auto heard = run(card, impulse_at(0, 1000), 64).heard[0];
   CHECK(heard[228] == 0.5);
-  CHECK(heard[228 + 130 + (card.monitor.in_software ? 128u : 0u)] == 0.25);
+  CHECK(heard[228 + 101 + (card.monitor_in_software ? 128u : 0u)] == 0.25);
 }
 
 TEST_CASE("loop: a coupling capacitor is 3.01 dB down at its corner, 45 degrees ahead", "[loop]") {

@@ -161,14 +161,13 @@ inline ReplayOfTake replay_of(const std::filesystem::path& path, const std::vect
   ReplayOfTake result{must(read_take(path)), {}, {}};
   auto wav = must(WavReader::open(path));
   const auto& header = result.take.header;
-  const app::TakeCompiler compiler{header};
-  Player engine{must(compiler.compile(header.files, header.settings))};
+  Player engine{must(app::compile_take(header, header.files, header.settings))};
   engine.set_journal(result.take.engine);
   RigInputs rig{engine, header.input_scales, header.padding_frames};
   Guarded guarded{rig, header.guard, header.armed};
   result.drives.resize(static_cast<std::size_t>(engine.out_channels()));
   const auto replace = [&](const TakeEdit& edit) -> Status {
-    return engine.replace(must(compiler.compile(edit.files, edit.settings)));
+    return engine.replace(must(app::compile_take(header, edit.files, edit.settings)));
   };
   const ReplayHost host{guarded, app::sensors_for(header, header.inputs), engine.out_channels(), replace,
                         true};

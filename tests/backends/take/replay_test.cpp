@@ -245,7 +245,7 @@ TEST_CASE("takes: ports that a rig left out are left out again", "[take]") {
                     "sound = { from = \"spare\", kind = \"audio\" }\n"}},
                   {},
                   ""};
-  const auto plan = must(app::TakeCompiler{header}.compile(header.files, {}));
+  const auto plan = must(app::compile_take(header, header.files, {}));
   CHECK(plan->input_names == std::vector<std::string>{"x"});
   CHECK(output_names(*plan) == std::vector<std::string>{"y"});
 }

@@ -14,11 +14,11 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-DriveGuard open_guard(const DriveLimits& limits, DriveGuard::Kind kind = DriveGuard::Kind::Drive) {
-  DriveGuard guard{kind, limits, 48_kHz};
-  guard.set_open(true, 0);
-  return guard;
-}
+struct OpenGuard : DriveGuard {
+  explicit OpenGuard(const DriveLimits& limits, Kind kind = Kind::Drive) : DriveGuard(kind, limits, 48_kHz) {
+    set_open(true, 0);
+  }
+};
 
 std::vector<double> noise(std::size_t frames, double peak) {
   std::mt19937 random{1};
@@ -35,7 +35,7 @@ bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
 /// The count of a stage, after a look that no other one had anything to do.
 StageCount only(const DriveGuard& guard, GuardStage stage) {
   auto rest = guard.counts();
-  rest[stage] = {};
+  rest.stages[static_cast<std::size_t>(stage)] = {};
   CHECK(rest == GuardCounts{});
   return guard.counts()[stage];
 }
@@ -48,7 +48,7 @@ void run(DriveGuard& guard, std::vector<double>& samples, std::int64_t first = 0
 
 TEST_CASE("drive_guard: within its limits the output is the input, bit for bit and undelayed", "[core]") {
   // The largest step of this noise is 1.8 a frame: 86,400 full scales a second at 48 kHz.
-  auto guard = open_guard({.ceiling = 0.9, .slew_per_second = 86'401.0});
+  OpenGuard guard{{.ceiling = 0.9, .slew_per_second = 86'401.0}};
   const auto input = noise(1000, 0.9);
   auto output = input;
   output[7] = -0.0;
@@ -66,7 +66,7 @@ TEST_CASE("drive_guard: a closed guard lets nothing through", "[core]") {
 }
 
 TEST_CASE("drive_guard: a NaN or infinity becomes silence and is counted", "[core]") {
-  auto guard = open_guard({});
+  OpenGuard guard{DriveLimits{}};
   std::vector<double> samples = {0.5, kNan, kInfinity, -kInfinity, -0.5};
   run(guard, samples);
   CHECK(samples == std::vector<double>{0.5, 0.0, 0.0, 0.0, -0.5});
@@ -74,7 +74,7 @@ TEST_CASE("drive_guard: a NaN or infinity becomes silence and is counted", "[cor
 }
 
 TEST_CASE("drive_guard: nothing passes the ceiling, and the ceiling itself is within it", "[core]") {
-  auto guard = open_guard({.ceiling = 0.25});
+  OpenGuard guard{{.ceiling = 0.25}};
   std::vector<double> samples = {0.2, 0.25, 0.3, 1e300, -0.25, -7.0};
   run(guard, samples);
   CHECK(samples == std::vector<double>{0.2, 0.25, 0.25, 0.25, -0.25, -0.25});
@@ -83,7 +83,7 @@ TEST_CASE("drive_guard: nothing passes the ceiling, and the ceiling itself is wi
 
 TEST_CASE("drive_guard: a step becomes a line of the slew limit", "[core]") {
   // 6,000 full scales a second at 48 kHz are 1/8 a frame, exact in binary.
-  auto guard = open_guard({.slew_per_second = 6000.0});
+  OpenGuard guard{{.slew_per_second = 6000.0}};
   std::vector<double> samples(12, 1.0);
   run(guard, samples);
   for (std::size_t n = 0; n < samples.size(); ++n)
@@ -94,7 +94,7 @@ TEST_CASE("drive_guard: a step becomes a line of the slew limit", "[core]") {
 }
 
 TEST_CASE("drive_guard: audio is not slewed", "[core]") {
-  auto guard = open_guard({.slew_per_second = 6000.0}, DriveGuard::Kind::Audio);
+  OpenGuard guard{{.slew_per_second = 6000.0}, DriveGuard::Kind::Audio};
   std::vector<double> samples(4, 1.0);
   run(guard, samples);
   CHECK(samples == std::vector<double>(4, 1.0));
@@ -135,12 +135,12 @@ TEST_CASE("drive_guard: how frames are cut into blocks changes no bit", "[core]"
   auto input = noise(1000, 1.0);
   input[500] = kNan;
   auto whole = input;
-  auto guard = open_guard(limits);
+  OpenGuard guard{limits};
   run(guard, whole);
 
   const int block = GENERATE(1, 3, 64, 333);
   auto cut = input;
-  auto cut_guard = open_guard(limits);
+  OpenGuard cut_guard{limits};
   for (int at = 0; at < 1000; at += block) cut_guard.process(cut.data() + at, std::min(block, 1000 - at), at);
   CHECK(same_bits(cut, whole));
   CHECK(cut_guard.counts() == guard.counts());

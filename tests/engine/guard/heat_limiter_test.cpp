@@ -140,7 +140,7 @@ TEST_CASE("heat: what is restored is never cooler than it was", "[core]") {
   heat.warm_to({0.1, 0.4});
   CHECK(heat.state() == ThermalState{0.5, 0.4});
   CHECK(heat.gain().idle());
-  heat.warm_to(warmest(limits));
+  heat.warm_to({1.0, 1.0 - limits.coil_share});
   CHECK(heat.gain().now() == 0.0);
 }
 
@@ -150,7 +150,10 @@ TEST_CASE("heat: cools as a fine integration does while it is off", "[core]") {
   FineHeat fine{limits};
   fine.state = {0.9, 0.5};
   for (int n = 0; n < 48'000; ++n) fine.frame(0.0);
-  const auto after = cooled(limits, {0.9, 0.5}, 1_s);
+  HeatLimiter heat{limits, 1.0, std::numeric_limits<double>::infinity(), kRate};
+  heat.warm_to({0.9, 0.5});
+  for (int n = 0; n < 48'000; n += kGuardGroup) heat.end_group();
+  const auto after = heat.state();
   CHECK(after.coil == Approx(fine.state.x).epsilon(1e-9));
   CHECK(after.body == Approx(fine.state.y).epsilon(1e-9));
 }

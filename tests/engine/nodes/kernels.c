@@ -7,6 +7,7 @@
 #define MODES 51
 #define GROUPS ((MODES + 7) / 8) /* 7: four, two and one are stepped together */
 #define LOWEST_PITCH 10.0
+#define TAPS TACTUS_STRING_TAPS /* the most that are read in a row */
 #define NO_FILTER {{1, {1, 0, 0}, {0, 0}}, {0}, {0}, {0, 0}, {0, 0}}
 
 #include "kernels_c99.h" /* every *_kernel.h, made by CMake */
@@ -86,8 +87,8 @@ static int run_modal_body(const double* in, int frames, double rate, double* out
 }
 
 static int run_align(const double* const* in, int frames, double rate, double* out) {
-  static double samples[16384];
-  tactus_line line = {samples, 16384, 0};
+  static double samples[16384 + TAPS];
+  tactus_line line = {samples, 16384, TAPS, 0};
   tactus_align state;
   memset(samples, 0, sizeof samples);
   memset(&state, 0, sizeof state);
@@ -97,18 +98,18 @@ static int run_align(const double* const* in, int frames, double rate, double* o
 
 /* Cubic, of times up to 10 ms. */
 static int run_delay(const double* const* in, int frames, double rate, double* out) {
-  static double samples[1024];
-  const tactus_delay delay = {3, 0, 0.01, rate};
-  tactus_line line = {samples, 1024, 0};
+  static double samples[1024 + TAPS];
+  const tactus_delay delay = tactus_delay_between(0, 0.01, rate);
+  tactus_line line = {samples, 1024, TAPS, 0};
   memset(samples, 0, sizeof samples);
-  EACH_FRAME(tactus_delay_step(&delay, &line, in[0][n], in[1][n]));
+  EACH_FRAME(tactus_delay_step(&delay, 3, &line, in[0][n], in[1][n]));
 }
 
 /* With losses by a zero. */
 static int run_string(const double* const* in, int frames, double rate, double* out) {
-  static double samples[8192];
+  static double samples[8192 + TAPS];
   const tactus_string_kind kind = {0, 0.9999, 0};
-  tactus_line line = {samples, 8192, 0};
+  tactus_line line = {samples, 8192, TAPS, 0};
   tactus_string_design design = {0, {0}, 0};
   memset(samples, 0, sizeof samples);
   for (int n = 0; n < frames; ++n) {
@@ -120,9 +121,9 @@ static int run_string(const double* const* in, int frames, double rate, double* 
 
 /* Free at its end, with losses by a pole. */
 static int run_waveguide(const double* const* in, int frames, double rate, double* out) {
-  static double samples[8192];
+  static double samples[8192 + TAPS];
   const tactus_waveguide guide = tactus_waveguide_between(LOWEST_PITCH, 5000, 1, 0, rate);
-  tactus_line line = {samples, 8192, 0};
+  tactus_line line = {samples, 8192, TAPS, 0};
   tactus_string_design design = {0, {0}, 0};
   tactus_filter pole = NO_FILTER;
   memset(samples, 0, sizeof samples);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/graph/plan/inserted_nodes.h"
-#include "engine/nodes/shapers/mix_kernel.h"
+#include "engine/nodes/shapers/shaper_kernel.h"
 #include "engine/nodes/table.h"
 #include "tests/support/graphs/node_runner.h"
 

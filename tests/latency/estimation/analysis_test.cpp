@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "latency/estimation/delay_trend.h"
-#include "latency/probe/bursts.h"
 #include "latency/probe/probe.h"
 #include "tests/support/simulated_loop.h"
 

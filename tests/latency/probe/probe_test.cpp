@@ -4,8 +4,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "latency/probe/bursts.h"
-
 using namespace tactus;
 
 TEST_CASE("probe: a sweep runs from its first to its last frequency, in equal times for equal ratios",

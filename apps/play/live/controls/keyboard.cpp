@@ -10,34 +10,23 @@
 #include <unistd.h>
 
 namespace tactus::app {
+namespace {
 
-struct Keyboard::Terminal {
-  bool open = false;
-  bool ended = false;
-  termios before{};
+termios terminal_before;  // as it was: a process has only one
 
-  bool readable(std::chrono::milliseconds timeout) const {
-    pollfd input{STDIN_FILENO, POLLIN, 0};
-    return poll(&input, 1, static_cast<int>(timeout.count())) > 0;
-  }
-  std::optional<char> next() {
-    char c = 0;
-    if (::read(STDIN_FILENO, &c, 1) == 1) return c;
-    ended = true;
-    return std::nullopt;
-  }
-};
+bool readable(std::chrono::milliseconds timeout) {
+  pollfd input{STDIN_FILENO, POLLIN, 0};
+  return poll(&input, 1, static_cast<int>(timeout.count())) > 0;
+}
 
-Keyboard::Keyboard() : terminal_(std::make_unique<Terminal>()) {
-  auto& terminal = *terminal_;
+}  // namespace
+
+Keyboard::Keyboard() {
   if (isatty(STDIN_FILENO) == 0) return;
-  if (tcgetpgrp(STDIN_FILENO) != getpgrp()) {  // in the background reading would stop the program
-    terminal.ended = true;
-    return;
-  }
-  if (tcgetattr(STDIN_FILENO, &terminal.before) != 0) return;
-  terminal.open = true;
-  auto raw = terminal.before;
+  ended_ = tcgetpgrp(STDIN_FILENO) != getpgrp();  // in the background reading would stop the program
+  if (ended_ || tcgetattr(STDIN_FILENO, &terminal_before) != 0) return;
+  open_ = true;
+  auto raw = terminal_before;
   raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
   raw.c_cc[VSUSP] = _POSIX_VDISABLE;  // a program that is stopped leaves its drives where they are
   raw.c_cc[VMIN] = 1;
@@ -46,25 +35,28 @@ Keyboard::Keyboard() : terminal_(std::make_unique<Terminal>()) {
 }
 
 Keyboard::~Keyboard() {
-  if (terminal_->open) tcsetattr(STDIN_FILENO, TCSANOW, &terminal_->before);
+  if (open_) tcsetattr(STDIN_FILENO, TCSANOW, &terminal_before);
 }
 
-bool Keyboard::is_terminal() const { return terminal_->open; }
+std::optional<char> Keyboard::next() {
+  char c = 0;
+  if (::read(STDIN_FILENO, &c, 1) == 1) return c;
+  ended_ = true;
+  return std::nullopt;
+}
 
 std::optional<char> Keyboard::wait(std::chrono::milliseconds timeout) {
-  if (terminal_->ended) {
+  if (ended_) {
     std::this_thread::sleep_for(timeout);
     return std::nullopt;
   }
-  if (!terminal_->readable(timeout)) return std::nullopt;
-  const auto first = terminal_->next();
+  if (!readable(timeout)) return std::nullopt;
+  const auto first = next();
   // Arrows come as ESC [ A … D, all at once; an Escape comes alone.
   constexpr std::chrono::milliseconds kRest{20};
-  if (first != '\x1b' || !terminal_->readable(kRest) || terminal_->next() != '[' ||
-      !terminal_->readable(kRest))
-    return first;
+  if (first != '\x1b' || !readable(kRest) || next() != '[' || !readable(kRest)) return first;
   constexpr char kArrows[] = {kUpKey, kDownKey, kRightKey, kLeftKey};
-  const char last = terminal_->next().value_or(0);
+  const char last = next().value_or(0);
   return last >= 'A' && last <= 'D' ? kArrows[last - 'A'] : *first;
 }
 
@@ -84,10 +76,8 @@ int terminal_columns() {
 #else
 namespace tactus::app {
 
-struct Keyboard::Terminal {};
 Keyboard::Keyboard() = default;
 Keyboard::~Keyboard() = default;
-bool Keyboard::is_terminal() const { return false; }
 std::optional<char> Keyboard::wait(std::chrono::milliseconds timeout) {
   std::this_thread::sleep_for(timeout);
   return std::nullopt;

@@ -2,7 +2,6 @@
 // Thread: [control]
 
 #include <chrono>
-#include <memory>
 #include <optional>
 
 namespace tactus::app {
@@ -22,11 +21,12 @@ class Keyboard {
 
   /// The next key, or nothing if none is pressed within this time.
   std::optional<char> wait(std::chrono::milliseconds timeout);
-  bool is_terminal() const;
+  bool is_terminal() const { return open_; }
 
  private:
-  struct Terminal;
-  std::unique_ptr<Terminal> terminal_;
+  std::optional<char> next();
+
+  bool open_ = false, ended_ = false;
 };
 
 /// [control, first of all] Where a program is started with standard streams closed, the next file that it

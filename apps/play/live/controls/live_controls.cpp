@@ -8,7 +8,7 @@
 namespace tactus::app {
 namespace {
 
-auto named(std::vector<LiveControl>& controls, const std::string& name) {
+auto named(std::vector<PlannedControl>& controls, const std::string& name) {
   return std::find_if(controls.begin(), controls.end(),
                       [&](const auto& live) { return live.control.name == name; });
 }
@@ -16,13 +16,10 @@ auto named(std::vector<LiveControl>& controls, const std::string& name) {
 }  // namespace
 
 void LiveControls::renew() {
-  std::vector<LiveControl> now;
-  for (const auto& scheduled : player_.plan().controls) {
-    LiveControl live{scheduled.control, scheduled.frozen};
-    const auto before = named(controls_, live.control.name);
-    if (before != controls_.end() && !live.frozen) live.control.value = before->control.value;
-    now.push_back(std::move(live));
-  }
+  auto now = player_.plan().controls;
+  for (auto& live : now)
+    if (const auto before = named(controls_, live.control.name); before != controls_.end() && !live.frozen)
+      live.control.value = before->control.value;
   controls_ = std::move(now);
 }
 
@@ -35,9 +32,9 @@ double LiveControls::position(std::size_t index) const {
 }
 
 bool LiveControls::turn(std::size_t index, double position) {
-  auto& [control, frozen] = controls_[index];
+  auto& control = controls_[index].control;
   const int number = player_.control_index(control.name);
-  if (frozen || number < 0 || !control.range.bounded()) return false;
+  if (controls_[index].frozen || number < 0 || !control.range.bounded()) return false;
   const double low = control.range.low, high = control.range.high, at = std::clamp(position, 0.0, 1.0);
   const double value =
       control.unit.decibel && low > 0 ? low * std::pow(high / low, at) : low + (high - low) * at;

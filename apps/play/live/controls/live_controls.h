@@ -9,12 +9,6 @@
 
 namespace tactus::app {
 
-/// A control of a running instrument.
-struct LiveControl {
-  FlatControl control;  ///< `value`: the current one
-  bool frozen = false;  ///< fixed while it plays
-};
-
 /// The controls of a running instrument as positions from 0 to 1 over their ranges, in decibels where the
 /// control is.
 class LiveControls {
@@ -23,7 +17,8 @@ class LiveControls {
 
   /// After an edit: reads the controls again; those that remain keep their value.
   void renew();
-  const std::vector<LiveControl>& all() const { return controls_; }
+  /// With their current values.
+  const std::vector<PlannedControl>& all() const { return controls_; }
   /// Moves one to a position from 0 to 1. False: it is frozen, or the engine's queue is full.
   bool turn(std::size_t index, double position);
   /// Moves one by a share of its range.
@@ -36,7 +31,7 @@ class LiveControls {
 
  private:
   Player& player_;
-  std::vector<LiveControl> controls_;
+  std::vector<PlannedControl> controls_;
 };
 
 }  // namespace tactus::app

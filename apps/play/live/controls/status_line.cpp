@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <cstdio>
 #include <vector>
 
 #include "apps/play/live/controls/keyboard.h"
+#include "engine/core/decibels.h"
 
 namespace tactus::app {
 namespace {
@@ -36,7 +36,7 @@ std::string cut(const std::string& text, int columns) {
 }  // namespace
 
 std::string level_text(double peak) {
-  const double db = 20 * std::log10(std::max(peak, 1e-9));
+  const double db = amplitude_to_db(peak);
   return db < -99 ? "silent" : fmt::format("{:.0f} dB", db);
 }
 

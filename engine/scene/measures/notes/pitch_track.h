@@ -1,7 +1,9 @@
 #pragma once
 // Thread: [control]
 
+#include <algorithm>
 #include <functional>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <string>
@@ -33,6 +35,13 @@ struct ToneMoment {
 
   double off_cents() const { return cents(hertz, expected_hz); }
 };
+
+/// [any] One number of each moment.
+std::vector<double> each(const std::vector<ToneMoment>& moments, auto of) {
+  std::vector<double> values;
+  std::ranges::transform(moments, std::back_inserter(values), of);
+  return values;
+}
 
 /// [any] The moments of `track` from `from_s` to before `to_s`; `expected`: the pitch [Hz] at a time [s].
 std::vector<ToneMoment> moments_between(const std::vector<PitchPoint>& track, double from_s, double to_s,

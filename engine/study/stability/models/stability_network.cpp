@@ -57,14 +57,14 @@ std::shared_ptr<const LinearNetwork> LinearNetwork::make(const NetworkView& view
                                                          const Touching& touching,
                                                          const std::optional<Fingertip>& hand) {
   std::shared_ptr<LinearNetwork> model{new LinearNetwork};
-  auto& recipe = model->recipe = view.recipe();
+  auto& recipe = model->recipe = view.recipe;
   model->driven_ = driven_point(recipe.elements);
   if (model->driven_ >= 0) model->driven_row = static_cast<int>(type.outputs.size());
   for (std::size_t p = 0; p < recipe.elements.points.size(); ++p)
     if (recipe.elements.points[p].kind == Point::Kind::Mass) model->masses_.push_back(static_cast<int>(p));
   if (!recipe.elements.bonds.empty())
     for (std::size_t p = 0; p < recipe.elements.points.size(); ++p)
-      recipe.elements.points[p].position = view.position(static_cast<int>(p));
+      recipe.elements.points[p].position = view.network.position(view.state, static_cast<int>(p));
   if (hand) model->add_fingertip(*hand);
   model->add_test_force();
   recipe.elements = tangent(std::move(recipe.elements), touching);

@@ -1,7 +1,6 @@
-#include "apps/play/live/watched_files.h"
-
 #include <catch2/catch.hpp>
 
+#include "apps/play/live/session.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace tactus;

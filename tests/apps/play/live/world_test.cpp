@@ -32,9 +32,9 @@ double loudest(Guarded& guarded, double seconds, int block = 256) {
 
 TEST_CASE("live world: a strike by hand lifts the stick, and it falls on the drum", "[live]") {
   const auto world = single_strike();
-  CHECK(world->inputs().empty());
-  CHECK(world->outputs() == std::vector<std::string>{"sound", "sound"});
-  Guarded guarded{world->processor(), world->guards(), false};
+  CHECK(world->inputs.empty());
+  CHECK(world->outputs == std::vector<std::string>{"sound", "sound"});
+  Guarded guarded{world->processor(), world->guards, false};
   REQUIRE(guarded.prepare({48_kHz, 0, 2, 256}));
   loudest(guarded, 2.0);  // the first fall, until it lies
   const double noise = loudest(guarded, 0.5);
@@ -50,7 +50,7 @@ TEST_CASE("live world: a rise of the strike is heard however long blocks are", "
   for (const int block : {16, 256, 4096}) {
     CAPTURE(block);
     const auto world = single_strike();
-    Guarded guarded{world->processor(), world->guards(), false};
+    Guarded guarded{world->processor(), world->guards, false};
     REQUIRE(guarded.prepare({48_kHz, 0, 2, block}));
     loudest(guarded, 2.0, block);
     const double noise = loudest(guarded, 0.5, block);
@@ -63,7 +63,7 @@ TEST_CASE("live world: the watch at a port finds the same energy as when the sce
   const std::filesystem::path root = std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments";
   const auto file = root / "exploding/scene.toml";
   const auto world = make_world({file, root});
-  Guarded guarded{world->processor(), world->guards(), false};
+  Guarded guarded{world->processor(), world->guards, false};
   REQUIRE(guarded.prepare({48_kHz, 0, 2, 256}));
   loudest(guarded, 0.64);  // 120 blocks
 

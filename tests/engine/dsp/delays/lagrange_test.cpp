@@ -1,12 +1,19 @@
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <complex>
 
-#include "engine/dsp/delays/taps.h"
-
-using namespace tactus;
+#include "engine/dsp/delays/taps_kernel.h"
 
 namespace {
+
+/// Through Order + 1 taps.
+template <int Order>
+std::array<double, Order + 1> lagrange_weights(double t) {
+  std::array<double, Order + 1> w{};
+  tactus_lagrange(w.data(), Order + 1, t);
+  return w;
+}
 
 template <int Order>
 double read_power(double t, int power) {

@@ -3,12 +3,10 @@
 #include <cmath>
 #include <random>
 
-#include "engine/dsp/curves/quantise_kernel.h"
-#include "engine/dsp/envelopes/follower_kernel.h"
-#include "engine/dsp/envelopes/rise_kernel.h"
+#include "engine/dsp/curves/curve_kernel.h"
+#include "engine/dsp/envelopes/envelope_kernel.h"
 #include "engine/dsp/generators/counter_noise.h"
-#include "engine/nodes/envelopes/adsr_kernel.h"
-#include "engine/nodes/envelopes/decay_kernel.h"
+#include "engine/nodes/envelopes/pulse_kernel.h"
 #include "engine/nodes/logic/threshold_kernel.h"
 
 using namespace tactus;

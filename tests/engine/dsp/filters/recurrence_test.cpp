@@ -39,7 +39,8 @@ Samples in_blocks(const Samples& v, std::span<const int> lengths, std::int64_t f
     while (length > 0) {
       const auto frame = first_frame + from;
       const int position = group_position(frame);
-      if (position == 0 || from == 0) recurrence.design(coefficients<Order>(frame / kGroup, modulated));
+      if (position == 0 || from == 0)
+        recurrence.design(coefficients<Order>(frame / kGroup, modulated).data());
       const int run = modulated ? std::min(length, kGroup - position) : length;
       recurrence.run(v.data() + from, y.data() + from, run, position);
       from += run, length -= run;
@@ -115,7 +116,8 @@ TEST_CASE("recurrence: any cutting gives the same bits with denormals off", "[ds
 
 TEST_CASE("recurrence: the impulse response of one pole is its powers", "[dsp]") {
   Recurrence<1> recurrence;
-  recurrence.design({0.5});  // exact in binary
+  constexpr double kHalf = 0.5;  // exact in binary
+  recurrence.design(&kHalf);
   auto v = impulse(40);
   Samples y(v.size());
   recurrence.run(v.data(), y.data(), 40, 0);

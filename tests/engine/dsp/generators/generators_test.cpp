@@ -2,11 +2,10 @@
 #include <cmath>
 #include <vector>
 
-#include "engine/dsp/curves/catmull_rom_kernel.h"
+#include "engine/dsp/curves/curve_kernel.h"
 #include "engine/dsp/generators/counter_noise.h"
-#include "engine/dsp/generators/phasor_kernel.h"
+#include "engine/nodes/generators/oscillator_kernel.h"
 #include "engine/nodes/generators/sample_kernel.h"
-#include "engine/nodes/generators/wavetable_kernel.h"
 
 using namespace tactus;
 

@@ -1,9 +1,8 @@
-#include "engine/dsp/strings/wave_line.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "engine/core/units.h"
+#include "engine/dsp/strings/string_loop.h"
 #include "tests/support/measured_response.h"
 
 using namespace tactus;

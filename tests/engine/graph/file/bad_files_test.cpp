@@ -68,7 +68,7 @@ x = "full scale"
 [inputs]
 x = { unit = 3 }
 )",
-     R"(test.toml:3:14: 'unit' must be a string, not a number; write units as "m/s", "N/m", "ms", "dB" or "full scale")"},
+     R"(test.toml:3:14: 'unit' of input 'x' must be a string, not a number; write units as "m/s", "N/m", "ms", "dB" or "full scale")"},
     {"an empty unit with a slash",
      R"(format = 1
 [inputs]

@@ -225,7 +225,8 @@ test.toml:11:1: r -> r contains no delay; insert a 'delay' node in one of these 
 }
 
 TEST_CASE("mistakes: what is compensated for must be a node with a type", "[graph]") {
-  CHECK(told(R"([inputs]
+  CHECK(
+      told(R"([inputs]
 x = {}
 [nodes]
 s = "1 * x"
@@ -234,8 +235,8 @@ c = { type = "delay", in = "x", time = "9 ms", compensate = [3] }
 [outputs]
 y = { from = "b + c" }
 )") ==
-        R"(test.toml:6:61: there is no node 'nobody' to compensate; list nodes of this file that have a type
-test.toml:6:61: there is no node 's' to compensate; list nodes of this file that have a type
+      R"(test.toml:6:61: there is no node 'nobody' to compensate; list nodes that this file declares with 'type'; expressions and parts cannot be compensated
+test.toml:6:61: there is no node 's' to compensate; list nodes that this file declares with 'type'; expressions and parts cannot be compensated
 test.toml:7:62: 'compensate' of delay 'c' must be a list of node names; write ["node", "node"])");
 }
 

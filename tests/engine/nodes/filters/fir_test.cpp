@@ -58,6 +58,6 @@ TEST_CASE("fir: at another rate it states the response that it has", "[nodes]") 
 TEST_CASE("fir: a rate that no measurement has is a mistake", "[nodes]") {
   const Samples taps{1, 2};
   CHECK(mistakes(graph(taps, "48 Hz")) ==
-        "test.toml:7:8: 'rate' of fir 'path' is out of range; it runs from 1 kHz to 1000 kHz");
+        "test.toml:7:8: 'rate' of fir 'path' cannot be 48 Hz; it runs from 1 kHz to 1000 kHz");
   CHECK(mistakes(graph(taps, "48 ms")).find("test.toml:7:8: '48 ms' is in s, but 'rate' is in Hz") == 0);
 }

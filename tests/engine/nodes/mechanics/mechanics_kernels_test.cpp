@@ -1,10 +1,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "engine/nodes/mechanics/damper_kernel.h"
-#include "engine/nodes/mechanics/spring_kernel.h"
 #include "engine/nodes/mechanics/terrain_kernel.h"
-#include "engine/nodes/mechanics/wall_kernel.h"
+#include "engine/nodes/mechanics/virtual_force_kernel.h"
 
 TEST_CASE("mechanics: spring and damper act against displacement and velocity", "[dsp]") {
   CHECK(tactus_spring_force(0.03, 200, 0.01) == Approx(-4));

@@ -157,7 +157,7 @@ TEST_CASE("attraction: where its force falls it is a negative stiffness", "[phys
     setup.inputs.push_back({.range = {}, .constant = value, .connected = true});
   }
   const auto node = type->make(setup).value();
-  const auto elements = tangent(dynamic_cast<const NetworkView&>(*node).recipe().elements, {});
+  const auto elements = tangent(dynamic_cast<const NetworkView&>(*node).recipe.elements, {});
   const auto network = Network::make(elements, 0, Hertz{rate}, solver, 1).value();
   const double left = (stiffness + slope(d)) / kMass;
   const auto found = modes(linear_step(network, elements, 0).a);

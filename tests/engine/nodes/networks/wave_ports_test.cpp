@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "engine/core/units.h"
-#include "engine/dsp/strings/wave_line.h"
+#include "engine/dsp/strings/string_loop.h"
 #include "tests/support/graphs/graph_runner.h"
 #include "tests/support/graphs/node_runner.h"
 

@@ -45,13 +45,16 @@ TEST_CASE("energy: what is stored is what was put in less what was lost", "[phys
                      mass(0.035, 0.0, 0.0),
                      ground(0.0),
                      mass(0.02, -0.03, 0.3),
-                     {Point::Kind::Motion, 0, 0, 0, {2, {}}}};
-  elements.springs = {{1, 2, stiffness, 1.2, 0.0}, {3, 1, 2000.0, 0.1, 0.03}, {3, 4, 300.0, 0.5, 0.0}};
+                     {Point::Kind::Motion, 0, 0, 0, {2, {}}},
+                     {Point::Kind::Motion, 0, 0, 0, {2, 8_Hz}}};  // a hand
+  elements.springs = {{1, 2, stiffness, 1.2, 0.0},
+                      {3, 1, 2000.0, 0.1, 0.03},
+                      {3, 4, 300.0, 0.5, 0.0},
+                      {0, 5, 10.0, 0.02, 0.0}};
   elements.contacts = {contact(1, 0, 0.15), contact(4, 3, 0.3)};
   elements.contacts[1].restitution = 0.5;
   elements.coils = {{1, 3, 6.0, 6.5, 0.8e-3, {0, {}}}};
-  elements.forces = {{0, {1, {}}}};
-  attach(elements, {.on = 0, .stiffness = 10.0, .damping = 0.02, .position = 2, .force = 1});
+  elements.forces = {{0, {1, {}}}, {0, {1, 8_Hz}}};
   const auto solver = GENERATE(Solver::Passive, Solver::Implicit);
   const auto network = Network::make(elements, 3, 96_kHz, solver, 1).value();
   CHECK(network.springs_averaged() == (stiffness > 1e6 || solver == Solver::Implicit));

@@ -1,7 +1,7 @@
-#include "engine/physics/solvers/mass_row.h"
-
 #include <catch2/catch.hpp>
 #include <random>
+
+#include "engine/physics/solvers/link_operator.h"
 
 using namespace tactus;
 

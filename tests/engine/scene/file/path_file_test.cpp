@@ -147,7 +147,7 @@ TEST_CASE("path file: what is no measured path is told with its place", "[scene]
         "path.toml:6:8: fir 'path' lacks 'rate'; give the sample rate of its taps, as in "
         "rate = "
         "\"48 kHz\"");
-  CHECK(mistakes("48 kHz", "48 Hz").find("path.toml:9:8: 'rate' of fir 'path' is out of range") == 0);
+  CHECK(mistakes("48 kHz", "48 Hz").find("path.toml:9:8: 'rate' of fir 'path' cannot be 48 Hz") == 0);
   CHECK(mistakes("0.5]", "\"0.5 m\"]").find("path.toml:10:12") != std::string::npos);
   CHECK(mistakes("taps = [1, 0.5]", "taps = [").find("path.toml:") != std::string::npos);
   CHECK(!read_path(load_graph_leniently("/nowhere/path.toml")));

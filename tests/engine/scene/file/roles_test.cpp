@@ -8,6 +8,7 @@
 #include "engine/nodes/table.h"
 #include "engine/scene/build_scene.h"
 #include "engine/scene/file/scene_spec.h"
+#include "engine/scene/guard_report.h"
 #include "tests/support/scene_folder.h"
 
 using namespace tactus;
@@ -68,6 +69,26 @@ TEST_CASE("roles: unknown roles and signals are errors at their place", "[scene]
         std::string::npos);
   CHECK(folder.errors("[roles]\ncontact = \"plant.stick\"\n"
                       "[expect]\nbounce = { measure = \"restitution\", max = 1 }\n") == "");
+}
+
+TEST_CASE("roles: the monitor outputs are those with the role, else all of kind audio", "[scene]") {
+  const auto plan = compile(parse_graph_leniently(R"(format = 1
+[inputs]
+mic = {}
+[outputs]
+woofer = { from = "mic" }
+sound  = { from = "mic", kind = "audio" }
+click  = { from = "2 * mic", kind = "audio" }
+)",
+                                                  "two.toml"),
+                            standard_nodes(), {});
+  REQUIRE(plan);
+  using Names = std::vector<std::string>;
+  const auto with = [&](const char* signal) { return sound_names(**plan, {{"monitor", signal, {}}}); };
+  CHECK(with("instrument.click") == Names{"click"});
+  CHECK(with("instrument.woofer") == Names{"sound", "click"});
+  CHECK(with("plant.body") == Names{"sound"});
+  CHECK(sound_names(**plan) == Names{"sound"});
 }
 
 TEST_CASE("roles: no port of a shipped file is named in generic code", "[scene]") {

@@ -2,7 +2,46 @@
 
 // Thread: [realtime].
 
-#include "engine/dsp/envelopes/time_constant_kernel.h"
+#include "engine/dsp/kernel.h"
+
+/// Fires in the one frame in which a trigger signal rises through 0.5. Before the first frame the
+/// signal counts as low, so that a signal which starts high fires at once.
+typedef struct tactus_rise {
+  int high;
+} tactus_rise;
+
+static inline int tactus_rise_step(tactus_rise* s, tactus_real trigger) {
+  const int was_high = s->high;
+  s->high = trigger >= 0.5;
+  return s->high > was_high;
+}
+
+/// Whether none of `count` frames changes anything; then they may be left out.
+static inline int tactus_rise_indifferent(const tactus_rise* s, const tactus_real* trigger, int count) {
+  int above = 0;
+  if (s->high) return 0;
+  for (int n = 0; n < count; ++n) above += trigger[n] >= 0.5;
+  return above == 0;
+}
+
+/// What an exponential keeps in one frame, e^(-1 / (rate seconds)); 0 for seconds <= 0: at once.
+static inline tactus_real tactus_keep(tactus_real seconds, tactus_real rate) {
+  return seconds > 0 ? exp(-1.0 / (rate * seconds)) : 0.0;
+}
+
+/// The same, computed only when `seconds` changes, so that it may be asked every frame.
+typedef struct tactus_time_constant {
+  tactus_real seconds, keep;
+} tactus_time_constant;
+
+static inline tactus_real tactus_time_constant_keep(tactus_time_constant* s, tactus_real seconds,
+                                                    tactus_real rate) {
+  if (seconds != s->seconds) {
+    s->seconds = seconds;
+    s->keep = tactus_keep(seconds, rate);
+  }
+  return s->keep;
+}
 
 /// Peak envelope:  r = |in|,  e += (r > e ? 1 - a : 1 - d) * (r - e),  where a and d are what the
 /// attack and the release keep in a frame (`tactus_keep`). Written without a branch: while the attack is the
