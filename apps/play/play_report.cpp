@@ -12,7 +12,6 @@
 #include "engine/nodes/table.h"
 #include "engine/scene/measures/events.h"
 #include "engine/scene/measures/notes/pitch_track.h"
-#include "engine/study/scene_plot.h"
 
 namespace tactus::app {
 namespace {
@@ -228,7 +227,7 @@ std::vector<std::string> write_files(const std::string& folder, const std::vecto
   for (const auto& [suffix, signals] : sounds)
     write_sound(base + suffix, signals, recording.sample_rate, written);
   const auto picture = base + ".svg";
-  or_exit(write_svg(picture, {scene_plot(played.scene, recording, from, to)}));
+  or_exit(write_svg(picture, {scene_plot(played, from, to)}));
   written.push_back(picture + fmt::format("  the plot, {:g} s to {:g} s", from, to));
   return written;
 }

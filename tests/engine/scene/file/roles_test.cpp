@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
@@ -44,6 +45,20 @@ TEST_CASE("roles: named ones come first, in order, and ports play the others by 
   CHECK(signal_of(roles, "stick") == "plant.stick");
   CHECK_FALSE(roles[2].written);
   CHECK(signal_of(roles, "monitor").empty());
+}
+
+TEST_CASE("roles: a control has one by [roles], else by its name", "[scene]") {
+  const Folder folder;
+  const auto named = *folder.load("[roles]\ntable_frequency = \"instrument.strength\"\n").scene;
+  REQUIRE(control_of(named, "table_frequency"));
+  CHECK(control_of(named, "table_frequency")->name() == "strength");
+  CHECK(control_of(named, "table_frequency")->constant() == 0.5);
+  CHECK_FALSE(control_of(*folder.load("").scene, "table_frequency"));
+  CHECK(std::ranges::none_of(named.roles, [](const Role& role) { return role.name == "table_frequency"; }));
+  CHECK(folder.errors("[roles]\ntable_frequency = \"strength\"\n") == "");
+  const auto unknown = folder.errors("[roles]\ntable_frequency = \"strenght\"\n");
+  CHECK(unknown.starts_with("scene.toml:8:19: "));
+  CHECK(unknown.find("'strength'") != std::string::npos);
 }
 
 TEST_CASE("roles: unknown roles and signals are errors at their place", "[scene]") {
