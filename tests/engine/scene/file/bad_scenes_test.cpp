@@ -274,7 +274,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [gestures]
 rise = { points = [["0 s", 0], ["1 s", 3]] }
 )",
-     "scene.toml:4:82 OutOfRange 'rise' 'strength' 3 0 1"},
+     "scene.toml:4:82 OutOfRange 'strength' 3 'rise' 0 1"},
     {"a control beyond its range",
      R"(format = 1
 duration = "1 s"
