@@ -274,7 +274,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [gestures]
 rise = { points = [["0 s", 0], ["1 s", 3]] }
 )",
-     R"(scene.toml:4:82: gesture 'rise' sets control 'strength' to 3, which is outside its range; it runs from 0 to 1)"},
+     R"(scene.toml:4:82: control 'strength' cannot be set to 3 by gesture 'rise'; it runs from 0 to 1)"},
     {"a control beyond its range",
      R"(format = 1
 duration = "1 s"

@@ -84,7 +84,7 @@ plant = { use = "plant.toml", drive = 0, lift = "1 s" }
 [gestures]
 rise = { points = [["0 s", 0], ["1 s", 2]] }
 )") ==
-      R"(scene.toml:4:72: gesture 'rise' sets control 'strength' to 2, which is outside its range; it runs from 0 to 1
+      R"(scene.toml:4:72: control 'strength' cannot be set to 2 by gesture 'rise'; it runs from 0 to 1
 scene.toml:5:50: 'lift' is in m, but this is in s; give a quantity in m)");
   CHECK(
       folder.mistakes(R"(format = 1
