@@ -58,6 +58,26 @@ Status fits(const StreamRequest& request, const Device& device) {
               "it runs at " + text + " Hz; omit the rate, or set the device to another rate");
 }
 
+Status fits(const StreamRequest& request, const Device& input, const Device& output) {
+  if (auto status = fits(request.in_channels, request.in_map, input.in_channels, "inputs", input.id); !status)
+    return status;
+  if (auto status = fits(request.out_channels, request.out_map, output.out_channels, "outputs", output.id);
+      !status)
+    return status;
+  if (const std::set<int> used{request.out_map.begin(), request.out_map.end()};
+      used.size() != request.out_map.size())
+    return fail(Errc::BadArgument, "", "two outputs share a channel, where they would be added",
+                "give each output its own channel");
+  if (request.block_frames && (*request.block_frames < 1 || *request.block_frames > kMaxBlock))
+    return fail(Errc::OutOfRange, "", fmt::format("a block cannot have {} frames", *request.block_frames),
+                fmt::format("choose 1 to {}", kMaxBlock));
+  if (request.periods && (*request.periods < 1 || *request.periods > 64))
+    return fail(Errc::OutOfRange, "", fmt::format("a buffer cannot have {} periods", *request.periods),
+                "choose 2 or 3");
+  if (auto status = fits(request, input); !status) return status;
+  return fits(request, output);
+}
+
 }  // namespace
 
 int channels_to_open(int channels, const std::vector<int>& map) {
@@ -88,26 +108,6 @@ Result<Device> find_device(const std::vector<Device>& devices, const std::string
   if (meant.empty()) return exact;
   return fail(Errc::BadArgument, "", "'" + text + "' matches several devices",
               "write one of " + listed(meant));
-}
-
-Status fits(const StreamRequest& request, const Device& input, const Device& output) {
-  if (auto status = fits(request.in_channels, request.in_map, input.in_channels, "inputs", input.id); !status)
-    return status;
-  if (auto status = fits(request.out_channels, request.out_map, output.out_channels, "outputs", output.id);
-      !status)
-    return status;
-  if (const std::set<int> used{request.out_map.begin(), request.out_map.end()};
-      used.size() != request.out_map.size())
-    return fail(Errc::BadArgument, "", "two outputs share a channel, where they would be added",
-                "give each output its own channel");
-  if (request.block_frames && (*request.block_frames < 1 || *request.block_frames > kMaxBlock))
-    return fail(Errc::OutOfRange, "", fmt::format("a block cannot have {} frames", *request.block_frames),
-                fmt::format("choose 1 to {}", kMaxBlock));
-  if (request.periods && (*request.periods < 1 || *request.periods > 64))
-    return fail(Errc::OutOfRange, "", fmt::format("a buffer cannot have {} periods", *request.periods),
-                "choose 2 or 3");
-  if (auto status = fits(request, input); !status) return status;
-  return fits(request, output);
 }
 
 Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequest& request) {

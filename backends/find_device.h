@@ -16,10 +16,6 @@ Result<Device> device_with_id(const std::vector<Device>& devices, const std::str
 /// mean.
 Result<Device> find_device(const std::vector<Device>& devices, const std::string& text);
 
-/// [any] Can `device` give what is asked for? Checks rate, block, channels and channel maps of one
-/// direction or both. Errors: BadArgument, OutOfRange.
-Status fits(const StreamRequest& request, const Device& input, const Device& output);
-
 /// What a request comes to. Where one direction has no channels, both are the device of the other.
 struct DeviceChoice {
   Device input, output;
@@ -27,8 +23,8 @@ struct DeviceChoice {
 };
 
 /// [any] The devices that `request` means, at the rate it asks for or else at the default one of the outputs.
-/// Errors: those of `device_with_id` and `fits`; BadArgument when neither inputs nor outputs are asked for,
-/// or devices of two APIs.
+/// Errors: those of `device_with_id`; BadArgument and OutOfRange for a rate, a block, channels or channel
+/// maps that they do not have, for no channel at all, and for devices of two APIs.
 Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequest& request);
 
 /// [any] Adds " #2" to the id of the second device of the same id, and so on.

@@ -4,22 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace tactus {
 namespace {
 
 std::string ms(Seconds time) { return fmt::format("{:.2f} ms", 1e3 * time.value); }
-
-/// The good one with the shortest delay above `least`.
-const SettingDelay* shortest_above(const std::vector<SettingDelay>& settings, Seconds least) {
-  const SettingDelay* shortest = nullptr;
-  for (const auto& setting : settings)
-    if (setting.good() && setting.delay() > least &&
-        (shortest == nullptr || setting.delay() < shortest->delay()))
-      shortest = &setting;
-  return shortest;
-}
 
 /// The one with the largest block of those that are shorter than the best and had gaps.
 const SettingDelay* nearest_bad(const std::vector<SettingDelay>& settings, const SettingDelay& best) {
@@ -72,8 +61,13 @@ std::optional<BlockLaw> fit_block_law(const std::vector<SettingDelay>& settings)
   return law;
 }
 
-const SettingDelay* shortest_good(const std::vector<SettingDelay>& settings) {
-  return shortest_above(settings, Seconds{-std::numeric_limits<double>::infinity()});
+const SettingDelay* shortest_good(const std::vector<SettingDelay>& settings, Seconds least) {
+  const SettingDelay* shortest = nullptr;
+  for (const auto& setting : settings)
+    if (setting.good() && setting.delay() > least &&
+        (shortest == nullptr || setting.delay() < shortest->delay()))
+      shortest = &setting;
+  return shortest;
 }
 
 std::vector<std::vector<SettingDelay>> by_rate_and_periods(const std::vector<SettingDelay>& settings) {
@@ -108,7 +102,7 @@ std::string recommendation(const std::vector<SettingDelay>& settings) {
                           ms(best->delay()), best->measured_s);
   if (const auto* bad = nearest_bad(settings, *best))
     text += fmt::format(" At a shorter delay, {} had {}.", setting_text(*bad), fault_of(*bad));
-  if (const auto* next = shortest_above(settings, best->delay()))
+  if (const auto* next = shortest_good(settings, best->delay()))
     text += fmt::format(
         " An instrument loads the processor more than a measurement: if gaps occur, use {}, which adds {}.",
         setting_text(*next), ms(next->delay() - best->delay()));

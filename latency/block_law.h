@@ -2,6 +2,7 @@
 // Thread: [control]
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,8 +43,9 @@ struct BlockLaw {
 /// [any] The line of least squares through the good ones; nothing if they have less than two block sizes.
 std::optional<BlockLaw> fit_block_law(const std::vector<SettingDelay>& settings);
 
-/// [any] The good one with the shortest time of delay, or nullptr.
-const SettingDelay* shortest_good(const std::vector<SettingDelay>& settings);
+/// [any] The good one with the shortest time of delay above `least`, or nullptr.
+const SettingDelay* shortest_good(const std::vector<SettingDelay>& settings,
+                                  Seconds least = Seconds{-std::numeric_limits<double>::infinity()});
 
 /// [any] In the order of their first settings.
 std::vector<std::vector<SettingDelay>> by_rate_and_periods(const std::vector<SettingDelay>& settings);

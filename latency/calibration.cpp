@@ -148,11 +148,8 @@ Result<Calibration> calibrate(const LoopRecording& recording, const CalibrationS
   const auto rate = recording.sample_rate;
   const auto bursts = *find_bursts(recording.played, rate);
   ProbeWindows windows{bursts, rate, {}};
-  NoiseFloor floor;
-  floor.mean = calibration.dc;
-  floor.variance = std::max(kQuietest, power_from_db(calibration.noise_floor_dbfs));
-  floor.per_frame = {floor.variance, floor.variance};
-  windows.set_noise(floor);
+  const double variance = std::max(kQuietest, power_from_db(calibration.noise_floor_dbfs));
+  windows.set_noise({calibration.dc, variance, {variance, variance}});
   std::vector<TrackedProbe> probes;
   for (const auto& burst : bursts.repeated) probes.push_back({.burst = burst});
   const auto window = without_delay(windows, captured, settings.electrical_frames, probes);
@@ -160,7 +157,7 @@ Result<Calibration> calibrate(const LoopRecording& recording, const CalibrationS
   auto& profile = calibration.profile;
   profile.sample_rate = rate;
   profile.taps = taps_of(window, fourier, static_cast<std::size_t>(frames_in(settings.length, rate)),
-                         floor.variance / total_power(probes));
+                         variance / total_power(probes));
   profile.low = measuring_probe(rate).start;
   profile.high = measuring_probe(rate).stop;
 

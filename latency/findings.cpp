@@ -166,17 +166,14 @@ Finding detected_twice(std::int64_t frames, double level_db) {
 
 Finding low_snr(const Analysis& analysis, const Evidence& evidence) {
   if (evidence.coarse.clear() && analysis.standard_error_frames < evidence.widest_error_frames) return {};
-  if (!evidence.coarse.clear())
-    return {Verdict::LowSnr,
-            fmt::format("the noise is too strong: with a signal {:.1f} dB above it, single probes cannot be "
-                        "separated, and lost frames or drift cannot be detected",
-                        analysis.snr_db),
-            kAgainstNoise};
-  return {Verdict::LowSnr,
-          fmt::format("the noise is too strong: with a signal {:.1f} dB above it, the delay is uncertain by "
-                      "{:.2f} frames",
-                      analysis.snr_db, analysis.standard_error_frames),
-          kAgainstNoise};
+  const auto effect =
+      evidence.coarse.clear()
+          ? fmt::format("the delay is uncertain by {:.2f} frames", analysis.standard_error_frames)
+          : "single probes cannot be separated, and lost frames or drift cannot be detected";
+  return {
+      Verdict::LowSnr,
+      fmt::format("the noise is too strong: with a signal {:.1f} dB above it, {}", analysis.snr_db, effect),
+      kAgainstNoise};
 }
 
 Finding not_flat(const Analysis& analysis, const Evidence& evidence) {

@@ -256,16 +256,12 @@ class Session {
     return {};
   }
 
-  /// Opens the stream, plays, and analyses the recording.
   Result<Opening> open(const StreamRequest& request) {
-    ProbePlayer::Script script;
-    script.input = input_;
-    script.probes = settings_.probes;
-    script.level.loudest = loudest(settings_, *request.sample_rate);
-    script.level.softest = std::min(amplitude_from_db(settings_.softest_dbfs), script.level.loudest);
-    script.level.quiet = settings_.guard.limits.soft_start + LevelSearch::kWindow;
-    script.level.known = known_;
-    player_.set_script(script);
+    const double most = loudest(settings_, *request.sample_rate);
+    player_.set_script({input_,
+                        settings_.probes,
+                        {std::min(amplitude_from_db(settings_.softest_dbfs), most), most,
+                         settings_.guard.limits.soft_start + LevelSearch::kWindow, known_}});
     auto stream = backend_.open(request, guarded_);
     if (!stream) return tl::unexpected(stream.error());
     player_.set_stream(stream->get());

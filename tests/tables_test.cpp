@@ -32,6 +32,7 @@ struct Exception {
 const std::vector<Exception> kExceptions = {
     {"engine/rig/profile.cpp", "slew", "a limit of an actuator"},
     {"engine/graph/semantics/bind.cpp", "curve", "a key of a spread over voices"},
+    {"apps/play/live/performer.cpp", "strike", "the control of strikes by hand, as the documents say"},
 };
 
 std::vector<std::string> sources() {
@@ -81,6 +82,19 @@ std::vector<Found> looked_up(const std::string& file, const std::string& text) {
   return matches(file, text, pattern);
 }
 
+/// Controls that are looked up by a literal name.
+std::vector<Found> looked_up_controls(const std::string& file, const std::string& text) {
+  static const std::regex pattern{
+      "controls,\\s*\"([a-z_0-9]+)\"|control_index\\(\"([a-z_0-9]+)\"|find_control\\([^;]*\"([a-z_0-9.]+)\""};
+  return matches(file, text, pattern);
+}
+
+/// Names behind that of a part: ".gamma".
+std::vector<Found> behind_dot(const std::string& file, const std::string& text) {
+  static const std::regex pattern{"\"\\.([a-z_0-9]+)\""};
+  return matches(file, text, pattern);
+}
+
 bool allowed(const Found& found) {
   return std::any_of(kExceptions.begin(), kExceptions.end(), [&](const Exception& exception) {
     return exception.file == found.file && exception.name == found.name;
@@ -94,9 +108,18 @@ std::set<std::string> registered_types() {
   return names;
 }
 
-/// Parts of shipped scenes, and the names of nodes, elements and ports in all shipped files.
+std::set<std::string> registered_ports() {
+  std::set<std::string> names;
+  for (const auto* type : standard_nodes().types) {
+    for (const auto& input : type->inputs) names.insert(input.name);
+    for (const auto& output : type->outputs) names.insert(output.name);
+  }
+  return names;
+}
+
+/// Parts of shipped scenes, the names of nodes, elements and ports in all shipped files, and of controls.
 struct ShippedNames {
-  std::set<std::string> parts, inside;
+  std::set<std::string> parts, inside, controls;
 };
 
 ShippedNames shipped_names() {
@@ -116,9 +139,11 @@ ShippedNames shipped_names() {
         whole = !match[2].matched || head == "networks";
         if (head == "parts" && match[2].matched) names.parts.insert(match[2]);
         if (named.contains(head) && match[2].matched) names.inside.insert(match[2]);
+        if (head == "controls" && match[2].matched) names.controls.insert(match[2]);
       } else if (whole && std::regex_match(line, match, entry)) {
         if (head == "parts") names.parts.insert(match[1]);
         if (named.contains(head) || head == "networks") names.inside.insert(match[1]);
+        if (head == "controls") names.controls.insert(match[1]);
       }
     }
   }
@@ -176,6 +201,29 @@ TEST_CASE("tables: no generic code names a node of a shipped scene", "[tables][l
   CHECK(wrong.empty());
 }
 
+TEST_CASE("tables: no generic code names a control of a shipped file", "[tables][layers]") {
+  const auto controls = shipped_names().controls;
+  REQUIRE(controls.contains("gamma"));
+  auto known = registered_ports();
+  known.merge(registered_types());
+  std::vector<Found> wrong;
+  for (const auto& file : sources()) {
+    if (declares_types(file)) continue;
+    const auto text = without_comments(text_of(file));
+    auto all = looked_up_controls(file, text);
+    for (const auto& others : {compared(file, text), behind_dot(file, text)})
+      std::ranges::copy_if(others, std::back_inserter(all), [&](const Found& found) {
+        return !known.contains(found.name.substr(found.name.rfind('.') + 1));
+      });
+    for (auto found : all) {
+      found.name = found.name.substr(found.name.rfind('.') + 1);
+      if (controls.contains(found.name) && !allowed(found)) wrong.push_back(found);
+    }
+  }
+  INFO("the scene says which control plays which role:\n" << listed(wrong));
+  CHECK(wrong.empty());
+}
+
 TEST_CASE("tables: comparisons are found in any form", "[tables][layers]") {
   const std::string text = "if (a == \"mix\") b;\nif (\"hold\" != c) d;\n e = name.starts_with(\"delay\");";
   const auto found = compared("a.cpp", text);
@@ -185,4 +233,11 @@ TEST_CASE("tables: comparisons are found in any form", "[tables][layers]") {
   CHECK(found[1].line == 2);
   CHECK(found[2].name == "delay");
   CHECK(looked_up("a.cpp", "type.input_index(\"hold\")").front().name == "hold");
+  const std::string controls =
+      "find_named(part->graph->controls, \"rate\"); find_control(scene, \"plant.mass\");";
+  const auto named = looked_up_controls("a.cpp", controls);
+  REQUIRE(named.size() == 2);
+  CHECK(named[0].name == "rate");
+  CHECK(named[1].name == "plant.mass");
+  CHECK(behind_dot("a.cpp", "name + \".gamma\"").front().name == "gamma");
 }

@@ -84,7 +84,7 @@ Json network_json(const NetworkVerdict& network) {
           {"weakest", network.weakest},
           {"contact_steps", network.contact_steps},
           {"contact_too_deep", network.too_deep},
-          {"holds", network.stable}};
+          {"holds", network.stable()}};
 }
 
 Json run_json(const ExtremeRun& run) {
@@ -109,14 +109,14 @@ Json control_json(const ControlVerdict& control) {
           {"border", known(control.border)}};
 }
 
-Json event_json(const EventVerdict& event) {
-  return {{"name", event.place.path},
-          {"type", event.place.type},
-          {"hold_s", known(event.place.hold_s)},
+Json event_json(const EventPlace& event) {
+  return {{"name", event.path},
+          {"type", event.type},
+          {"hold_s", known(event.hold_s)},
           {"on_loop", event.on_loop}};
 }
 
-Json open_json(const OpenVerdict& open) {
+Json open_json(const OpenPair& open) {
   return {
       {"input", open.input}, {"output", open.output}, {"peak_gain", open.peak}, {"peak_hz", open.peak_hz}};
 }

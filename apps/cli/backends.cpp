@@ -11,16 +11,15 @@
 
 namespace tactus::app {
 
-std::vector<std::string> card_backends() { return names_of(sound_backends()); }
-
 Result<std::vector<SoundBackend>> backends_called(const std::string& name) {
   std::vector<SoundBackend> found;
   if (name == "loop") found = {{name, [] { return std::unique_ptr<Backend>{new LoopBackend}; }}};
   for (const auto& backend : sound_backends())
     if (name.empty() || name == backend.name) found.push_back(backend);
   if (!found.empty()) return found;
-  const auto remedy = sound_backends().empty() ? "install JACK, RtAudio or PortAudio and build again"
-                                               : fmt::format("it has {}", fmt::join(card_backends(), ", "));
+  const auto remedy = sound_backends().empty()
+                          ? "install JACK, RtAudio or PortAudio and build again"
+                          : fmt::format("it has {}", fmt::join(names_of(sound_backends()), ", "));
   if (!name.empty())
     return fail(Errc::UnknownName, "--backend", "this program was built without the backend '" + name + "'",
                 remedy);
@@ -35,23 +34,22 @@ Result<ChosenDevices> choose_devices(const std::string& backend, const std::stri
   const auto backends = backends_called(backend.empty() && has_prefix ? prefix : backend);
   if (!backends) return tl::unexpected(backends.error());
   std::vector<Device> others;
-  std::string reasons;
+  std::vector<std::string> reasons;
   for (const auto& called : *backends) {
     auto made = called.make();
     // A simulated card is made from its description.
     if (auto* loop = dynamic_cast<LoopBackend*>(made.get())) (void)loop->add(wanted);
     const auto devices = made->devices();
     if (!devices || devices->empty()) {
-      reasons += fmt::format("{}{}: {}", reasons.empty() ? "" : "; ", called.name,
-                             devices ? "no device" : to_string(devices.error()));
+      reasons.push_back(called.name + ": " + (devices ? "no device" : to_string(devices.error())));
       continue;
     }
     auto out = find_device(*devices, wanted);
-    if (!out && out.error().code != Errc::UnknownName) return tl::unexpected(out.error());
-    if (!out) {
+    if (!out && out.error().code == Errc::UnknownName) {
       others.insert(others.end(), devices->begin(), devices->end());
       continue;
     }
+    if (!out) return tl::unexpected(out.error());
     auto in = input.empty() ? out : find_device(*devices, input);
     if (!in) return tl::unexpected(in.error());
     return ChosenDevices{std::move(made), std::move(*out), std::move(*in)};
@@ -59,13 +57,14 @@ Result<ChosenDevices> choose_devices(const std::string& backend, const std::stri
   if (const auto missing = find_device(others, wanted); !others.empty() && !missing)
     return tl::unexpected(missing.error());
   return fail(Errc::Device, "", wanted.empty() ? "no sound device" : "there is no device '" + wanted + "'",
-              reasons);
+              fmt::format("{}", fmt::join(reasons, "; ")));
 }
 
 void add_device_options(CLI::App& command, DeviceOptions& options, const char* rig_help) {
   command.add_option("--rig", options.rig, rig_help);
-  command.add_option("--backend", options.backend,
-                     fmt::format("audio backend: {}; see tactus devices", fmt::join(card_backends(), ", ")));
+  command.add_option(
+      "--backend", options.backend,
+      fmt::format("audio backend: {}; see tactus devices", fmt::join(names_of(sound_backends()), ", ")));
   command.add_option("--device", options.device, "id of a device, or part of its name");
   command.add_option("--input-device", options.input_device, "input device, if different from --device");
 }

@@ -13,8 +13,6 @@
 
 namespace tactus::app {
 
-/// Names of the backends for sound cards that this program was built with, the best first.
-std::vector<std::string> card_backends();
 /// The backend of this name, "loop" for the simulated cards; without one all for sound cards. Errors:
 /// UnknownName, listing what there is; Device if this program was built without any.
 Result<std::vector<SoundBackend>> backends_called(const std::string& name);

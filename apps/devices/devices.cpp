@@ -3,6 +3,7 @@
 #include "apps/cli/backends.h"
 #include "apps/cli/console.h"
 #include "apps/cli/json.h"
+#include "engine/core/named.h"
 #include "latency/measured.h"
 
 namespace tactus::app {
@@ -90,7 +91,7 @@ void add_devices(CLI::App& app, int& exit_code) {
                                         exit_code, run_devices);
   command.add_option("--backend", options.backend,
                      fmt::format("list only the devices of this backend: {}, or loop (simulated cards)",
-                                 fmt::join(card_backends(), ", ")));
+                                 fmt::join(names_of(sound_backends()), ", ")));
   command.add_flag("--json", options.json, "print the list as JSON");
   command.footer(
       "Examples:\n  tactus devices\n  tactus devices --backend jack --json\nPass an id, or an unambiguous "

@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cstdio>
+#include <regex>
 #include <set>
 #include <sstream>
 #include <thread>
@@ -67,16 +67,11 @@ bool in_audio_group(const SystemFiles& system) {
   return false;
 }
 
-/// The value of an option, given short or long: "-p 64", "-p64", "--period=64".
-std::optional<int> option_in(const std::vector<std::string>& arguments, std::size_t from,
-                             const std::array<std::string, 2>& names) {
-  for (std::size_t i = from; i < arguments.size(); ++i)
-    for (const auto& name : names) {
-      if (arguments[i] == name && i + 1 < arguments.size()) return number_in(arguments[i + 1]);
-      if (!arguments[i].starts_with(name)) continue;
-      return number_in(arguments[i].substr(name.size() + (arguments[i][name.size()] == '=' ? 1 : 0)));
-    }
-  return std::nullopt;
+/// The number behind one of the `names` of an option: "-p 64", "-p64", "--period=64".
+std::optional<int> option_in(const std::string& arguments, const std::string& names) {
+  std::smatch found;
+  const std::regex option{" (" + names + ")[ =]?([0-9]+)"};
+  return std::regex_search(arguments, found, option) ? number_in(found[2]) : std::nullopt;
 }
 
 /// Warns of a block of a sound server that is long.
@@ -92,9 +87,9 @@ SystemFinding check_jack(const std::vector<std::string>& all) {
   if (driver == all.end())
     return unknown("a JACK server is running but does not report its settings",
                    "jack_bufsize; jack_samplerate");
-  const auto at = static_cast<std::size_t>(driver - all.begin());
-  const int period = option_in(all, at + 1, {"-p", "--period"}).value_or(1024);
-  const int rate = option_in(all, at + 1, {"-r", "--rate"}).value_or(48000);
+  const auto options = fmt::format(" {}", fmt::join(driver + 1, all.end(), " "));
+  const int period = option_in(options, "-p|--period").value_or(1024);
+  const int rate = option_in(options, "-r|--rate").value_or(48000);
   const auto what = fmt::format("jackd runs at {} Hz with {} frames per period", rate, period);
   if (std::any_of(all.begin(), driver,
                   [](const auto& text) { return text == "-r" || text == "--no-realtime"; }))

@@ -55,7 +55,6 @@ int captured_channel(const AnalyzeOptions& options, int first, int channels) {
                            : fmt::format("it has channels {} to {}", first, first + channels - 1)});
 }
 
-/// The probe at the rate of what was captured.
 Samples at_rate(Samples probe, Hertz rate) {
   if (probe.sample_rate == rate) return probe;
   fmt::print(stderr,
@@ -90,8 +89,7 @@ Capture capture_of(const AnalyzeOptions& options) {
 int run_latency_analyze(const AnalyzeOptions& options) {
   auto capture = capture_of(options);
   const auto rate = capture.recording.sample_rate;
-  AnalysisSettings settings;
-  settings.channel = capture.channel;
+  AnalysisSettings settings{capture.channel, {}};
   if (!options.profile.empty()) settings.profile = read_profile(options.profile, rate);
   LatencyReport report;
   report.source = fmt::format("{}, {:g} kHz", options.capture, rate.value / 1e3);

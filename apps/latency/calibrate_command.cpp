@@ -126,8 +126,7 @@ void add_latency_calibrate(CLI::App& latency, int& exit_code) {
                   exit_code, run_latency_calibrate);
   auto& loop = options.loop;
   loop.openings = 1;
-  add_loop_options(command, loop);
-  add_setting_options(command, loop);
+  add_loop_options(command, loop, true, false);
   command.add_option("--electrical", options.electrical,
                      "delay of the card without actuator and sensor, such as \"3.92 ms\"; default: from the "
                      "rig, or from the last measurement on this computer");

@@ -122,13 +122,9 @@ struct LoopOptions : DeviceOptions {
   std::string profile;  ///< of what is in the loop, a file; empty: a cable
 };
 
-/// --backend to --level: which card, which channels, how loud.
-void add_loop_options(CLI::App& command, LoopOptions& options);
-/// --rate, --block and --periods: one setting.
-void add_setting_options(CLI::App& command, LoopOptions& options);
-
-/// --openings and --sweeps
-void add_repetition_options(CLI::App& command, LoopOptions& options);
+/// Which card, which channels, how loud; on request --rate, --block and --periods, and --openings and
+/// --sweeps.
+void add_loop_options(CLI::App& command, LoopOptions& options, bool setting, bool repetitions);
 
 /// A loop that can be measured.
 struct Loop {

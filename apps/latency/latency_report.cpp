@@ -274,12 +274,6 @@ void write_folder(LatencyReport& report, const fs::path& folder) {
   or_exit(write_json(report.written.back(), json_of(report)));
 }
 
-void write_files(LatencyReport& report, const ReportFiles& files) {
-  if (!files.sound.empty()) write_sounds(report, files.sound);
-  if (!files.picture.empty()) write_picture(report, files.picture);
-  if (!files.folder.empty()) write_folder(report, files.folder);
-}
-
 }  // namespace
 
 Hertz LatencyReport::sample_rate() const {
@@ -388,14 +382,13 @@ Status write_recording(const std::string& path, const LoopRecording& recording) 
 int publish(LatencyReport report, const ReportFiles& files) {
   int failed = kDone;
   try {
-    write_files(report, files);
+    if (!files.sound.empty()) write_sounds(report, files.sound);
+    if (!files.picture.empty()) write_picture(report, files.picture);
+    if (!files.folder.empty()) write_folder(report, files.folder);
   } catch (const CommandError& error) {
     failed = app::report(error);
   }
-  if (files.json)
-    print_json(json_of(report));
-  else
-    fmt::print("{}", text_of(report));
+  files.json ? print_json(json_of(report)) : fmt::print("{}", text_of(report));
   return failed != kDone ? failed : report.ok() ? kDone : kNo;
 }
 

@@ -89,7 +89,7 @@ void set_level(const LoopOptions& options, Loop& loop) {
 
 }  // namespace
 
-void add_loop_options(CLI::App& command, LoopOptions& options) {
+void add_loop_options(CLI::App& command, LoopOptions& options, bool setting, bool repetitions) {
   add_device_options(command, options,
                      "rig file: device, sample rate, block size and what is connected to the output; "
                      "latency measure saves the delay there");
@@ -98,15 +98,12 @@ void add_loop_options(CLI::App& command, LoopOptions& options) {
              1024);
   command.add_option("--level", options.level,
                      "highest peak level to play, such as \"-20 dBFS\"; default: -6 dBFS");
-}
-
-void add_setting_options(CLI::App& command, LoopOptions& options) {
-  command.add_option("--rate", options.rate, "sample rate; default: the device's");
-  add_number(command, "--block", options.block, "block size in frames; default: the device's", 1, 8192);
-  add_number(command, "--periods", options.periods, "blocks in the driver's buffer", 1, 64);
-}
-
-void add_repetition_options(CLI::App& command, LoopOptions& options) {
+  if (setting) {
+    command.add_option("--rate", options.rate, "sample rate; default: the device's");
+    add_number(command, "--block", options.block, "block size in frames; default: the device's", 1, 8192);
+    add_number(command, "--periods", options.periods, "blocks in the driver's buffer", 1, 64);
+  }
+  if (!repetitions) return;
   add_number(command, "--openings", options.openings, "number of times the stream is opened", 1, 100);
   add_number(command, "--sweeps", options.probes,
              "number of probe signals (sine sweeps) played each time the stream is opened", 2, 100);

@@ -20,16 +20,8 @@ Seconds in_seconds(double frames, const StreamGranted& granted) {
   return Seconds{frames / granted.format.sample_rate.value};
 }
 
-/// Writes a measured delay where `tactus devices` and `tactus play` look for it. Errors: BadFile.
-Status save_on_machine(const Measurement& measurement) {
-  const auto& granted = measurement.openings.front().granted;
-  return MeasuredDelays::load().save({key_of(granted), in_seconds(measurement.delay_frames, granted),
-                                      in_seconds(measurement.spread_frames, granted),
-                                      fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))});
-}
-
-/// The same into a rig; what the file was stays beside it with a "~". The setting that was left to the card
-/// is written too: with another one the delay would be wrong. Errors: BadFile.
+/// Writes a measured delay into a rig; what the file was stays beside it with a "~". The setting that was
+/// left to the card is written too: with another one the delay would be wrong. Errors: BadFile.
 Status save_in_rig(const Measurement& measurement, Rig rig, const std::filesystem::path& file) {
   const auto& granted = measurement.openings.front().granted;
   auto& device = rig.device;
@@ -49,7 +41,10 @@ int save(LatencyReport& report, const Loop& loop, const MeasureOptions& options)
     app::report({{status.error()}});
     exit = kBadFile;
   };
-  note(save_on_machine(report.measurement),
+  const auto& granted = report.measurement.openings.front().granted;
+  note(MeasuredDelays::load().save({key_of(granted), in_seconds(report.measurement.delay_frames, granted),
+                                    in_seconds(report.measurement.spread_frames, granted),
+                                    fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))}),
        MeasuredDelays::default_file().string() + ", where tactus play reads it");
   const auto& file = options.loop.rig;
   if (loop.rig)
@@ -79,10 +74,8 @@ void add_latency_measure(CLI::App& latency, int& exit_code) {
       add_command(latency, "measure", "Measure the round-trip latency of a card with a loopback cable",
                   exit_code, run_latency_measure);
   auto& loop = options.loop;
-  add_loop_options(command, loop);
-  add_setting_options(command, loop);
+  add_loop_options(command, loop, true, true);
   add_profile_option(command, loop.profile);
-  add_repetition_options(command, loop);
   add_report_options(command, options.report, true, true);
   command.add_flag("--no-keep", options.no_keep, "do not save the measured delay");
   command.footer(

@@ -14,7 +14,6 @@ constexpr double kBefore_s = 0.001, kAfter_s = 0.004;  // that the impulse respo
 constexpr double kRinging_s = 0.06;                    // and of an actuator, after the drive
 constexpr double kFloor_db = -120.0;
 
-/// The part of the response that is shown.
 PlotSeries around_delay(const Analysis& analysis, double after_s) {
   const double rate = analysis.sample_rate.value;
   PlotSeries shown;
@@ -142,12 +141,6 @@ Plot probes_plot(const LatencyReport& report) {
   return plot;
 }
 
-std::string headline(const LatencyReport& report) {
-  const auto& measurement = report.measurement;
-  return report.ok() ? "Delay " + delay_text(measurement, report.sample_rate())
-                     : fmt::format("No delay: {}", code(measurement.finding.verdict));
-}
-
 std::string describe_analysis(const LatencyReport& report, const Analysis& analysis) {
   auto text = report.source;
   if (!report.ok()) text += ". Cause: " + report.measurement.finding.what;
@@ -166,7 +159,8 @@ std::vector<Plot> picture_of(const LatencyReport& report) {
   auto page = analysis.detected ? std::vector{response_plot(analysis, report.ok(), kAfter_s),
                                               spectrum_plot(analysis), probes_plot(report)}
                                 : std::vector{Plot{}};
-  page.front().title = headline(report);
+  page.front().title = report.ok() ? "Delay " + delay_text(report.measurement, report.sample_rate())
+                                   : fmt::format("No delay: {}", code(report.measurement.finding.verdict));
   page.front().subtitle = describe_analysis(report, analysis);
   return page;
 }

@@ -20,7 +20,6 @@ std::string rate_text(Hertz rate, int periods) {
   return periods > 0 ? text + fmt::format(", {} periods", periods) : text;
 }
 
-/// The note behind a row.
 std::string note_of(const SweepRow& row) {
   if (row.refused) return "refused: " + row.refused->what;
   std::string note;
@@ -328,14 +327,13 @@ void add_latency_sweep(CLI::App& latency, int& exit_code) {
   auto& loop = options.loop;
   loop.openings = 2;
   loop.probes = 4;
-  add_loop_options(command, loop);
+  add_loop_options(command, loop, false, true);
   add_number(command, "--blocks", options.blocks, "block sizes in frames", 1, 8192)->delimiter(',');
   command.add_option("--periods", options.periods, "numbers of blocks in the driver's buffer, such as 2,3")
       ->delimiter(',')
       ->check(CLI::Range(1, 64));
   command.add_option("--rates", options.rates, "sample rates, such as 48kHz,96kHz; default: the device's")
       ->delimiter(',');
-  add_repetition_options(command, loop);
   add_report_options(command, options.report, false, false);
   command.footer(
       "Examples:\n  tactus latency sweep --device jack:system\n  tactus latency sweep --device USB --blocks "

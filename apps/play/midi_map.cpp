@@ -72,13 +72,9 @@ void MidiMap::watch(const MidiEvent& event) {
 }
 
 void MidiMap::bind(const MidiEvent& event, RigMidi::Kind kind, bool fine) {
-  RigMidi binding;
-  binding.control = std::exchange(learning_, {});
-  binding.device = event.port;
-  binding.channel = event.message.channel;
-  binding.kind = kind;
-  binding.number = event.message.number;
-  binding.fine = fine;
+  const auto& message = event.message;
+  const RigMidi binding{
+      std::exchange(learning_, {}), {}, event.port, message.channel, kind, message.number, fine};
   std::erase_if(bindings_, [&](const RigMidi& old) { return old.control == binding.control; });
   bindings_.push_back(binding);
   learnt_ = binding;

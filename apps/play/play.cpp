@@ -75,7 +75,6 @@ void print(const Report& report) {
                outcome.unit.empty() ? "" : " " + outcome.unit, outcome.wanted);
 }
 
-/// The options that only a sound card has.
 void add_live_options(CLI::App& command, LiveOptions& options) {
   auto* group = command.add_option_group("on a sound card");
   add_device_options(*group, options, "rig file: device, channels, actuators, sensors, measured delay");

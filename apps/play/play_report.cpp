@@ -12,7 +12,6 @@
 #include "engine/nodes/table.h"
 #include "engine/scene/measures/events.h"
 #include "engine/scene/measures/notes/pitch_track.h"
-#include "engine/study/scene_plot.h"
 
 namespace tactus::app {
 namespace {
@@ -105,9 +104,9 @@ Json guard_json(const GuardReport& report, Hertz sample_rate) {
   const auto output_json = [&](const GuardedOutput& output) {
     Json stages = Json::object();
     for (std::size_t s = 0; s < kGuardStages; ++s) {
-      const auto& count = output.counts.stages[s];
+      const auto& count = output.counts[s];
       if (count.frames == 0) continue;
-      stages[name_of(static_cast<GuardStage>(s))] = {
+      stages[name_of(GuardStage::Index{s})] = {
           {"frames", count.frames},
           {"seconds", static_cast<double>(count.frames) / sample_rate.value},
           {"most_full_scale", count.most}};
@@ -228,7 +227,7 @@ std::vector<std::string> write_files(const std::string& folder, const std::vecto
   for (const auto& [suffix, signals] : sounds)
     write_sound(base + suffix, signals, recording.sample_rate, written);
   const auto picture = base + ".svg";
-  or_exit(write_svg(picture, {scene_plot(played.scene, recording, from, to)}));
+  or_exit(write_svg(picture, {scene_plot(played, from, to)}));
   written.push_back(picture + fmt::format("  the plot, {:g} s to {:g} s", from, to));
   return written;
 }

@@ -12,6 +12,7 @@
 #include "backends/health.h"
 #include "backends/wav_file.h"
 #include "engine/core/error.h"
+#include "engine/plot/plot.h"
 #include "engine/scene/guard_report.h"
 #include "engine/scene/play_scene.h"
 
@@ -77,6 +78,10 @@ std::vector<ReportSection> sections_of(const PlayedScene& played, const PlayedSc
 
 /// What the names of all files of a run begin with.
 std::string base_of(const std::string& folder, const PlayedScene& played);
+
+/// Two times of a scene on one axis: pitch, motion (a subplot for each unit of the plant), sensors with a
+/// mark at each trigger, and drives.
+Plot scene_plot(const PlayedScene& played, double from_s, double to_s);
 
 /// The monitor output, the drives and the sensors as a sound file each, unscaled and unclipped; what moved as
 /// another, in metres and newtons; the plot. `show`: the two times that it shows; empty: a melody as a whole,

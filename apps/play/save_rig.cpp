@@ -62,7 +62,6 @@ UseAnswer take_volts(double least, const char* least_text, const std::string& ex
   };
 }
 
-/// The questions, one port after the other.
 struct Interview {
   Rig& rig;
   int device_inputs, device_outputs;

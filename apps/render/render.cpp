@@ -86,7 +86,6 @@ Json events_of(const SceneRecording& recording) {
   return events_json(names, taps, recording.sample_rate);
 }
 
-/// The results of a run.
 struct Rendered {
   Samples output;                            ///< a channel for each of `outputs`
   std::vector<std::string> outputs, sounds;  ///< names; of the monitor output

@@ -112,7 +112,6 @@ struct OpenTake {
   WavReader wav;
 };
 
-/// Plays into the file that was asked for, if any.
 Replayed play_into(const RenderOptions& options, OpenTake& open, const ReplayHost& host) {
   std::optional<WavWriter> writer;
   if (!options.out.empty())

@@ -1,3 +1,4 @@
+
 #include <fmt/format.h>
 
 #include "apps/study/study.h"
@@ -54,8 +55,7 @@ PlotSeries points(const std::vector<BifurcationColumn>& columns, const std::stri
   PlotSeries series{.label = label, .mark = PlotMark::Points, .color = color};
   for (const auto& column : columns)
     for (const double value : column.*of) {
-      series.x.push_back(column.value);
-      series.y.push_back(value);
+      series.add(column.value, value);
     }
   return series;
 }
@@ -105,27 +105,41 @@ namespace {
 
 struct BifurcationOptions : StudyOptions {
   BifurcationPlan plan;
+  std::string over;
   double restitution = 0;
 };
 
-/// A scene without an instrument has its controls in the plant.
-std::string default_control(const SceneSpec& scene) {
-  return scene.part("instrument") != nullptr ? "gamma" : scene.parts.front().name + ".gamma";
+/// "gamma=0.9:1.6:48"
+void read_over(const std::string& text, const SceneSpec& scene, BifurcationPlan& plan) {
+  if (text.empty()) return;
+  const auto [name, range] = parse_assignment(text, "--over", "NAME=FROM:TO:COUNT", "gamma=0.9:1.6:48");
+  const auto values = parse_spread(range, "--over");
+  if (range.find(":log") != std::string::npos || values.size() < 3)
+    exit_with({Errc::BadArgument, "--over", "a bifurcation diagram needs three or more equally spaced values",
+               "write NAME=FROM:TO:COUNT, with a COUNT of 3 or more"});
+  const auto control = find_control(scene, name);
+  const auto& dimension = values.front().dimension;
+  if (control && dimension && !(*dimension == control->spec->control.unit.dimension))
+    exit_with({Errc::UnitMismatch, "--over", "'" + name + "' has another unit", "give it in its unit"});
+  plan.control = name;
+  plan.from = values.front().si;
+  plan.to = values.back().si;
+  plan.values = static_cast<int>(values.size());
 }
 
 int run_bifurcation(const BifurcationOptions& options) {
   auto plan = options.plan;
+  const auto scene = load_target(options);
+  read_over(options.over, scene, plan);
   if (!(plan.from < plan.to))
     exit_with({Errc::OutOfRange, "--to", "the end of the sweep must be above its start",
                "give --from less than --to"});
   if (options.restitution > 0) plan.restitution = options.restitution;
-  const auto scene = load_target(options);
-  if (plan.control.empty()) plan.control = default_control(scene);
-  const auto study = [&] {
-    Progress progress{"sweeping " + scene.name};
-    return or_exit(study_bifurcation(scene, standard_nodes(), plan, [&](double share) { progress(share); }));
-  }();
-  publish(options, study);
+  read_run_plan(options, plan);
+  SweepMonitor monitor{scene.name, plan};
+  const auto study = or_exit(study_bifurcation(scene, standard_nodes(), plan));
+  if (const auto exit = monitor.end(study.finished, study.runs)) return *exit;
+  publish(options, text_of(study), json_of(study), plots_of(study));
   return study.measured_restitution > 0 ? kDone : kNo;
 }
 
@@ -141,10 +155,14 @@ void add_study_bifurcation(CLI::App& study, int& exit_code) {
   add_study_options(command, options, "scene with the roles 'ball' and 'table'; for a folder, its scene.toml")
       ->required();
   command.add_option("--control", plan.control,
-                     "control to sweep: gamma, or plant.gamma for a control of the plant; default: gamma");
+                     "control to sweep, such as plant.gamma; default: the role table_acceleration");
   command.add_option("--from", plan.from, "first value, in SI units")->capture_default_str();
   command.add_option("--to", plan.to, "last value, in SI units")->capture_default_str();
   add_number(command, "--values", plan.values, "number of values", 3, 2000);
+  command
+      .add_option("--over", options.over,
+                  "NAME=FROM:TO:COUNT; the same as --control, --from, --to and --values")
+      ->excludes("--control", "--from", "--to", "--values");
   add_number(command, "--settle", plan.settling_s,
              "settling time at each value, in seconds, before landings are recorded", 0.0, 1000.0);
   add_number(command, "--read", plan.reading_s,
@@ -154,8 +172,9 @@ void add_study_bifurcation(CLI::App& study, int& exit_code) {
       ->check(CLI::Range(0.01, 0.99));
   command.footer(
       "Examples:\n  tactus study bifurcation instruments/bouncing_ball --report ball.svg\n  tactus study "
-      "bifurcation instruments/bouncing_ball/table_scene.toml --from 1.3 --to 1.75 --values 91\nExit code 1: "
-      "no period-1 orbit was found.");
+      "bifurcation instruments/bouncing_ball/table_scene.toml --over plant.gamma=1.3:1.75:91 --keep "
+      "runs\nExit code 1: "
+      "no period-1 orbit was found. 5: interrupted.");
 }
 
 }  // namespace tactus::app

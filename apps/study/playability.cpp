@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <functional>
 
 #include "apps/study/study.h"
 #include "engine/nodes/table.h"
@@ -33,63 +32,22 @@ std::vector<std::string> row(const PlayabilityStudy& study, const DelayVerdict& 
   return cells;
 }
 
-constexpr std::size_t kMostMaps = 6;
-
-/// The letter of the worst run as written among so many from the first on.
-char worst_letter(const PlayabilityStudy& study, std::size_t first, std::size_t count) {
-  auto worst = first;  // the first variant is as written
-  for (auto i = first; i < first + count; ++i)
-    if (study.runs[i].as_written() && study.runs[i].result->score < study.runs[worst].result->score)
-      worst = i;
-  return run_kinds(study.kind)[study.kind_of(study.runs[worst])].letter;
-}
-
-/// Rows of letters, one for each value of a quantity.
-std::string map_text(const SweptValue& upwards, const std::string& across,
-                     const std::function<std::string(std::size_t)>& row_of) {
-  const auto values = value_texts(upwards);
-  std::size_t widest = upwards.name.size();
-  for (const auto& value : values) widest = std::max(widest, value.size());
-  auto text = fmt::format("\n{:>{}}  {}\n", upwards.name, widest, across);
-  for (std::size_t r = values.size(); r-- > 0;)
-    text += fmt::format("{:>{}}  {}\n", values[r], widest, row_of(r));
-  return text;
-}
-
-/// Delays across, the first quantity upwards; the worst over the second one.
-std::string map_over_delay(const PlayabilityStudy& study) {
-  const auto in_row = study.runs_a_delay() / study.over[0].values.size();
-  const auto across = fmt::format("delay {} to {} ms", ms(study.delays_s.front()), ms(study.delays_s.back()));
-  return map_text(study.over[0], across, [&](std::size_t row) {
-    std::string letters;
-    for (std::size_t d = 0; d < study.delays_s.size(); ++d)
-      letters += worst_letter(study, d * study.runs_a_delay() + row * in_row, in_row);
-    return letters;
-  });
-}
-
-/// At one delay: the first quantity across, the second upwards.
-std::string map_at_delay(const PlayabilityStudy& study, std::size_t delay) {
-  const auto& first = study.over[0];
-  const auto across =
-      fmt::format("at {} ms, {} {} to {}", ms(study.delays_s[delay]), first.name,
-                  value_text(first, first.values.front().si), value_text(first, first.values.back().si));
-  const auto rows = study.over[1].values.size(), variants = study.variants.size();
-  return map_text(study.over[1], across, [&](std::size_t row) {
-    std::string letters;
-    for (std::size_t column = 0; column < first.values.size(); ++column)
-      letters +=
-          worst_letter(study, delay * study.runs_a_delay() + (column * rows + row) * variants, variants);
-    return letters;
-  });
-}
-
+/// The maps of its plots as letters, and what they mean.
 std::string maps_text(const PlayabilityStudy& study) {
   std::string text;
-  if (study.over.size() == 1 || study.delays_s.size() > kMostMaps)
-    text += map_over_delay(study);
-  else
-    for (std::size_t d = 0; d < study.delays_s.size(); ++d) text += map_at_delay(study, d);
+  const auto& upwards = study.over.back().name;
+  for (const auto& plot : plots_of(study)) {
+    const auto& map = *plot.subplots.front().map;
+    std::size_t widest = upwards.size();
+    for (const auto& row : map.rows) widest = std::max(widest, row.size());
+    text += fmt::format("\n{}\n{:>{}}  {} {} to {}\n", plot.title, upwards, widest, plot.x.label,
+                        map.columns.front(), map.columns.back());
+    for (std::size_t row = map.rows.size(); row-- > 0; text += "\n") {
+      text += fmt::format("{:>{}}  ", map.rows[row], widest);
+      for (std::size_t column = 0; column < map.columns.size(); ++column)
+        text += map.cells[row * map.columns.size() + column].letter;
+    }
+  }
   for (const auto& kind : run_kinds(study.kind))
     text += fmt::format("  {}  {}: {}\n", kind.letter, kind.name, kind.doc);
   return text;
@@ -217,21 +175,20 @@ struct PlayabilityArguments : SweepOptions {
   std::string delay = "0:40:1 ms";
 };
 
-std::vector<double> delays_of(const std::string& text) {
-  std::vector<double> delays;
-  for (const auto& value : parse_steps(text, "--delay")) {
+SweptValue delays_of(const std::string& text) {
+  SweptValue delays{"delay", parse_steps(text, "--delay"), SweptValue::What::Delay};
+  for (const auto& value : delays.values) {
     if (!value.dimension || !(*value.dimension == Dimension{.second = 1}))
       exit_with({Errc::UnitMismatch, "--delay", "'" + text + "' is not a time or a range of times",
                  "write for instance \"0:40:1 ms\""});
     if (value.si < 0 || value.si > 1)
       exit_with({Errc::OutOfRange, "--delay", "a delay of " + fmt::format("{:g} s", value.si),
                  "choose 0 s to 1 s"});
-    delays.push_back(value.si);
   }
   return delays;
 }
 
-PlayabilityOptions study_options(const PlayabilityArguments& options, SceneSpec& scene) {
+SweepPlan study_plan(const PlayabilityArguments& options, SceneSpec& scene) {
   if (options.over.size() > 2)
     exit_with({Errc::BadArgument, "--over", "at most two parameters can be swept in addition to the delay",
                "use tactus sweep for more"});
@@ -240,19 +197,19 @@ PlayabilityOptions study_options(const PlayabilityArguments& options, SceneSpec&
   if (!options.duration.empty() && scene.duration.value < least_s)
     exit_with({Errc::OutOfRange, "--duration", "leaves less than one second to evaluate",
                fmt::format("choose at least {:g} s", least_s)});
-  for (const auto& swept : plan.over)
-    if (swept.what == SweptValue::What::Delay)
-      exit_with({Errc::BadArgument, "--over", "the delay is swept already", "use --delay"});
-  return {std::move(plan), delays_of(options.delay)};
+  if (std::ranges::find(plan.over, SweptValue::What::Delay, &SweptValue::what) != plan.over.end())
+    exit_with({Errc::BadArgument, "--over", "the delay is swept already", "use --delay"});
+  plan.over.insert(plan.over.begin(), delays_of(options.delay));
+  return plan;
 }
 
 int run_playability(const PlayabilityArguments& options) {
   auto scene = load_target(options);
-  auto plan = study_options(options, scene);
+  auto plan = study_plan(options, scene);
   SweepMonitor monitor{scene.name, plan};
   const auto study = or_exit(study_playability(scene, standard_nodes(), plan));
   if (const auto exit = monitor.end(finished(study.runs), std::ssize(study.runs))) return *exit;
-  publish(options, study, study.over.size() > 1 ? 2 : 1);
+  publish(options, text_of(study), json_of(study), plots_of(study), study.over.size() > 1 ? 2 : 1);
   const auto verdicts = study.verdicts();
   return std::all_of(verdicts.begin(), verdicts.end(), [](const auto& v) { return v.playable; }) ? kDone
                                                                                                  : kNo;

@@ -64,20 +64,21 @@ std::string curve_text(const WallMap& map, const Curves& curves, const std::stri
 
 std::string controllers_text(const WallMap& map) {
   auto table = table_of(map, "controllers");
-  for (const auto& [controller, limits, fixed] : map.controllers)
+  for (const auto& controller : map.controllers)
     table.rows.push_back(
-        row_of(fmt::format("{} {} {}", controller.name, hz(controller.rate), ms(controller.delay)), limits));
+        row_of(fmt::format("{} {} {}", controller.name, hz(controller.rate), ms(controller.delay)),
+               controller.limits));
   return "\n" + table.text();
 }
 
-std::string fixed_point_text(const MappedController& mapped) {
-  if (!mapped.fixed_point) return {};
-  const auto& fixed = *mapped.fixed_point;
+std::string fixed_point_text(const WallController& controller) {
+  if (!controller.fixed_point) return {};
+  const auto& fixed = *controller.fixed_point;
   return fmt::format(
       "  {} computes with {} bits: force in steps of {:.3g} mN, stiffness in steps of {}; the motor's limit "
       "is reached\n  {:.2g} mm deep. In the simulation the stability limit is {} with the encoder alone, {} "
       "with the bits as well.\n",
-      mapped.controller.name, mapped.controller.bits, 1e3 * fixed.force_step, n_per_m(fixed.stiffness_step),
+      controller.name, controller.bits, 1e3 * fixed.force_step, n_per_m(fixed.stiffness_step),
       1e3 * fixed.full_depth, n_per_m(fixed.with_encoder), n_per_m(fixed.with_bits));
 }
 
@@ -103,12 +104,12 @@ Json part_json(const std::vector<WallLimit>& limits) {
   return list_of(limits, [](const WallLimit& limit) { return part_json(limit); });
 }
 
-Json part_json(const MappedController& mapped, const std::vector<MappedDevice>& devices) {
-  Json json{{"name", mapped.controller.name}, {"limits", Json::object()}};
+Json part_json(const WallController& controller, const std::vector<MappedDevice>& devices) {
+  Json json{{"name", controller.name}, {"limits", Json::object()}};
   for (std::size_t d = 0; d < devices.size(); ++d)
-    json["limits"][devices[d].name] = part_json(mapped.limits[d]);
-  if (const auto& fixed = mapped.fixed_point)
-    json["fixed_point"] = {{"bits", mapped.controller.bits},
+    json["limits"][devices[d].name] = part_json(controller.limits[d]);
+  if (const auto& fixed = controller.fixed_point)
+    json["fixed_point"] = {{"bits", controller.bits},
                            {"force_step_n", fixed->force_step},
                            {"stiffness_step_n_per_m", fixed->stiffness_step},
                            {"full_depth_m", fixed->full_depth},
@@ -121,8 +122,7 @@ PlotSeries series_of(const std::string& label, const std::vector<WallLimit>& lim
                      double WallLimit::*y) {
   PlotSeries series{.label = label};
   for (const auto& limit : limits) {
-    series.x.push_back(x(limit));
-    series.y.push_back(limit.*y);
+    series.add(x(limit), limit.*y);
   }
   return series;
 }
@@ -148,9 +148,9 @@ Plot plot_of(const WallMap& map, const Curves& curves, const Abscissa& x, PlotAx
                            .y = {map.friction_limit, map.friction_limit},
                            .color = PlotColor::Black,
                            .dashed = true});
-  for (const auto& [controller, limits, fixed] : map.controllers)
+  for (const auto& controller : map.controllers)
     plot.pins.push_back(
-        {x(limits.front()), limits.front().stiffest,
+        {x(controller.limits.front()), controller.limits.front().stiffest,
          controller.name + (controller.bits > 0 ? fmt::format(", {} bit", controller.bits) : ""),
          PlotColor::Black});
   axis.log = true;
@@ -179,17 +179,13 @@ Json json_of(const WallMap& map) {
   Json json{{"devices", Json::array()},
             {"by_delay", Json::object()},
             {"by_rate", Json::object()},
-            {"controllers", list_of(map.controllers, [&](const MappedController& controller) {
+            {"controllers", list_of(map.controllers, [&](const WallController& controller) {
                return part_json(controller, map.devices);
              })}};
   for (std::size_t d = 0; d < map.devices.size(); ++d) {
     const auto& [name, device] = map.devices[d];
-    json["devices"].push_back({{"name", name},
-                               {"mass_kg", device.mass},
-                               {"damping_n_s_per_m", device.damping},
-                               {"friction_n", device.friction},
-                               {"step_m", device.quantum},
-                               {"force_limit_n", device.force_limit}});
+    auto& entry = json["devices"].emplace_back(Json{{"name", name}});
+    for (const auto& quantity : kDeviceQuantities) entry[quantity.key] = device.*quantity.value;
     json["by_delay"][name] = part_json(map.by_delay[d]);
     json["by_rate"][name] = part_json(map.by_rate[d]);
   }
@@ -214,21 +210,8 @@ std::vector<Plot> plots_of(const WallMap& map) {
 
 namespace {
 
-struct DeviceOption {
-  const char *name, *unit;
-  double least;
-  double WallDevice::*value;
-  const char* help;
-};
-constexpr std::array<DeviceOption, 5> kDeviceOptions = {
-    {{"mass", "kg", 1e-6, &WallDevice::mass, "moving mass of the device, such as \"9 g\""},
-     {"damping", "N s/m", 0, &WallDevice::damping, "viscous damping of the device, such as \"0.05 N s/m\""},
-     {"friction", "N", 0, &WallDevice::friction, "dry friction of the device, such as \"0.2 N\""},
-     {"step", "m", 0, &WallDevice::quantum, "step of the position encoder, such as \"0.157 mm\""},
-     {"force-limit", "N", 1e-3, &WallDevice::force_limit, "largest force of the motor, such as \"6.37 N\""}}};
-
-struct WallOptions : RunOptions {
-  std::array<std::string, kDeviceOptions.size()> device;
+struct WallOptions : StudyOptions {
+  std::array<std::string, std::size(kDeviceQuantities)> device;
   std::string rate, wall_damping;
   int points = 8;
 };
@@ -249,14 +232,15 @@ WallStudy study_of(const WallOptions& options) {
     study.rate = scene.rate;
     study.controllers.push_back({"this scene", scene.rate, scene.delay, 0});
   }
-  for (std::size_t i = 0; i < kDeviceOptions.size(); ++i) {
-    const auto& [name, unit, least, value, help] = kDeviceOptions[i];
-    read_option(options.device[i], unit, name, least, 1e9, device.bare.*value);
+  for (std::size_t i = 0; i < options.device.size(); ++i) {
+    const auto& quantity = kDeviceQuantities[i];
+    read_option(options.device[i], quantity.unit, quantity.option, quantity.least, 1e9,
+                device.bare.*quantity.value);
   }
   read_option(options.wall_damping, "N s/m", "wall-damping", 0, 1e9, study.damping);
   read_option(options.rate, "Hz", "rate", 100, 1e9, study.rate.value);
   study.devices = {{"bare", device.bare}, {"held lightly", device.bare.held(kLightMass, kLightDamping)}};
-  if (device.hand_damping > 0) study.devices.push_back({"in this scene", device.held()});
+  if (device.hand.damping > 0) study.devices.push_back({"in this scene", device.held()});
   study.devices.push_back({"held firmly", device.bare.held(kFirmMass, kFirmDamping)});
   return study;
 }
@@ -268,7 +252,7 @@ int run_stability(const WallOptions& options) {
   SweepMonitor monitor{"walls", plan};
   const auto map = or_exit(map_walls(study, plan));
   if (const auto exit = monitor.end(map.finished, map.runs)) return *exit;
-  publish(options, map);
+  publish(options, text_of(map), json_of(map), plots_of(map));
   return map.confirmed == map.borders ? kDone : kNo;
 }
 
@@ -281,16 +265,16 @@ void add_study_stability(CLI::App& study, int& exit_code) {
       exit_code, run_stability);
   add_study_options(
       command, options,
-      "scene whose plant has the controls 'mass', 'damping', 'friction', 'step' and 'force_limit'; "
-      "default: 50 g, 0.1 N s/m, no friction, encoder step 0.157 mm, force limit 6.37 N");
-  for (std::size_t i = 0; i < kDeviceOptions.size(); ++i)
-    command.add_option(std::string{"--"} + kDeviceOptions[i].name, options.device[i], kDeviceOptions[i].help);
+      "scene that gives controls the roles device_mass, device_damping, device_friction, encoder_step and "
+      "force_limit; default: 50 g, 0.1 N s/m, no friction, encoder step 0.157 mm, force limit 6.37 N");
+  for (std::size_t i = 0; i < options.device.size(); ++i)
+    command.add_option(std::string{"--"} + kDeviceQuantities[i].option, options.device[i],
+                       kDeviceQuantities[i].doc);
   command.add_option("--wall-damping", options.wall_damping,
                      "damping of the walls, applied to the differentiated position, such as \"0.1 N s/m\"");
   command.add_option("--rate", options.rate,
                      "sample rate for the curves against delay; default: the scene's, or 20 kHz");
   add_number(command, "--points", options.points, "points per decade on each curve", 1, 100);
-  add_run_options(command, options);
   command.footer(
       "Examples:\n  tactus study stability instruments/wall --report walls.svg\n  tactus study stability "
       "--mass \"20 g\" --damping \"0.3 N s/m\" --rate \"8 kHz\"\ndocs/walls.md explains the stability map. "

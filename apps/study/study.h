@@ -77,37 +77,25 @@ inline void read_option(const std::string& text, const char* unit, const char* n
 
 /// Options of every study.
 struct StudyOptions {
-  std::string target, picture;
+  std::string target, picture, part, cache;
   bool json = false;
+  int workers = 0;
 };
-/// SCENE, --svg (also --report) and --json. `scene`: the help of SCENE.
+/// SCENE, --svg (also --report), --json, --keep, --part and --workers. `scene`: the help of SCENE.
 CLI::Option* add_study_options(CLI::App& command, StudyOptions& options, const std::string& scene);
 /// The scene of --target, or the scene.toml of that folder. Throws a CommandError.
 SceneSpec load_target(const StudyOptions& options);
+/// Throws a CommandError: Syntax, Missing.
+void read_run_plan(const StudyOptions& options, RunPlan& plan);
 /// Prints a report, as JSON with --json, and writes its plots to --svg. Throws a CommandError.
 void publish(const StudyOptions& options, const std::string& text, const Json& json,
              const std::vector<Plot>& page, int columns = 1);
-template <class Study>
-void publish(const StudyOptions& options, const Study& study, int columns = 1) {
-  publish(options, text_of(study), json_of(study), plots_of(study), columns);
-}
-
-/// Options of studies that execute many runs.
-struct RunOptions : StudyOptions {
-  std::string part, cache;
-  int workers = 0;
-};
-/// --keep, --part, --workers.
-void add_run_options(CLI::App& command, RunOptions& options);
-/// Throws a CommandError: Syntax, Missing.
-void read_run_plan(const RunOptions& options, RunPlan& plan);
 
 /// Options of every sweep of a scene.
-struct SweepOptions : RunOptions {
+struct SweepOptions : StudyOptions {
+  SweepPlan plan;
   std::string gain, within = "20 %", duration;
   std::vector<std::string> over, set;
-  int draws = 0;
-  std::uint64_t seed = 1;
 };
 void add_sweep_options(CLI::App& command, SweepOptions& options);
 

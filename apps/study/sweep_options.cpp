@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <functional>
 #include <memory>
-#include <sstream>
 
 #include "apps/study/study.h"
 #include "engine/core/dimension.h"
@@ -18,10 +17,11 @@ namespace {
 
 constexpr double kMostValues = 10000;
 
-/// Numbers with the one unit that follows some of them.
+/// Numbers with the one unit that follows some of them: "0.2:3.2:7:log", "55:880:9:log Hz".
 struct Written {
   std::vector<double> numbers;
   std::string unit;
+  bool log = false;
 };
 
 [[noreturn]] void exit_unreadable(const std::string& text, const std::string& option,
@@ -31,13 +31,19 @@ struct Written {
 
 Written read_numbers(const std::string& text, const std::string& option, const std::string& remedy) {
   Written written;
-  std::istringstream parts{text};
-  for (std::string part; std::getline(parts, part, ':');) {
-    char* end = nullptr;
-    written.numbers.push_back(std::strtod(part.c_str(), &end));
-    if (end == part.c_str() || !std::isfinite(written.numbers.back())) exit_unreadable(text, option, remedy);
-    while (*end == ' ') ++end;
-    const std::string unit{end};
+  for (const auto& part : CLI::detail::split(text, ':')) {
+    const char* rest = part.c_str();
+    if (part == "log" || part.starts_with("log ")) {
+      written.log = true;
+      rest += 3;
+    } else {
+      char* end = nullptr;
+      written.numbers.push_back(std::strtod(part.c_str(), &end));
+      if (end == rest || !std::isfinite(written.numbers.back())) exit_unreadable(text, option, remedy);
+      rest = end;
+    }
+    while (*rest == ' ') ++rest;
+    const std::string unit{rest};
     if (unit.empty()) continue;
     if (!written.unit.empty() && written.unit != unit)
       exit_with({Errc::UnitMismatch, option,
@@ -71,39 +77,26 @@ std::vector<ControlValue> evenly(const Written& written, double step, double cou
   return spread(written, count, option, [&](int i) { return written.numbers[0] + i * step; });
 }
 
-/// Takes ":log" away: "0.2:3.2:7:log", "55:880:9:log Hz".
-bool take_log(std::string& text) {
-  static const std::string kLog = ":log";
-  const auto found = text.find(kLog);
-  if (found == std::string::npos) return false;
-  const auto rest = text.substr(found + kLog.size());
-  if (!rest.empty() && rest.front() != ' ') return false;
-  text = text.substr(0, found) + rest;
-  return true;
-}
-
 }  // namespace
 
 std::vector<ControlValue> parse_steps(const std::string& text, const std::string& option) {
   const auto* remedy = "write FROM:TO:STEP, as in \"0:40:1 ms\"";
   const auto written = read_numbers(text, option, remedy);
   const auto& numbers = written.numbers;
-  if (numbers.size() == 1) return evenly(written, 0, 1, option);
-  if (numbers.size() != 3 || !(numbers[2] > 0) || numbers[1] < numbers[0])
+  if (numbers.size() == 1 && !written.log) return evenly(written, 0, 1, option);
+  if (numbers.size() != 3 || !(numbers[2] > 0) || numbers[1] < numbers[0] || written.log)
     exit_unreadable(text, option, remedy);
   return evenly(written, numbers[2], std::floor((numbers[1] - numbers[0]) / numbers[2] + 1e-9) + 1, option);
 }
 
 std::vector<ControlValue> parse_spread(const std::string& text, const std::string& option) {
   const auto* remedy = "write FROM:TO:COUNT, as in \"0.2:1:5\", or FROM:TO:COUNT:log";
-  auto range = text;
-  const bool by_factors = take_log(range);
-  const auto written = read_numbers(range, option, remedy);
+  const auto written = read_numbers(text, option, remedy);
   const auto& numbers = written.numbers;
-  if (numbers.size() == 1 && !by_factors) return evenly(written, 0, 1, option);
+  if (numbers.size() == 1 && !written.log) return evenly(written, 0, 1, option);
   if (numbers.size() != 3 || numbers[2] != std::floor(numbers[2])) exit_unreadable(text, option, remedy);
   const double intervals = std::max(1.0, numbers[2] - 1);
-  if (!by_factors) return evenly(written, (numbers[1] - numbers[0]) / intervals, numbers[2], option);
+  if (!written.log) return evenly(written, (numbers[1] - numbers[0]) / intervals, numbers[2], option);
   if (!(numbers[0] * numbers[1] > 0))
     exit_with({Errc::OutOfRange, option, "'" + text + "' cannot be spaced logarithmically",
                "choose both ends above 0, or omit ':log'"});
@@ -195,6 +188,14 @@ CLI::Option* add_study_options(CLI::App& command, StudyOptions& options, const s
   command.add_option("--svg,--report", options.picture, "write the plots to this SVG file")
       ->check(writable_file());
   command.add_flag("--json", options.json, "print the results as JSON");
+  command
+      .add_option("--keep", options.cache, "save finished runs in this folder, and skip those already there")
+      ->check(writable_folder());
+  command.add_option(
+      "--part", options.part,
+      "I/N: run only part I of N (for parallel processes), with the results in the folder of --keep");
+  command.add_option("--workers", options.workers, "number of threads; default: one per core")
+      ->check(CLI::Range(1, 1024));
   return command.add_option("SCENE", options.target, scene);
 }
 
@@ -211,18 +212,7 @@ void publish(const StudyOptions& options, const std::string& text, const Json& j
   if (!options.json) fmt::print("plot: {}\n", options.picture);
 }
 
-void add_run_options(CLI::App& command, RunOptions& options) {
-  command
-      .add_option("--keep", options.cache, "save finished runs in this folder, and skip those already there")
-      ->check(writable_folder());
-  command.add_option(
-      "--part", options.part,
-      "I/N: run only part I of N (for parallel processes), with the results in the folder of --keep");
-  command.add_option("--workers", options.workers, "number of threads; default: one per core")
-      ->check(CLI::Range(1, 1024));
-}
-
-void read_run_plan(const RunOptions& options, RunPlan& plan) {
+void read_run_plan(const StudyOptions& options, RunPlan& plan) {
   plan.workers = options.workers;
   plan.cache = options.cache;
   read_part(options.part, plan);
@@ -242,25 +232,22 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
   command.add_option("--duration", options.duration, "duration of each run; default: the scene's");
   command.add_option("--gain", options.gain,
                      "also run with the actuator weaker and stronger by this gain, such as \"6 dB\"");
-  add_number(command, "--draws", options.draws,
+  add_number(command, "--draws", options.plan.draws,
              "number of additional runs with random variations of the plant", 0, 100000);
   command
       .add_option("--within", options.within,
                   "largest deviation of the plant's parameters in the random variations")
       ->capture_default_str();
-  command.add_option("--seed", options.seed, "seed of the random variations")->capture_default_str();
-  add_run_options(command, options);
+  command.add_option("--seed", options.plan.seed, "seed of the random variations")->capture_default_str();
 }
 
 SweepPlan read_plan(const SweepOptions& options, SceneSpec& scene) {
-  SweepPlan plan;
+  auto plan = options.plan;
   for (const auto& text : options.over) plan.over.push_back(read_swept(text, scene));
   plan.set = parse_settings(options.set);
   check_swept_once(plan);
   read_option(options.duration, "s", "duration", 1e-3, 3600, scene.duration.value);
   read_run_plan(options, plan);
-  plan.draws = options.draws;
-  plan.seed = options.seed;
   read_option(options.within, "", "within", 1e-6, 0.999999, plan.within);
   read_gain(options.gain, plan);
   return plan;

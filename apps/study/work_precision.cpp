@@ -9,11 +9,9 @@
 namespace tactus::app {
 namespace {
 
-std::vector<const WorkPoint*> by_load(const WorkPrecision& study) {
-  std::vector<const WorkPoint*> points;
-  for (const auto& point : study.points) points.push_back(&point);
-  std::stable_sort(points.begin(), points.end(), [](const WorkPoint* a, const WorkPoint* b) {
-    return a->known() != b->known() ? a->known() : a->load() < b->load();
+std::vector<WorkPoint> by_load(std::vector<WorkPoint> points) {
+  std::ranges::stable_sort(points, [](const WorkPoint& a, const WorkPoint& b) {
+    return a.known() != b.known() ? a.known() : a.load() < b.load();
   });
   return points;
 }
@@ -27,16 +25,16 @@ std::string error_text(const WorkPoint& point, std::size_t a) {
 Table table_of(const WorkPrecision& study) {
   Table table{{{"solver", "steps per frame", "rate", "ns per frame", "of real time"}}};
   for (const auto& used : study.references) table.rows[0].push_back(used.accuracy);
-  for (const auto* point : by_load(study)) {
+  for (const auto& point : by_load(study.points)) {
     auto& row = table.rows.emplace_back();
-    row = {point->variant.solver, std::to_string(point->variant.oversample),
-           fmt::format("{:g} kHz", point->variant.rate.value / 1e3)};
-    if (point->known())
+    row = {point.variant.solver, std::to_string(point.variant.oversample),
+           fmt::format("{:g} kHz", point.variant.rate.value / 1e3)};
+    if (point.known())
       row.insert(row.end(),
-                 {fmt::format("{:.1f}", point->ns_per_frame), fmt::format("{:.2g} %", 100 * point->load())});
+                 {fmt::format("{:.1f}", point.ns_per_frame), fmt::format("{:.2g} %", 100 * point.load())});
     else
-      row.insert(row.end(), {"", "", point->refused ? "refused: " + point->refused->what : "unstable"});
-    for (std::size_t a = 0; a < point->errors.size(); ++a) row.push_back(error_text(*point, a));
+      row.insert(row.end(), {"", "", point.refused ? "refused: " + point.refused->what : "unstable"});
+    for (std::size_t a = 0; a < point.errors.size(); ++a) row.push_back(error_text(point, a));
     row.resize(table.rows[0].size());
   }
   return table;
@@ -89,39 +87,38 @@ Json json_of(const WorkPrecision& study) {
             {"against", used.what},
             {"own_error", used.own_error}};
   };
-  const auto run_json = [&](const WorkPoint* point) {
-    const bool measured = point->known();
-    Json run{{"solver", point->variant.solver},
-             {"oversample", point->variant.oversample},
-             {"sample_rate_hz", point->variant.rate.value},
-             {"verdict", point->refused    ? "refused"
-                         : point->unstable ? "unstable"
-                                           : "ok"},
-             {"ns_per_frame", known(measured, point->ns_per_frame)},
-             {"of_real_time", known(measured, measured ? point->load() : 0)},
+  const auto run_json = [&](const WorkPoint& point) {
+    const bool measured = point.known();
+    Json run{{"solver", point.variant.solver},
+             {"oversample", point.variant.oversample},
+             {"sample_rate_hz", point.variant.rate.value},
+             {"verdict", point.refused    ? "refused"
+                         : point.unstable ? "unstable"
+                                          : "ok"},
+             {"ns_per_frame", known(measured, point.ns_per_frame)},
+             {"of_real_time", known(measured, measured ? point.load() : 0)},
              {"errors", Json::object()},
              {"nothing_cheaper_is_closer", Json::object()}};
-    if (point->refused) run["why"] = to_string(*point->refused);
-    for (std::size_t a = 0; a < point->errors.size(); ++a) {
+    if (point.refused) run["why"] = to_string(*point.refused);
+    for (std::size_t a = 0; a < point.errors.size(); ++a) {
       const auto& accuracy = study.references[a].accuracy;
-      run["errors"][accuracy] = point->errors[a];
-      run["reference_own_errors"][accuracy] = point->floors[a];
-      run["nothing_cheaper_is_closer"][accuracy] = static_cast<bool>(point->front[a]);
+      run["errors"][accuracy] = point.errors[a];
+      run["reference_own_errors"][accuracy] = point.floors[a];
+      run["nothing_cheaper_is_closer"][accuracy] = static_cast<bool>(point.front[a]);
     }
     return run;
   };
   return {{"scene", study.scene},
           {"references", list_of(study.references, reference_json)},
-          {"runs", list_of(by_load(study), run_json)}};
+          {"runs", list_of(by_load(study.points), run_json)}};
 }
 
 namespace {
 
 struct WorkPrecisionArguments : StudyOptions {
+  WorkPrecisionOptions plan;
   std::string folder;
-  std::vector<std::string> solvers, rates;
-  std::vector<int> oversamples;
-  int repeats = 5;
+  std::vector<std::string> rates;
 };
 
 void write_files(const WorkPrecision& study, const std::filesystem::path& folder) {
@@ -133,18 +130,15 @@ void write_files(const WorkPrecision& study, const std::filesystem::path& folder
 }
 
 int run_work_precision(const WorkPrecisionArguments& options) {
-  or_exit(swept_solvers(options.solvers, "--solvers"));
-  std::vector<Hertz> rates;
-  for (const auto& text : options.rates) rates.push_back(parse_rate(text, "rates"));
+  auto plan = options.plan;
+  or_exit(swept_solvers(plan.solvers, "--solvers"));
+  for (const auto& text : options.rates) plan.rates.push_back(parse_rate(text, "rates"));
+  read_run_plan(options, plan);
   const auto scene = load_target(options);
-  const auto study = [&] {
-    Progress progress{"studying " + scene.name};
-    return or_exit(
-        study_work_precision(scene, standard_nodes(),
-                             {options.solvers, rates, options.oversamples, options.repeats,
-                              [&](double share, const std::string& what) { progress(share, what); }}));
-  }();
-  publish(options, study);
+  SweepMonitor monitor{scene.name, plan};
+  const auto study = or_exit(study_work_precision(scene, standard_nodes(), plan));
+  if (const auto exit = monitor.end(study.finished, study.runs)) return *exit;
+  publish(options, text_of(study), json_of(study), plots_of(study));
   if (!options.folder.empty()) write_files(study, options.folder);
   return study.cheapest(1.0) == nullptr ? kNo : kDone;
 }
@@ -158,16 +152,16 @@ void add_study_work_precision(CLI::App& study, int& exit_code) {
                   exit_code, run_work_precision);
   add_study_options(command, options, "scene with an [accuracy] section; for a folder, its scene.toml")
       ->required();
-  command.add_option("--solvers", options.solvers, "solvers, such as explicit,passive; default: all")
+  command.add_option("--solvers", options.plan.solvers, "solvers, such as explicit,passive; default: all")
       ->delimiter(',');
   command
       .add_option("--rates", options.rates,
                   "sample rates, such as 24kHz,96kHz; default: half, one and two times the scene's")
       ->delimiter(',');
-  command.add_option("--oversample", options.oversamples, "steps per frame; default: 1,2,4,8,16")
+  command.add_option("--oversample", options.plan.oversamples, "steps per frame; default: 1,2,4,8,16")
       ->delimiter(',')
       ->check(CLI::Range(1, 64));
-  add_number(command, "--repeat", options.repeats, "number of timing runs; their median is reported", 1,
+  add_number(command, "--repeat", options.plan.repeats, "number of timing runs; their median is reported", 1,
              1000);
   command
       .add_option("--out", options.folder,
@@ -177,7 +171,8 @@ void add_study_work_precision(CLI::App& study, int& exit_code) {
       "Examples:\n  tactus study work-precision instruments/numerics/stick_impact\n  tactus study "
       "work-precision instruments/numerics/woofer --solvers explicit,passive --rates 48kHz --out "
       "out/woofer\nThe scene's [accuracy] section lists the compared measures (docs/graph_files.md).\nExit "
-      "code 1: no variant is both stable and fast enough for real time.");
+      "code 1: no variant is both stable and fast enough for real time. 5: interrupted.\nWorkers and --part "
+      "share the runs for the errors; times are measured one after another, by a run without --part.");
 }
 
 }  // namespace tactus::app

@@ -84,7 +84,7 @@ int run_sweep(const MeasureSweepOptions& options) {
   SweepMonitor monitor{scene.name, plan};
   const auto table = or_exit(sweep_measures(scene, standard_nodes(), plan, measures));
   if (const auto exit = monitor.end(finished(table.points), std::ssize(table.points))) return *exit;
-  publish(options, table, table.over.size() > 2 ? 2 : 1);
+  publish(options, text_of(table), json_of(table), plots_of(table), table.over.size() > 2 ? 2 : 1);
   return kDone;
 }
 

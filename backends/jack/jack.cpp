@@ -294,15 +294,11 @@ class JackStream final : public CardStream<Client> {
 
 std::vector<Wire> wires(const Client& client, const StreamRequest& request, const Card& input,
                         const Card& output) {
-  const auto port = [](const Names& ports, const std::vector<int>& map, int channel) {
-    const auto c = index(channel);
-    return ports[map.empty() ? c : index(map[c])];
-  };
   std::vector<Wire> wires;
-  for (int c = 0; c < request.in_channels; ++c)
-    wires.push_back({port(input.captures, request.in_map, c), client.input_port(c)});
-  for (int c = 0; c < request.out_channels; ++c)
-    wires.push_back({client.output_port(c), port(output.playbacks, request.out_map, c)});
+  for (int c = 0; const int from : channels_of(request.in_map, request.in_channels))
+    wires.push_back({input.captures[index(from)], client.input_port(c++)});
+  for (int c = 0; const int to : channels_of(request.out_map, request.out_channels))
+    wires.push_back({client.output_port(c++), output.playbacks[index(to)]});
   return wires;
 }
 

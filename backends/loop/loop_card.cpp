@@ -47,8 +47,8 @@ const Setting kSettings[] = {
     {"bits", 0, 32, [](LoopCard& card, double value) { card.bits = static_cast<int>(value); }},
     {"agc", 0, 1, [](LoopCard& card, double value) { card.agc = value != 0; }},
     {"echo_cancel", 0, 1, [](LoopCard& card, double value) { card.echo_cancel = value != 0; }},
-    {"monitor", -1e6, 1e6, [](LoopCard& card, double value) { card.monitor.gain = value; }},
-    {"in_software", 0, 1, [](LoopCard& card, double value) { card.monitor.in_software = value != 0; }},
+    {"monitor", -1e6, 1e6, [](LoopCard& card, double value) { card.monitor_gain = value; }},
+    {"in_software", 0, 1, [](LoopCard& card, double value) { card.monitor_in_software = value != 0; }},
     {"drops", -1e4, 1e4,
      [](LoopCard& card, double frames) {
        card.drops = {{Seconds{1.0}, Seconds{1.0}, static_cast<int>(frames)}};

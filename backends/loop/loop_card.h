@@ -17,13 +17,6 @@ struct LoopCard {
     Crossed,   ///< on the next one
     None,
   };
-  /// What is captured is played too: in hardware whatever the block, in software as late as all that is
-  /// played.
-  struct Monitor {
-    double gain = 0.0;
-    int frames = 0;  ///< from input to output, besides
-    bool in_software = false;
-  };
   /// Input frames that never arrive (positive), or arrive twice.
   struct Drop {
     Seconds at;
@@ -46,7 +39,10 @@ struct LoopCard {
   // What else happens to it.
   bool agc = false;          ///< towards peaks of 0.1, with gains up to 40 dB
   bool echo_cancel = false;  ///< an adaptive filter fed with what is played
-  Monitor monitor;
+  /// What is captured is played too: in hardware whatever the block, in software as late as all that is
+  /// played.
+  double monitor_gain = 0.0;
+  bool monitor_in_software = false;
   std::vector<Drop> drops;
   bool drops_reported = true;  ///< as gaps in Health
   double input_ppm = 0.0;      ///< by which the input's clock is faster than the output's

@@ -88,13 +88,12 @@ LoopPath::LoopPath(const LoopCard& card, const LoopTiming& timing, int lane)
     : card_(card),
       timing_(timing),
       line_(line_frames(timing)),
-      captured_(card.monitor.frames + timing.buffer_frames),
+      captured_(timing.buffer_frames),
       noise_(1, static_cast<std::uint64_t>(lane)),
       attack_keep_(tactus_keep(kAgcAttack.value, timing.sample_rate.value)),
       release_keep_(tactus_keep(kAgcRelease.value, timing.sample_rate.value)),
       step_(card.bits > 0 ? std::ldexp(1.0, 1 - card.bits) : 0.0),
-      monitor_frames_(std::max(1, card.monitor.frames) +
-                      (card.monitor.in_software ? timing.buffer_frames : 0)) {
+      monitor_frames_(card.monitor_in_software ? 1 + timing.buffer_frames : 1) {
   if (card.high_pass.value > 0.0)
     high_pass_.emplace().design(
         high_pass(tactus_filter_radians(card.high_pass.value, timing.sample_rate.value)));
@@ -102,8 +101,8 @@ LoopPath::LoopPath(const LoopCard& card, const LoopTiming& timing, int lane)
 }
 
 double LoopPath::record(std::int64_t frame, double later) noexcept {
-  if (card_.monitor.gain != 0.0) {
-    line_.add(frame, card_.monitor.gain * captured_[frame - monitor_frames_]);
+  if (card_.monitor_gain != 0.0) {
+    line_.add(frame, card_.monitor_gain * captured_[frame - monitor_frames_]);
     played_ = true;
   }
   const double at = static_cast<double>(frame) - timing_.hardware_frames - later;

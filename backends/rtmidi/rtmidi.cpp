@@ -130,8 +130,9 @@ class Worker final : public MidiInputs {
   void update_ports() {
     const auto available = names_by_id(*scout_);
     close_missing(available);
+    const auto opened = ports();
     for (const auto& [id, name] : available)
-      if (!is_open(id)) open(id, name);
+      if (std::ranges::find(opened, id) == opened.end()) open(id, name);
   }
 
   static std::map<std::string, std::string> names_by_id(RtMidiIn& client) {
@@ -147,11 +148,6 @@ class Worker final : public MidiInputs {
       names[id] = name;
     }
     return names;
-  }
-
-  bool is_open(const std::string& id) const {
-    const std::lock_guard lock{mutex_};
-    return ports_.contains(id);
   }
 
   void open(const std::string& id, const std::string& name) {
@@ -192,7 +188,7 @@ class Worker final : public MidiInputs {
   const std::chrono::milliseconds interval_;
   std::unique_ptr<RtMidiIn> scout_;  ///< only looks
   std::string reported_error_;
-  mutable std::mutex mutex_;  ///< of what follows; never held while the library is called
+  std::mutex mutex_;  ///< of what follows; never held while the library is called
   std::condition_variable wake_;
   std::map<std::string, std::shared_ptr<OpenPort>> ports_;  ///< by id
   std::vector<std::string> news_;

@@ -74,7 +74,6 @@ class TakePlayer {
     host_.guarded.process({in_.data(), out.data(), frames});
     if (host_.same && !played.first_difference) compare(frames);
     now_ += frames;
-    played.frames = now_;
     return frames;
   }
 
@@ -86,11 +85,6 @@ class TakePlayer {
 
   Status between_blocks() {
     if (auto status = post_until(now_ + 1); !status) return status;
-    while (next_entry_ < entries_.size() && is_halt(next_entry_) && entries_[next_entry_].frame <= now_) {
-      host_.guarded.finish({in_.data(), out.data(), 1});
-      ++next_entry_;
-      if (auto status = post_until(now_ + 1); !status) return status;
-    }
     for (; next_edit_ < take_.edits.size() && take_.edits[next_edit_].frame <= now_; ++next_edit_)
       if (host_.replace)
         if (auto status = host_.replace(take_.edits[next_edit_]); !status) return status;
@@ -105,13 +99,14 @@ class TakePlayer {
     return stop;
   }
 
-  /// Entries before frame `end`, as far as the next halt.
+  /// Entries before frame `end`. A halt is never inside a block.
   Status post_until(std::int64_t end) {
     for (; next_entry_ < entries_.size() && entries_[next_entry_].frame < end; ++next_entry_) {
-      if (is_halt(next_entry_)) return {};
-      if (host_.guarded.post(entries_[next_entry_])) continue;
-      return fail(Errc::OutOfRange, "", fmt::format("too many guard events at frame {}", now_),
-                  "use smaller blocks");
+      if (is_halt(next_entry_))
+        host_.guarded.finish({in_.data(), out.data(), 1});
+      else if (!host_.guarded.post(entries_[next_entry_]))
+        return fail(Errc::OutOfRange, "", fmt::format("too many guard events at frame {}", now_),
+                    "use smaller blocks");
     }
     return {};
   }
@@ -136,7 +131,7 @@ class TakePlayer {
   std::vector<const double*> in_;
   std::vector<JournalEntry> entries_;  ///< of the guard
   std::size_t next_entry_ = 0, next_edit_ = 0;
-  std::int64_t now_ = 0;
+  std::int64_t& now_ = played.frames;
 };
 
 Status check(const Take& take, const WavReader& wav, const ReplayHost& host) {

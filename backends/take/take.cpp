@@ -123,12 +123,6 @@ void fields(Io& io, T& take) {
 
 namespace {
 
-template <class T>
-std::string line_of(const T& value) {
-  const auto json = JsonWriter::written(value);
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-}
-
 Result<TakeHeader> parse_header(const std::string& line, const fs::path& path) {
   const auto no_take = [&](const std::string& what) {
     return fail(Errc::BadFile, path.string(), what, "give the .jsonl that was recorded with the WAV file");
@@ -177,11 +171,16 @@ bool add_line(const std::string& line, Take& take) {
 
 }  // namespace
 
-std::string header_line(const TakeHeader& header) { return line_of(header); }
-std::string entry_line(const JournalEntry& entry) { return line_of(entry); }
-std::string gap_line(const TakeGap& gap) { return line_of(gap); }
-std::string edit_line(const TakeEdit& edit) { return line_of(edit); }
-std::string progress_line(const Take& take) { return line_of(take); }
+template <class T>
+std::string journal_line(const T& value) {
+  const auto json = JsonWriter::written(value);
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+template std::string journal_line(const TakeHeader&);
+template std::string journal_line(const JournalEntry&);
+template std::string journal_line(const TakeGap&);
+template std::string journal_line(const TakeEdit&);
+template std::string journal_line(const Take&);
 
 fs::path journal_path(const fs::path& wav) { return fs::path{wav}.replace_extension(".jsonl"); }
 

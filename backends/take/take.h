@@ -86,14 +86,12 @@ inline float as_recorded(double drive) noexcept {
 /// Errors: BadFile if there is none, it is none, or a later version of the program wrote it.
 Result<Take> read_take(const std::filesystem::path& wav);
 
-/// [any] The lines of a journal, as docs/takes.md describes them, each with its line end. `progress_line`:
-/// everything that was applied before `take.complete` is above, except what was lost; if `take.finished`, it
-/// is the last line, with the reason why the take ended before its time.
-std::string header_line(const TakeHeader& header);
-std::string entry_line(const JournalEntry& entry);
-std::string gap_line(const TakeGap& gap);
-std::string edit_line(const TakeEdit& edit);
-std::string progress_line(const Take& take);
+/// [any] A line of a journal, as docs/takes.md describes them, with its line end: of a TakeHeader,
+/// JournalEntry, TakeGap, TakeEdit or Take. The last says that everything that was applied before
+/// `take.complete` is above, except what was lost; if `take.finished`, it is the last line, with the reason
+/// why the take ended before its time.
+template <class T>
+std::string journal_line(const T& value);
 
 /// [any] Why a replay cannot be promised to be the same bit for bit; empty if it can.
 std::string why_not_exact(const Take& take);

@@ -36,8 +36,8 @@ void TakeRing::observe(const BlockIo& io, std::int64_t first_frame) noexcept {
   if (first_frame < next_frame_) restarted_.store(true, kRelaxed);
   if (restarted()) return;
   if (gap_.frames == 0) gap_ = {next_frame_, first_frame - next_frame_};  // not there from the beginning
-  if (has_room(io.frames) && close_gap()) {
-    const auto at = written_.load(kRelaxed);
+  const auto at = written_.load(kRelaxed);
+  if (at - read_.load(std::memory_order_acquire) + io.frames <= capacity_ && close_gap()) {
     copy(io, at);
     written_.store(at + io.frames, std::memory_order_release);
   } else {
@@ -45,10 +45,6 @@ void TakeRing::observe(const BlockIo& io, std::int64_t first_frame) noexcept {
     dropped_.fetch_add(io.frames, kRelaxed);
   }
   next_frame_ = first_frame + io.frames;
-}
-
-bool TakeRing::has_room(int frames) noexcept {
-  return written_.load(kRelaxed) - read_.load(std::memory_order_acquire) + frames <= capacity_;
 }
 
 /// A gap must be known before what follows it.
@@ -108,7 +104,7 @@ TakeWriter::TakeWriter(GrowingWav wav, std::filesystem::path journal, const Take
       journal_(journal_path_, std::ios::binary),
       ring_(&ring),
       settle_every_(static_cast<std::int64_t>(frames_in(kSettleEvery, header.sample_rate))) {
-  journal_ << header_line(header) << std::flush;
+  journal_ << journal_line(header) << std::flush;
 }
 
 bool TakeWriter::work() {
@@ -128,11 +124,11 @@ void TakeWriter::drain_events() {
     else if (entry->kind == JournalEntry::Kind::Replacement)
       replaced_.push_back(entry->frame);
     else if (error_.empty())
-      journal_ << entry_line(*entry);
+      journal_ << journal_line(*entry);
   }
   while (!replaced_.empty() && !edits_.empty()) {
     edits_.front().frame = replaced_.front();
-    if (error_.empty()) journal_ << edit_line(edits_.front());
+    if (error_.empty()) journal_ << journal_line(edits_.front());
     edits_.pop_front();
     replaced_.pop_front();
   }
@@ -140,7 +136,7 @@ void TakeWriter::drain_events() {
 
 void TakeWriter::write_gap(const TakeGap& gap) {
   gaps_.push_back(gap);
-  if (error_.empty()) journal_ << gap_line(gap);
+  if (error_.empty()) journal_ << journal_line(gap);
 }
 
 /// Missing frames are zeros, so that frame n of the file is frame n of the stream.
@@ -164,7 +160,7 @@ void TakeWriter::settle() {
   progress_.complete = replaced_.empty() ? wav_.frames() : std::min(wav_.frames(), replaced_.front());
   progress_.lost_entries = ring_->lost_entries();
   progress_.rounded_sensors = ring_->rounded_sensors();
-  journal_ << progress_line(progress_) << std::flush;
+  journal_ << journal_line(progress_) << std::flush;
   if (!journal_) return fail_with(why_not_written());
   if (const auto status = wav_.settle(); !status) return fail_with(status.error().what);
   settled_ = wav_.frames();
@@ -184,7 +180,7 @@ void TakeWriter::finish() {
   if (error_.empty()) settle();
   progress_.ended = !error_.empty() ? error_ : ring_->restarted() ? "the stream restarted" : "";
   progress_.finished = true;
-  if (journal_) journal_ << progress_line(progress_) << std::flush;
+  if (journal_) journal_ << journal_line(progress_) << std::flush;
 }
 
 Result<std::unique_ptr<TakeRecorder>> TakeRecorder::start(const std::filesystem::path& wav, TakeHeader header,

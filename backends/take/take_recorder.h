@@ -61,7 +61,6 @@ class TakeRing final : public BlockTap {
   bool restarted() const noexcept { return restarted_.load(std::memory_order_relaxed); }
 
  private:
-  bool has_room(int frames) noexcept;
   bool close_gap() noexcept;
   void copy(const BlockIo& io, std::int64_t at) noexcept;
 

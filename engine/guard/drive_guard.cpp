@@ -127,21 +127,21 @@ double DriveGuard::shape(double sample, double& wanted, std::int64_t frame, int 
   return last_ = y;
 }
 
-double DriveGuard::held_back(double from, double to, GuardStage stage, std::int64_t frame,
+double DriveGuard::held_back(double from, double to, GuardStage::Index stage, std::int64_t frame,
                              std::int64_t hold) noexcept {
   count(std::abs(from - to), stage);
   if (kind_ == Kind::Drive) feedback_.limited(frame, hold);
   return to;
 }
 
-double DriveGuard::scaled(double x, double gain, GuardStage stage) noexcept {
+double DriveGuard::scaled(double x, double gain, GuardStage::Index stage) noexcept {
   if (gain == 1.0 || x == 0.0) return x;
   count(std::abs(x) * (1.0 - gain), stage);
   return x * gain;
 }
 
-void DriveGuard::count(double less, GuardStage stage) noexcept {
-  auto& [frames, most] = counters_[static_cast<std::size_t>(stage)];
+void DriveGuard::count(double less, GuardStage::Index stage) noexcept {
+  auto& [frames, most] = counters_[stage];
   frames.store(frames.load(kRelaxed) + 1, kRelaxed);
   most.store(std::max(most.load(kRelaxed), less), kRelaxed);
 }
@@ -149,7 +149,7 @@ void DriveGuard::count(double less, GuardStage stage) noexcept {
 GuardCounts DriveGuard::counts() const noexcept {
   GuardCounts counts;
   for (std::size_t s = 0; s < kGuardStages; ++s)
-    counts.stages[s] = {counters_[s].frames.load(kRelaxed), counters_[s].most.load(kRelaxed)};
+    counts[s] = {counters_[s].frames.load(kRelaxed), counters_[s].most.load(kRelaxed)};
   return counts;
 }
 

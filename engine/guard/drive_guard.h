@@ -25,19 +25,14 @@ struct StageCount {
   bool operator==(const StageCount&) const = default;
 };
 
-enum class GuardStage { NonFinite, Heat, Dc, Excursion, Ceiling, Slew };
+/// Indices of GuardCounts.
+struct GuardStage {
+  enum Index : std::size_t { NonFinite, Heat, Dc, Excursion, Ceiling, Slew };
+};
 inline constexpr std::size_t kGuardStages = 6;
 
 /// All stages of the guard of one channel.
-struct GuardCounts {
-  std::array<StageCount, kGuardStages> stages{};
-
-  StageCount& operator[](GuardStage stage) noexcept { return stages[static_cast<std::size_t>(stage)]; }
-  const StageCount& operator[](GuardStage stage) const noexcept {
-    return stages[static_cast<std::size_t>(stage)];
-  }
-  bool operator==(const GuardCounts&) const = default;
-};
+using GuardCounts = std::array<StageCount, kGuardStages>;
 
 /// The fixed last stage of one output channel:
 ///   finite    a NaN or infinity becomes 0
@@ -97,9 +92,10 @@ class DriveGuard {
   bool passes(const double* samples, int frames, std::int64_t first_frame,
               double sum_of_absolutes) const noexcept;
   double shape(double sample, double& wanted, std::int64_t frame, int position) noexcept;
-  double held_back(double from, double to, GuardStage stage, std::int64_t frame, std::int64_t hold) noexcept;
-  double scaled(double x, double gain, GuardStage stage) noexcept;
-  void count(double less, GuardStage stage) noexcept;
+  double held_back(double from, double to, GuardStage::Index stage, std::int64_t frame,
+                   std::int64_t hold) noexcept;
+  double scaled(double x, double gain, GuardStage::Index stage) noexcept;
+  void count(double less, GuardStage::Index stage) noexcept;
   double within(double x) const noexcept;
   void end_group(std::int64_t frame) noexcept;
 

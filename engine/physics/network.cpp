@@ -30,16 +30,11 @@ Result<Network> Network::make(const NetworkElements& elements, int signals, Hert
                               int oversample) {
   assert(rate.value > 0.0 && oversample >= 0);
   Network network;
-  network.solver_ = solver;
-  network.oversample_ = std::max(1, oversample);
-  if (solver == Solver::Auto) {
-    network.choice_ = choose_solver(elements, rate, oversample);
-    network.solver_ = network.choice_->solver;
-    network.oversample_ = network.choice_->oversample;
-  }
-  const double step_s = 1.0 / (rate.value * network.oversample_);
+  network.choice_ = solver == Solver::Auto ? choose_solver(elements, rate, oversample)
+                                           : SolverChoice{solver, std::max(1, oversample), {}};
+  const double step_s = 1.0 / (rate.value * network.oversample());
   network.model_ = std::make_shared<const NetworkModel>(elements, signals, step_s);
-  auto made = make_solver(*network.model_, network.solver_);
+  auto made = make_solver(*network.model_, network.solver());
   if (!made) return tl::unexpected(made.error());
   network.network_solver_ = std::move(*made);
   return network;
@@ -57,7 +52,7 @@ NetworkState Network::initial_state() const {
   state.root.resize(couplings);
   state.loss.resize(m.contacts.size());
   state.active.reserve(couplings);
-  if (solver_ != Solver::Explicit) state.matrix.resize(couplings * couplings);
+  if (solver() != Solver::Explicit) state.matrix.resize(couplings * couplings);
   state.right.resize(couplings);
   state.slipped.resize(m.bonds.size());
   for (auto* list : {&state.sliding, &state.friction_force, &state.friction_velocity, &state.normal})
@@ -118,8 +113,8 @@ void Network::settle(NetworkState& state, const double* inputs) const noexcept {
 void Network::step(NetworkState& state, const double* inputs) const noexcept {
   if (!state.settled) settle(state, inputs);
   for (auto& wave : state.wave_back) wave = 0.0;
-  for (int part = 0; part < oversample_; ++part) substep(state, inputs, part);
-  for (auto& wave : state.wave_back) wave /= oversample_;
+  for (int part = 0; part < oversample(); ++part) substep(state, inputs, part);
+  for (auto& wave : state.wave_back) wave /= oversample();
   copy_samples(inputs, model_->signals, state.held.data());
 }
 
@@ -156,9 +151,9 @@ void Network::move_driven(NetworkState& state, const double* inputs, int part) c
       auto& filter = state.low_pass[index(input.low_pass)];
       model_->low_passes[index(input.low_pass)].step(filter, next);
       next = filter.value;
-    } else if (part + 1 < oversample_) {
+    } else if (part + 1 < oversample()) {
       const double last = before(state, input);
-      next = last + (next - last) * (part + 1) / oversample_;
+      next = last + (next - last) * (part + 1) / oversample();
     }
     state.next[i] = next;
   }

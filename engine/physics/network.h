@@ -2,7 +2,6 @@
 
 // Thread: [any], except where a function says otherwise
 #include <memory>
-#include <optional>
 
 #include "engine/core/error.h"
 #include "engine/core/units.h"
@@ -81,10 +80,10 @@ class Network {
 
   /// [any]
   bool springs_averaged() const { return network_solver_->springs_averaged(); }
-  Solver solver() const { return solver_; }
-  int oversample() const { return oversample_; }
-  /// [any] What there was to choose from, where `Auto` chose.
-  const std::optional<SolverChoice>& choice() const { return choice_; }
+  Solver solver() const { return choice_.solver; }
+  int oversample() const { return choice_.oversample; }
+  /// [any] The same, with what there was to choose from where `Auto` chose.
+  const SolverChoice& choice() const { return choice_; }
   const NetworkSolver& network_solver() const { return *network_solver_; }
 
  private:
@@ -98,9 +97,7 @@ class Network {
     return network_solver_->velocity(state, one) - network_solver_->velocity(state, other);
   }
 
-  int oversample_ = 1;
-  Solver solver_ = Solver::Passive;
-  std::optional<SolverChoice> choice_;
+  SolverChoice choice_;
   // The solver refers to the model.
   std::shared_ptr<const NetworkModel> model_;
   std::shared_ptr<const NetworkSolver> network_solver_;

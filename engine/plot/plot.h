@@ -26,6 +26,11 @@ struct PlotSeries {
   PlotMark mark = PlotMark::Line;
   PlotColor color = PlotColor::Auto;
   bool dashed = false;
+
+  void add(double at, double value) {
+    x.push_back(at);
+    y.push_back(value);
+  }
 };
 
 /// The area between two curves over x, in rising order: one side of a border, a band of uncertainty. Where

@@ -172,8 +172,8 @@ class RigReader {
     check_users(rig_.actuators, "actuators");
     for (const auto& output : rig_.outputs)
       for (const auto& actuator : rig_.actuators)
-        if (output.has_actuator() && std::any_of(output.channels.begin(), output.channels.end(),
-                                                 [&](int channel) { return actuator.uses(channel); }))
+        if (output.has_actuator() &&
+            std::ranges::find_first_of(output.channels, actuator.channels) != output.channels.end())
           errors_.add(Errc::Duplicate, output.at,
                       "the actuator of '" + output.name + "' is also '" + actuator.name + "' in [actuators]",
                       "declare it once");
@@ -248,10 +248,6 @@ const SectionType& rig_fields() {
               field("controls", Kind::Settings, "initial values of controls"),
               entries_field("midi", midi, "MIDI sources of the controls"), section_field("delay", delay)})};
   return section;
-}
-
-bool RigPort::uses(int channel) const {
-  return std::find(channels.begin(), channels.end(), channel) != channels.end();
 }
 
 const RigOutput* Rig::actuator_on(int channel) const {

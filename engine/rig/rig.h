@@ -2,6 +2,7 @@
 
 // Thread: [control]
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -23,7 +24,7 @@ struct RigPort {
   std::vector<int> channels;
   std::string about;
 
-  bool uses(int channel) const;
+  bool uses(int channel) const { return std::ranges::find(channels, channel) != channels.end(); }
 };
 
 /// A sensor:  value = sample * volts_per_full_scale / sensitivity

@@ -15,8 +15,6 @@ Player::Player(std::unique_ptr<Plan> plan) : versions_(std::move(plan)), steps_(
   use(versions_.restart());
 }
 
-Player::~Player() = default;
-
 Status Player::prepare(const StreamFormat& format) {
   if (format.sample_rate != plan().sample_rate)
     return fail(Errc::BadArgument, {}, "the graph was compiled for another sample rate",

@@ -21,7 +21,6 @@ class Player final : public BlockProcessor, private Outside {
  public:
   /// [control]
   explicit Player(std::unique_ptr<Plan> plan);
-  ~Player() override;
 
   /// [control & stopped] Starts again at frame 0 with everything reset. Inputs and outputs beyond those of
   /// the format read zero and are not written. Errors: BadArgument if the sample rate is not the plan's.

@@ -18,13 +18,9 @@ Running::Running(std::unique_ptr<Plan> made, int max_frames)
     moved_out.resize(std::max(moved_out.size(), index(step.outputs)));
   }
   for (const auto& planned : plan->controls) {
-    SmoothedControl control;
-    control.buffer = planned.buffer;
-    control.readers = planned.readers;
-    control.decibel = planned.control.unit.decibel;
     control_of.push_back(static_cast<int>(controls.size()));
     control_names.push_back(planned.control.name);
-    controls.push_back(std::move(control));
+    controls.push_back({{}, planned.buffer, planned.readers, planned.control.unit.decibel});
   }
   for (const int divisor : plan->divisors) dividers.push_back({divisor, 0, 0, {}});
   start(max_frames);

@@ -53,7 +53,7 @@ bool GuardReport::idle() const {
          });
 }
 
-const char* name_of(GuardStage stage) { return kStages[static_cast<std::size_t>(stage)].name; }
+const char* name_of(GuardStage::Index stage) { return kStages[stage].name; }
 
 const char* name_of(GuardEvent::Kind kind) { return kEvents[static_cast<std::size_t>(kind)].name; }
 
@@ -113,7 +113,7 @@ std::vector<std::string> describe(const GuardReport& report, Hertz sample_rate) 
   for (const auto& event : report.events) lines.push_back(describe(report, event, sample_rate));
   for (const auto& output : report.outputs)
     for (std::size_t s = 0; s < kGuardStages; ++s) {
-      const auto& count = output.counts.stages[s];
+      const auto& count = output.counts[s];
       if (count.frames == 0) continue;
       lines.push_back(fmt::format("{}: {} for {:.3g} s, by up to {:.2g} full scale", output.name,
                                   kStages[s].text, static_cast<double>(count.frames) / sample_rate.value,

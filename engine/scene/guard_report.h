@@ -31,7 +31,7 @@ struct GuardReport {
 };
 
 /// "nonfinite", "heat", "direct", "travel", "ceiling", "slew"
-const char* name_of(GuardStage stage);
+const char* name_of(GuardStage::Index stage);
 /// "howl", "sensor railed", "sensor stuck"
 const char* name_of(GuardEvent::Kind kind);
 

@@ -181,7 +181,6 @@ std::optional<SecondPath> find_second_path(const LoopEstimate& loop, CoarseSearc
   return second;
 }
 
-/// The whole report, and its verdict.
 void report(LoopEstimator& estimator, const LoopEstimate& loop, Analysis& analysis) {
   Evidence evidence;
   evidence.coarse = loop.coarse;

@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [control]
 
 #include <array>
 #include <cstdint>

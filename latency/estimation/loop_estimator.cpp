@@ -209,13 +209,10 @@ LoopEstimator::LoopEstimator(const LoopRecording& recorded, const AnalysisSettin
       settings(asked),
       rate(recorded.sample_rate),
       captured(recorded.captured[index(asked.channel)]),
-      windows(bursts, rate, profile_taps()),
-      search(through(recorded.played, profile_taps()), captured.size(), rate),
+      profile(asked.profile ? std::span<const double>{asked.profile->taps} : std::span<const double>{}),
+      windows(bursts, rate, profile),
+      search(through(recorded.played, profile), captured.size(), rate),
       bursts_(bursts) {}
-
-std::span<const double> LoopEstimator::profile_taps() const {
-  return settings.profile ? std::span<const double>{settings.profile->taps} : std::span<const double>{};
-}
 
 LoopEstimate LoopEstimator::estimate() {
   LoopEstimate loop;
@@ -361,8 +358,8 @@ void LoopEstimator::compare(LoopEstimate& loop) {
 /// Steps behind the probes, where the pilot sounds.
 void LoopEstimator::add_pilot_steps(LoopEstimate& loop, const Burst& pilot,
                                     const std::vector<TrackedProbe>& whole) const {
-  const auto track = track_pilot(recording.played, loop.samples, pilot, loop.at, loop.fit.model,
-                                 profile_taps(), loop.floor.variance);
+  const auto track = track_pilot(recording.played, loop.samples, pilot, loop.at, loop.fit.model, profile,
+                                 loop.floor.variance);
   std::vector<DelayPoint> points{points_of(whole, loop.constant()).back()};
   points.insert(points.end(), track.points.begin(), track.points.end());
   const auto more = DelayTrend::of(points, std::max(least_step(whole), track.least_step)).steps;

@@ -63,6 +63,7 @@ class LoopEstimator {
   const AnalysisSettings& settings;
   const Hertz rate;
   const std::span<const double> captured;
+  const std::span<const double> profile;  ///< taps; empty: a cable
   ProbeWindows windows;
   CoarseSearch search;  ///< for more of what was played, in recordings as long as this
 
@@ -79,7 +80,6 @@ class LoopEstimator {
   Spectrum expected(const CapturedWindow& window, const PathFit& fit) const;
   void add_pilot_steps(LoopEstimate& loop, const Burst& pilot, const std::vector<TrackedProbe>& whole) const;
   void find_damage(LoopEstimate& loop);
-  std::span<const double> profile_taps() const;
 
   const PlayedBursts& bursts_;
 };

@@ -130,10 +130,10 @@ TEST_CASE("card callback: the last block is zeros without the processor, and sil
   Card card{1, 1, 16};
   card.callback->play();
   card.block({plane(8, 0.5)}, 1, 8);
-  std::vector<Plane> heard;
+  std::vector<Plane> played_back;
   std::atomic<bool> done{false};
   std::thread library{[&] {
-    while (!done) heard.push_back(card.block({plane(8, 0.5)}, 1, 8)[0]);
+    while (!done) played_back.push_back(card.block({plane(8, 0.5)}, 1, 8)[0]);
   }};
   const bool finished = card.callback->finish();
   const auto played = card.adder.lengths.size();
@@ -142,14 +142,15 @@ TEST_CASE("card callback: the last block is zeros without the processor, and sil
   CHECK(finished);
   CHECK_FALSE(card.callback->playing());
   CHECK(card.adder.lengths.size() == played);
-  REQUIRE_FALSE(heard.empty());
+  REQUIRE_FALSE(played_back.empty());
   const auto silent = [](const Plane& block) { return block == plane(8, 0); };
   // The processor's first block was not the library's.
-  CHECK(std::all_of(heard.begin() + static_cast<std::ptrdiff_t>(played) - 1, heard.end(), silent));
+  CHECK(
+      std::all_of(played_back.begin() + static_cast<std::ptrdiff_t>(played) - 1, played_back.end(), silent));
   CHECK(card.callback->health().blocks == static_cast<std::int64_t>(played));
 }
 
-TEST_CASE("card callback: whoever waits for the last block of a dead device is told that none came",
+TEST_CASE("card callback: whoever waits for the last block of a dead device is notified that none came",
           "[backends]") {
   Card card{1, 1, 16};
   CHECK(card.callback->finish());  // nothing played, so nothing must end

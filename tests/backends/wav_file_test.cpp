@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/error_summary.h"
+
 using namespace tactus;
 namespace fs = std::filesystem;
 
@@ -50,12 +52,12 @@ void put(const fs::path& path, const std::string& bytes) {
   std::ofstream{path, std::ios::binary}.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
-std::string message_of(const fs::path& path) {
+std::string names_of(const fs::path& path) {
   const auto samples = read_wav(path);
   REQUIRE_FALSE(samples.has_value());
   CHECK(samples.error().code == Errc::BadFile);
   CHECK(samples.error().where == path.string());
-  return samples.error().what;
+  return test::names_in(samples.error().what);
 }
 
 }  // namespace
@@ -137,13 +139,13 @@ TEST_CASE("wav_file: the same samples give the same bytes", "[backends]") {
 
 TEST_CASE("wav_file: what cannot be read is said in words", "[backends]") {
   const Folder folder;
-  CHECK(message_of(folder / "none.wav") == "there is no such file");
+  CHECK(names_of(folder / "none.wav").empty());
   fs::create_directory(folder / "folder");
-  CHECK(message_of(folder / "folder") == "this is a folder");
+  CHECK(names_of(folder / "folder").empty());
   put(folder / "text.wav", "This is a letter and not a sound.\n");
-  CHECK(message_of(folder / "text.wav").find("it cannot be read as a WAV file") == 0);
+  CHECK(names_of(folder / "text.wav").empty());
   put(folder / "empty.wav", "");
-  CHECK(message_of(folder / "empty.wav").find("it cannot be read as a WAV file") == 0);
+  CHECK(names_of(folder / "empty.wav").empty());
 }
 
 TEST_CASE("wav_file: a header that lies is found out", "[backends]") {
@@ -153,14 +155,14 @@ TEST_CASE("wav_file: a header that lies is found out", "[backends]") {
 
   // 100 frames of 2 channels of 3 bytes are 600 bytes; the last 90 are cut off.
   put(folder / "cut.wav", bytes.substr(0, bytes.size() - 90));
-  CHECK(message_of(folder / "cut.wav") == "its header announces 600 bytes of samples, but the file has 510");
+  CHECK(names_of(folder / "cut.wav") == "600 510");
   put(folder / "head.wav", bytes.substr(0, 30));
-  CHECK(message_of(folder / "head.wav") == "it ends before its samples begin");
+  CHECK(names_of(folder / "head.wav").empty());
 
   auto none = bytes;
   none[22] = none[23] = '\0';  // the channel count in the format chunk
   put(folder / "zero.wav", none);
-  CHECK(message_of(folder / "zero.wav").find("it cannot be read as a WAV file") == 0);
+  CHECK(names_of(folder / "zero.wav").empty());
 }
 
 TEST_CASE("wav_file: a lossy encoding is refused", "[backends]") {
@@ -171,16 +173,16 @@ TEST_CASE("wav_file: a lossy encoding is refused", "[backends]") {
       "data\x08\0\0\0",
       44};
   put(folder / "law.wav", head + "01234567");
-  CHECK(message_of(folder / "law.wav") == "its samples are in a lossy format");
+  CHECK(names_of(folder / "law.wav").empty());
 }
 
 TEST_CASE("wav_file: what cannot be written is said in words", "[backends]") {
   const Folder folder;
-  CHECK(write_wav(folder / "a.wav", {48_kHz, {}}).error().what == "a WAV file cannot have 0 channels");
-  CHECK(write_wav(folder / "a.wav", {Hertz{0.5}, {{0.0}}}).error().what ==
-        "a WAV file cannot have a rate of 0.5 Hz");
-  CHECK(write_wav(folder / "a.wav", {48_kHz, {{0.0}, {0.0, 1.0}}}).error().what ==
-        "its channels differ in length");
+  CHECK(test::summary(write_wav(folder / "a.wav", {48_kHz, {}}).error().at("")) == "BadArgument 0 1 1024");
+  CHECK(test::summary(write_wav(folder / "a.wav", {Hertz{0.5}, {{0.0}}}).error().at("")) ==
+        "BadArgument 0.5");
+  CHECK(test::summary(write_wav(folder / "a.wav", {48_kHz, {{0.0}, {0.0, 1.0}}}).error().at("")) ==
+        "BadArgument");
   const auto lost = write_wav(folder / "no" / "such" / "a.wav", {48_kHz, {{0.0}}});
   REQUIRE_FALSE(lost);
   CHECK(lost.error().code == Errc::BadFile);

@@ -18,7 +18,7 @@ using namespace tactus::test;
 namespace {
 
 constexpr int kFrames = 6000, kBadFrom = 1000, kBadTo = 1333;
-/// For what is still to be heard at the end of those: 1e30 is 690 dB above what came before.
+/// For what remains at the end of those: 1e30 is 690 dB above what came before.
 constexpr int kManyFrames = 32 * kFrames;
 /// As a share of the largest sample.
 constexpr double kNothing = 1e-9;
@@ -82,14 +82,14 @@ std::string graph_text(const Rig& rig, bool by_control) {
          rig.networks + "[outputs]\ny = { from = \"" + rig.from + "\" }\nother = { from = \"other\" }\n";
 }
 
-struct Heard {
+struct RunResult {
   Channels out;
   std::vector<FaultCount> faults;
   std::int64_t bad_inputs = 0;
 };
 
-Heard hear(Player& engine, const Rig& rig, std::optional<Bad> bad, bool by_control, int frames = kFrames,
-           const std::vector<int>& blocks = {64, 100}) {
+RunResult run_with(Player& engine, const Rig& rig, std::optional<Bad> bad, bool by_control,
+                   int frames = kFrames, const std::vector<int>& blocks = {64, 100}) {
   auto samples = noise(frames, 7, rig.good.low, rig.good.high);
   Channels in{noise(frames, 1)};
   std::vector<JournalEntry> journal;
@@ -106,11 +106,11 @@ Heard hear(Player& engine, const Rig& rig, std::optional<Bad> bad, bool by_contr
     in.push_back(std::move(samples));
   }
   engine.set_journal(std::move(journal));
-  Heard heard;
-  heard.out = run(engine, in, frames, blocks);
-  heard.faults = engine.faults();
-  heard.bad_inputs = engine.bad_input_samples();
-  return heard;
+  RunResult result;
+  result.out = run(engine, in, frames, blocks);
+  result.faults = engine.faults();
+  result.bad_inputs = engine.bad_input_samples();
+  return result;
 }
 
 /// How far from the undisturbed output the last quarter is, as a share of its largest sample.
@@ -154,30 +154,30 @@ TEST_CASE("faults: whatever comes to an input or a control, the node is finite, 
       CHECK((schedule ? "" : to_string(schedule.error())) == "");
       if (!schedule) continue;
       Player engine{std::move(*schedule)};
-      const auto undisturbed = hear(engine, rig, std::nullopt, by_control);
+      const auto undisturbed = run_with(engine, rig, std::nullopt, by_control);
       CHECK(undisturbed.faults.empty());
-      Heard long_undisturbed;
+      RunResult long_undisturbed;
       for (const auto bad : kAllBad) {
         INFO(rig.name << (by_control ? " by a control" : "") << ", bad input " << static_cast<int>(bad));
-        const auto heard = hear(engine, rig, bad, by_control);
-        CHECK(
-            std::all_of(heard.out[0].begin(), heard.out[0].end(), [](double y) { return std::isfinite(y); }));
-        CHECK(first_difference({undisturbed.out[1]}, {heard.out[1]}) == "");
-        CHECK(heard.bad_inputs == (finite(bad) || by_control ? 0 : kBadTo - kBadFrom));
-        for (const auto& fault : heard.faults) CHECK(fault.path == "tested");
-        if (!heard.faults.empty()) overflowed.insert(rig.name);
-        if (!finite(bad)) CHECK(heard.faults.empty());
-        if (remembered.count(rig.name) == 0 && left_over(heard.out[0], undisturbed.out[0]) > kNothing) {
+        const auto result = run_with(engine, rig, bad, by_control);
+        CHECK(std::all_of(result.out[0].begin(), result.out[0].end(),
+                          [](double y) { return std::isfinite(y); }));
+        CHECK(first_difference({undisturbed.out[1]}, {result.out[1]}) == "");
+        CHECK(result.bad_inputs == (finite(bad) || by_control ? 0 : kBadTo - kBadFrom));
+        for (const auto& fault : result.faults) CHECK(fault.path == "tested");
+        if (!result.faults.empty()) overflowed.insert(rig.name);
+        if (!finite(bad)) CHECK(result.faults.empty());
+        if (remembered.count(rig.name) == 0 && left_over(result.out[0], undisturbed.out[0]) > kNothing) {
           if (long_undisturbed.out.empty())
-            long_undisturbed = hear(engine, rig, std::nullopt, by_control, kManyFrames);
-          const auto long_after = hear(engine, rig, bad, by_control, kManyFrames);
+            long_undisturbed = run_with(engine, rig, std::nullopt, by_control, kManyFrames);
+          const auto long_after = run_with(engine, rig, bad, by_control, kManyFrames);
           if (left_over(long_after.out[0], long_undisturbed.out[0]) > kNothing) remembered.insert(rig.name);
         }
-        const auto recut = hear(engine, rig, bad, by_control, kFrames, {1, 37, 100, 3});
-        CHECK(first_difference(heard.out, recut.out) == "");
+        const auto recut = run_with(engine, rig, bad, by_control, kFrames, {1, 37, 100, 3});
+        CHECK(first_difference(result.out, recut.out) == "");
       }
       // Started again, nothing is left of it.
-      CHECK(first_difference(undisturbed.out, hear(engine, rig, std::nullopt, by_control).out) == "");
+      CHECK(first_difference(undisturbed.out, run_with(engine, rig, std::nullopt, by_control).out) == "");
     }
   CHECK(remembered == kRemember);
   CHECK(overflowed.count("force.force") == 1);  // 1e30 N between masses and contacts

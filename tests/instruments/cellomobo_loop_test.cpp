@@ -41,7 +41,7 @@ string = {{ type = "string", in = "ac_too", pitch = "{f0} Hz", gain = {g}, loss 
 tone   = {{ type = "low_pass", in = "string", cutoff = "{cutoff} Hz" }}
 lean   = {{ type = "band_pass", in = "tone", frequency = "{f0} Hz", q = 1.5 }}
 leaner = {{ type = "band_pass", in = "lean", frequency = "{f0} Hz", q = 1.5 }}
-pad    = {{ type = "align", in = "{heard}", period = "1 / {f0} Hz", delay = "{delay} / system.rate", on = {aligned}, compensate = ["ac", "ac_too", "tone"] }}
+pad    = {{ type = "align", in = "{aligned_signal}", period = "1 / {f0} Hz", delay = "{delay} / system.rate", on = {aligned}, compensate = ["ac", "ac_too", "tone"] }}
 clip   = {{ type = "clip", in = "pad", low = {low}, high = {high} }}
 late   = {{ type = "delay", in = "clip", time = "{delay} / system.rate", interpolation = "none" }}
 [outputs]
@@ -51,7 +51,7 @@ out = {{ from = "string" }}
                      fmt::arg("cutoff", 2 * loop.f0), fmt::arg("delay", std::max(1.0, loop.delay)),
                      fmt::arg("aligned", loop.aligned ? 1 : 0), fmt::arg("low", loop.clipped ? -1.0 : -1e9),
                      fmt::arg("high", loop.clipped ? 1.0 : 1e9),
-                     fmt::arg("heard", loop.leaner ? "leaner" : "tone"));
+                     fmt::arg("aligned_signal", loop.leaner ? "leaner" : "tone"));
 }
 
 RegimeVerdict judged(const Loop& loop) {

@@ -136,7 +136,7 @@ TEST_CASE("cellomobo: from A2 to A5 every note is as loud as the others, within 
   CHECK(*low > -35);
 }
 
-// What is heard is friction times the root of friction, force and speed: mu(v) sqrt(mu(v) N v), with
+// The sound is friction times the root of friction, force and speed: mu(v) sqrt(mu(v) N v), with
 // mu(v) = 0.3 (1 + exp(-v / 0.05 m/s)).
 TEST_CASE("cellomobo: the sound follows the force and the speed of the bow", "[instruments]") {
   const auto friction = [](double v) { return 0.3 * (1 + std::exp(-v / 0.05)); };
@@ -200,12 +200,12 @@ TEST_CASE("cellomobo: a slur down by less than an octave takes nothing from the 
 // N = c v_s exp(v / v_s) / 0.3 on, c = 2 zeta m omega = 12.1 N s/m, at 0.02 m/s 3.0 N.
 TEST_CASE("cellomobo: a bow is too heavy for its speed where the mount loses its damping", "[instruments]") {
   const double border = 2 * 0.1 * 0.008 * 2 * std::numbers::pi * 1200 * 0.05 * std::exp(0.02 / 0.05) / 0.3;
-  const auto heard = [&](double newtons) {
+  const auto first_note = [&](double newtons) {
     const auto played = bowed(440, newtons / 0.5, 0.2);
     const auto melody = melody_of(played);
     return melody.value().notes.at(0);
   };
-  const auto below = heard(0.85 * border), above = heard(1.15 * border);
+  const auto below = first_note(0.85 * border), above = first_note(1.15 * border);
   CHECK(below.partial == 1);
   CHECK(std::abs(below.cents) < 5);
   CHECK((above.partial != 1 || std::abs(above.cents) > 25));
@@ -234,15 +234,15 @@ TEST_CASE("cellomobo: without alignment the bow's direction decides what sounds"
   // modes.
   SceneOptions options;
   options.set["align"] = 0.0;
-  std::vector<double> heard;
+  std::vector<double> pitches;
   for (const double polarity : {1.0, -1.0}) {
     options.set["polarity"] = polarity;
-    heard.push_back(bowed_note(options).detected_hz);
+    pitches.push_back(bowed_note(options).detected_hz);
   }
-  CHECK(std::abs(cents(heard[0], heard[1])) > 20);
+  CHECK(std::abs(cents(pitches[0], pitches[1])) > 20);
 }
 
-TEST_CASE("carrier_sensor: told its reading at full, it is right whatever the card's gain", "[instruments]") {
+TEST_CASE("carrier_sensor: given its value at full, it is right whatever the card's gain", "[instruments]") {
   // 3 % less would be 345 mm read as 334.65 mm: 52 cents flat.
   SceneOptions options;
   options.set["ribbon.gain"] = 0.97;

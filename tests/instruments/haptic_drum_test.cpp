@@ -61,7 +61,7 @@ TEST_CASE("haptic drum: the throw keeps a roll alive at 0, 10, 20 and 40 ms of d
 }
 
 // Ground truth is the contact force of the plant. Sound travels 0.3 ms, and the detector has 1 ms.
-TEST_CASE("haptic drum: each strike is heard once, within 1.3 ms of the first push", "[instruments]") {
+TEST_CASE("haptic drum: each strike is detected once, within 1.3 ms of the first push", "[instruments]") {
   const auto delay = GENERATE(0_ms, 10_ms, 20_ms);
   INFO("delay " << delay.value * 1e3 << " ms");
   SceneOptions options;

@@ -60,14 +60,14 @@ TEST_CASE("measured: the newest takes the place of the last, and what others wro
   CHECK(std::distance(std::filesystem::directory_iterator{folder.path()}, {}) == 1);  // nothing lies about
 }
 
-TEST_CASE("measured: a broken file is told and kept aside, each one", "[latency]") {
+TEST_CASE("measured: a broken file is reported and kept aside, each one", "[latency]") {
   const test::TemporaryFolder folder;
   const auto* text = GENERATE("{", "[]", R"({"format": 2, "delays": []})", R"({"format": 1, "delays": [{}]})",
                               R"({"format": 1, "delays": 7})", "");
   const auto file = folder.write("delays.json", text);
   auto store = MeasuredDelays::load(file);
   REQUIRE(store.load_error());
-  CHECK(store.load_error()->what.starts_with("the delays measured on this computer cannot be read ("));
+  CHECK(store.load_error()->code == Errc::BadFile);
   CHECK(text_of(folder.path() / "delays.json.broken") == text);
   REQUIRE(store.save(delay("a", 64, 0.001, "1")));
   folder.write("delays.json", "again");
@@ -81,5 +81,6 @@ TEST_CASE("measured: a folder that cannot be written is an error in words", "[la
   auto store = MeasuredDelays::load(file);
   const auto status = store.save(delay("a", 64, 0.001, "1"));
   REQUIRE_FALSE(status);
-  CHECK(status.error().what == "cannot be written");
+  CHECK(status.error().code == Errc::BadFile);
+  CHECK(status.error().remedy.find("XDG_STATE_HOME") != std::string::npos);
 }

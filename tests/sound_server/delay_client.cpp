@@ -1,5 +1,5 @@
 // A JACK client for tests, in a process of its own (see tests/support/sound_server.h).
-//   delay_client --hand NAME                                              does to others what it is told
+//   delay_client --hand NAME                                              changes other clients as asked
 //   delay_client --card NAME CHANNELS DELAY GAIN NOISE IN_LATENCY OUT_LATENCY    a sound card of known delay
 // It says "ready" once the server answers, then answers each line of stdin until that ends.
 #include <jack/jack.h>
@@ -41,7 +41,7 @@ struct Card {
   std::atomic<int> sleep_ms{0};
   std::atomic<long> xruns{0};
 
-  double heard(const Channel& channel, std::size_t at) const {
+  double received(const Channel& channel, std::size_t at) const {
     const auto frame = [&](std::size_t back) { return channel.ring[(at - back) & (kRing - 1)]; };
     if (taps.empty()) return static_cast<double>(frame(whole_delay));
     double sum = 0.0;
@@ -80,7 +80,7 @@ int process(jack_nframes_t frames, void* of) {
     for (jack_nframes_t n = 0; n < frames; ++n) channel.ring[(card.written + n) & (kRing - 1)] = in[n];
     for (jack_nframes_t n = 0; n < frames; ++n) {
       const double noise = card.noise > 0.0 ? card.noise * card.random() : 0.0;
-      out[n] = static_cast<float>(card.gain * card.heard(channel, card.written + n) + noise);
+      out[n] = static_cast<float>(card.gain * card.received(channel, card.written + n) + noise);
     }
   }
   card.written += frames;

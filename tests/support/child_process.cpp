@@ -43,7 +43,7 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command, Stdout out) 
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
 #endif
     ::dup2(ends[1], STDIN_FILENO);
-    ::dup2(out == Stdout::Heard ? ends[1] : log_, STDOUT_FILENO);
+    ::dup2(out == Stdout::Read ? ends[1] : log_, STDOUT_FILENO);
     ::dup2(log_, STDERR_FILENO);
     ::execvp(arguments[0], arguments.data());
     ::_exit(kCannotRun);

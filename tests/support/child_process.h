@@ -11,11 +11,11 @@ namespace tactus::test {
 /// that began it.
 class ChildProcess {
  public:
-  enum class Stdout { Heard, Logged };
+  enum class Stdout { Read, Logged };
   static constexpr int kCannotRun = 127;  ///< the exit code of a program that is not there
 
-  /// `command[0]` is looked for in PATH. Where its stdout is heard, `say` and `hear` talk with it.
-  explicit ChildProcess(const std::vector<std::string>& command, Stdout out = Stdout::Heard);
+  /// `command[0]` is looked for in PATH. Where its stdout is read, `say` and `hear` exchange lines with it.
+  explicit ChildProcess(const std::vector<std::string>& command, Stdout out = Stdout::Read);
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
@@ -37,7 +37,7 @@ class ChildProcess {
   bool say(const std::string& line) const;
   /// The next line it says; empty: none came within `patience`, or it is gone.
   std::string hear(std::chrono::milliseconds patience = std::chrono::seconds{10});
-  /// What it wrote that is not heard, until now.
+  /// What it wrote that is not read, until now.
   std::string log() const;
 
  private:

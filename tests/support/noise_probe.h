@@ -12,7 +12,7 @@
 namespace tactus::test {
 
 /// Plays noise that tells channel and frame, and keeps what it hears from one frame on. Its samples are
-/// floats of at most 0.5 and never 0, so that a way that changes no bit can be told from any other.
+/// floats of at most 0.5 and never 0, so that a way that changes no bit can be distinguished from any other.
 class NoiseProbe final : public BlockProcessor {
  public:
   explicit NoiseProbe(int kept_frames = 48000) : kept_(kept_frames) {}

@@ -53,7 +53,7 @@ class SoundServer {
   int lock_ = -1;               ///< no other test has this name while it is open
   bool first_of_user_ = false;  ///< no other server of the user was there before
   std::unique_ptr<ChildProcess> server_;
-  std::unique_ptr<ChildProcess> hand_;  ///< a client that does to others what it is told
+  std::unique_ptr<ChildProcess> hand_;  ///< a client that changes other clients as asked
 };
 
 /// Skips the test case where no JACK server can run.
@@ -80,10 +80,10 @@ class DelayClient {
 
   /// As JACK calls it.
   const std::string& name() const { return name_; }
-  /// Its next callback takes this long, once. Returns when that is over and the server told it of an xrun, or
-  /// half a second later.
+  /// Its next callback takes this long, once. Returns when that is over and the server reported an xrun to
+  /// it, or half a second later.
   void sleep_once(std::chrono::milliseconds time);
-  /// That the server told it of, since it began.
+  /// That the server reported to it, since it began.
   std::int64_t xruns();
   /// Of the process, for faults of your own.
   ChildProcess& process() { return *process_; }

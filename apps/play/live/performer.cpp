@@ -20,7 +20,6 @@
 namespace tactus::app {
 namespace {
 
-/// Appends the files of a graph and its parts.
 void add_files(const GraphSpec& graph, std::vector<std::filesystem::path>& files) {
   if (graph.file.file) files.emplace_back(*graph.file.file);
   for (const auto& [use, part] : graph.parts)
@@ -91,10 +90,8 @@ class LiveInstrument final : public Performer {
   std::optional<RigInputs> rig_inputs_;
 };
 
-/// How long the key that strikes is down.
-constexpr double kStrikeSeconds = 0.01;
+constexpr double kStrikeSeconds = 0.01;  // that the key is down
 
-/// A scene of its files, compiled.
 struct Read {
   SceneSpec scene;
   CompiledScene compiled;
@@ -104,12 +101,8 @@ Read read_scene(const PerformerSetup& setup) {
   auto loaded = load_scene_leniently(setup.file, setup.root);
   if (!loaded.scene) throw CommandError{std::move(loaded.errors)};
   loaded.scene->drives = apply(setup.guard, std::move(loaded.scene->drives), setup.root);
-  SceneOptions options;
-  options.rate = setup.rate;
-  options.delay = setup.delay;
-  options.set = setup.controls;
-  options.by_hand = true;
-  auto compiled = or_exit(compile_scene(loaded, standard_nodes(), options));
+  auto compiled = or_exit(
+      compile_scene(loaded, standard_nodes(), {setup.delay, setup.rate, setup.controls, /*by_hand=*/true}));
   return {std::move(*loaded.scene), std::move(compiled)};
 }
 
@@ -127,7 +120,7 @@ class LiveWorld final : public Performer, private BlockProcessor {
     name = scene_.name;
     read_files(scene_);
     const auto& plan = built_.instrument->plan();
-    auto sounds = sound_names(plan);
+    auto sounds = sound_names(plan, scene_.roles);
     plays_sensors_ = sounds.empty();
     const auto all = plays_sensors_ ? plan.input_names : output_names(plan);
     if (plays_sensors_) sounds = all;

@@ -209,17 +209,13 @@ void Session::end_take() {
   recorder_.reset();
 }
 
-/// An edit took effect.
 void Session::note_edit() {
   if (recorder_ == nullptr) return;
   TakeHeader now;
   performer_.describe(now);
   const auto& instrument = performer_.instrument();
-  TakeEdit edit;
-  edit.files = std::move(now.files);
-  edit.settings = take_settings(instrument.plan());
-  edit.controls = instrument.control_names();
-  recorder_->note_edit(std::move(edit));
+  recorder_->note_edit(
+      {0, std::move(now.files), take_settings(instrument.plan()), instrument.control_names()});
 }
 
 void Session::report_recording() {
@@ -243,8 +239,8 @@ const SessionView& Session::view() {
   for (std::size_t c = 0; c < seen_guards_.size(); ++c) {
     const auto counts = guarded_.counts(static_cast<int>(c));
     for (std::size_t s = 0; s < kGuardStages; ++s)
-      if (counts.stages[s].frames > seen_guards_[c].stages[s].frames)
-        view_.guard.push_back(view_.outputs[c].name + " " + name_of(static_cast<GuardStage>(s)));
+      if (counts[s].frames > seen_guards_[c][s].frames)
+        view_.guard.push_back(view_.outputs[c].name + " " + name_of(GuardStage::Index{s}));
     seen_guards_[c] = counts;
   }
   view_.faults = 0;

@@ -46,10 +46,9 @@ std::size_t distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 void sort_by_place(std::vector<Error>& errors, std::string_view first) {
-  std::stable_sort(errors.begin(), errors.end(), [first](const Error& a, const Error& b) {
-    const auto at = place_of(a.where), bt = place_of(b.where);
-    const bool a_first = std::get<0>(at) == first, b_first = std::get<0>(bt) == first;
-    return a_first != b_first ? a_first : at < bt;
+  std::ranges::stable_sort(errors, {}, [first](const Error& error) {
+    const auto at = place_of(error.where);
+    return std::pair{std::get<0>(at) != first, at};
   });
 }
 

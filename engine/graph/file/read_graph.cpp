@@ -64,9 +64,7 @@ std::string remedy_for(const Value::Table& fields) {
 }
 
 NodeSpec read_node(const Field& field, ErrorList& errors) {
-  NodeSpec node;
-  node.name = field.key;
-  node.at = node.type_at = field.at;
+  NodeSpec node{{field.key, field.at, {}}, {}, {}, {}, field.at};
   const auto* fields = field.value.table();
   if (fields == nullptr) {
     node.value = field.value;
@@ -87,10 +85,7 @@ NodeSpec read_node(const Field& field, ErrorList& errors) {
 }
 
 NodeSpec read_element(const Field& field, const std::string& network, ErrorList& errors) {
-  NodeSpec element;
-  element.name = field.key;
-  element.at = element.type_at = field.at;
-  element.fields = *field.value.table();
+  NodeSpec element{{field.key, field.at, *field.value.table()}, {}, {}, {}, field.at};
   if (find(element.fields, "type") == nullptr)
     errors.add(Errc::Missing, field.at,
                "element '" + field.key + "' of network '" + network + "' has no 'type'",

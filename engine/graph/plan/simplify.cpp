@@ -153,9 +153,7 @@ class Simplifier {
   bool fold_outputs(int v, const std::vector<double>& results) {
     const auto users = consumers_[index(v)];
     for (std::size_t port = 0; port < results.size(); ++port) {
-      Vertex value;
-      value.value = results[port];
-      graph_.vertices.push_back(std::move(value));
+      graph_.vertices.push_back({.value = results[port]});
       consumers_.push_back(users);
       const int made = static_cast<int>(graph_.vertices.size()) - 1;
       for (const int user : users)

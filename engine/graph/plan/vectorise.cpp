@@ -190,8 +190,7 @@ class Vectoriser {
   }
 
   Wire constants(const LaneRow& row) {
-    Vertex vertex;
-    vertex.width = kVectorWidth;
+    Vertex vertex{.width = kVectorWidth};
     for (const auto& wire : row) vertex.values.push_back(at(wire.vertex).value);
     return {add(std::move(vertex)), 0, Wire::kAllLanes};
   }

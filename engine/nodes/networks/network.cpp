@@ -104,8 +104,8 @@ class NetworkNode final : public Node, public NetworkView {
   }
 
   std::string about() const override {
-    const auto& choice = network.choice();
-    return choice ? "solver " + explain_choice(*choice) : std::string{};
+    const auto choice = explain_choice(network.choice());
+    return choice.empty() ? choice : "solver " + choice;
   }
 
   DelayRange delay(int input, int) const override {

@@ -33,6 +33,7 @@ class SceneChecker {
   void check() {
     for (const auto& role : scene_.roles)
       if (role.written) check_signal(role.signal, role.at);
+    check_control_roles();
     for (const auto& expectation : scene_.expect) check_expectation(expectation);
     for (const auto& accuracy : scene_.accuracy) check_accuracy(accuracy);
     if (scene_.playability) check_playability(*scene_.playability);
@@ -71,6 +72,14 @@ class SceneChecker {
     if (!scene_.incomplete && std::ranges::none_of(scene_.parts, is_unknown))
       errors_.add(Errc::Missing, signal.at, "'" + needed_by + "' needs a signal with the role '" + role + "'",
                   "give one under [roles], as in " + role + " = \"plant." + role + "\"");
+  }
+
+  void check_control_roles() {
+    const auto names = control_names(scene_);
+    for (const auto& role : scene_.control_roles)
+      if (!may_have_more(role.signal) && !may_have_more("instrument") && !find_control(scene_, role.signal))
+        errors_.add(Errc::UnknownName, role.at, "no part has a control '" + role.signal + "'",
+                    suggest(role.signal, names, names.empty() ? "remove this line" : ""));
   }
 
   /// A number of [expect] or [accuracy] beside the measure that it is a value of.

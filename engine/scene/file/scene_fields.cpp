@@ -72,7 +72,7 @@ const SectionType& scene_fields() {
             quantity_field("quiet", "", 1e-9, 1, "level below which the tone counts as silent", "-60 dB")),
        about_field()}};
   static const SectionType role = [] {
-    SectionType roles{"signals used by measures and reports", {}};
+    SectionType roles{"signals and controls used by measures, reports and studies", {}};
     for (const auto& type : role_types()) roles.fields.push_back(text_field(type.name, type.doc));
     return roles;
   }();

@@ -163,27 +163,34 @@ Accuracy read_accuracy(const EntrySpec& entry, Seconds duration, ErrorList& erro
 
 // ---- [roles] ----
 
-/// A node of the instrument counts too: its events are recorded.
-bool has_port(const ScenePart& part, const std::string& name) {
-  return part.graph != nullptr &&
-         (find_named(part.graph->outputs, name) != nullptr ||
-          (part.name == "instrument" && find_named(part.graph->nodes, name) != nullptr));
+/// Whether a part has what plays a role by its name. A node of the instrument counts too: its events are
+/// recorded.
+bool plays(const ScenePart& part, const RoleType& type) {
+  if (part.graph == nullptr) return false;
+  const auto& graph = *part.graph;
+  const bool instrument = part.name == "instrument";
+  if (type.of != RoleType::Of::Signal)
+    return find_named(graph.controls, type.port) != nullptr &&
+           (part.name == "plant" || type.of == RoleType::Of::Control);
+  return find_named(graph.outputs, type.port) != nullptr ||
+         (instrument && find_named(graph.nodes, type.port) != nullptr);
 }
 
-std::vector<Role> read_roles(const Value::Table& scene, const std::vector<ScenePart>& parts,
-                             ErrorList& errors) {
-  std::vector<Role> roles;
-  if (const auto* section = read_section(scene, "roles", errors)) {
+void read_roles(const Value::Table& table, SceneSpec& scene, ErrorList& errors) {
+  const auto roles_like = [&](const RoleType& type) -> std::vector<Role>& {
+    return type.of == RoleType::Of::Signal ? scene.roles : scene.control_roles;
+  };
+  if (const auto* section = read_section(table, "roles", errors)) {
     FieldReader fields{*section, section_fields("roles"), errors};
     for (const auto& field : *section)
-      if (auto signal = fields.text(field.key); !signal.empty())
-        roles.push_back({field.key, std::move(signal), field.value.at, true});
+      if (const auto* type = find_named(role_types(), field.key); type != nullptr)
+        if (auto signal = fields.text(field.key); !signal.empty())
+          roles_like(*type).push_back({field.key, std::move(signal), field.value.at, true});
   }
   for (const auto& type : role_types())
-    for (const auto& part : parts)
-      if (signal_of(roles, type.name).empty() && has_port(part, type.port))
+    for (const auto& part : scene.parts)
+      if (auto& roles = roles_like(type); signal_of(roles, type.name).empty() && plays(part, type))
         roles.push_back({type.name, part.name + "." + type.port, part.at});
-  return roles;
 }
 
 // ---- [playability] ----
@@ -299,7 +306,7 @@ class SceneReader {
             [&](auto& entry) { scene_.expect.push_back(read_expectation(entry, duration, errors_)); });
     entries("accuracy", "{ measure = \"position\", of = \"plant.stick\" }",
             [&](auto& entry) { scene_.accuracy.push_back(read_accuracy(entry, duration, errors_)); });
-    scene_.roles = read_roles(table, scene_.parts, errors_);
+    read_roles(table, scene_, errors_);
     if (const auto* section = read_section(table, "converters", errors_))
       scene_.converters = read_converters(*section, errors_);
     if (const auto* section = read_section(table, "playability", errors_))
@@ -381,9 +388,18 @@ class SceneReader {
   ErrorList errors_;
 };
 
+std::vector<SceneControl> controls_of(const SceneSpec& scene) {
+  std::vector<SceneControl> controls;
+  for (const auto& part : scene.parts)
+    if (part.graph != nullptr)
+      for (const auto& control : part.graph->controls) controls.push_back({&part, &control});
+  return controls;
+}
+
 }  // namespace
 
 const std::vector<RoleType>& role_types() {
+  constexpr auto kControl = RoleType::Of::Control, kPlant = RoleType::Of::PlantControl;
   static const std::vector<RoleType> types = {
       {"monitor", "sound", "monitor output"},
       {"hit", "hit", "trigger of a detected strike"},
@@ -391,6 +407,16 @@ const std::vector<RoleType>& role_types() {
       {"stick", "stick", "position of the striking object"},
       {"ball", "ball", "position of the bouncing object"},
       {"table", "table", "position of the surface below the bouncing object"},
+      {"table_acceleration", "gamma", "control of the surface's largest acceleration, 1 for that of gravity",
+       kControl},
+      {"table_frequency", "frequency", "control of the frequency of the surface's motion", kControl},
+      {"device_mass", "mass", "control of the moving mass of a device that renders walls", kPlant},
+      {"device_damping", "damping", "control of its viscous damping", kPlant},
+      {"device_friction", "friction", "control of its dry friction", kPlant},
+      {"encoder_step", "step", "control of the step of its position encoder", kPlant},
+      {"force_limit", "force_limit", "control of the largest force of its motor", kPlant},
+      {"hand_mass", "hand_mass", "control of the mass of the hand on it", kPlant},
+      {"hand_damping", "hand_damping", "control of the damping of the hand on it", kPlant},
   };
   return types;
 }
@@ -403,6 +429,33 @@ std::string signal_of(const std::vector<Role>& roles, std::string_view role) {
 const ScenePart* SceneSpec::part(std::string_view called) const { return find_named(parts, called); }
 const Gesture* SceneSpec::gesture(std::string_view called) const { return find_named(gestures, called); }
 const Port* SceneSpec::port(std::string_view called) const { return find_named(ports, called); }
+
+std::string SceneControl::name() const {
+  return part->name == "instrument" ? spec->name : part->name + "." + spec->name;
+}
+
+std::optional<double> SceneControl::constant() const {
+  const auto* wire = find(part->wires, spec->name);
+  if (wire == nullptr) return spec->control.value;
+  const auto number = read_quantity(*wire, spec->control.unit, spec->name);
+  return number ? std::optional{*number} : std::nullopt;
+}
+
+std::vector<std::string> control_names(const SceneSpec& scene) {
+  std::vector<std::string> names;
+  for (const auto& control : controls_of(scene)) names.push_back(control.name());
+  return names;
+}
+
+std::optional<SceneControl> find_control(const SceneSpec& scene, const std::string& name) {
+  for (const auto& control : controls_of(scene))
+    if (name == control.name() || name == control.part->name + "." + control.spec->name) return control;
+  return std::nullopt;
+}
+
+std::optional<SceneControl> control_of(const SceneSpec& scene, std::string_view role) {
+  return find_control(scene, signal_of(scene.control_roles, role));
+}
 
 LoadedScene load_scene_leniently(const std::filesystem::path& path, const std::filesystem::path& root) {
   std::error_code error;

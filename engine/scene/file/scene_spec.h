@@ -81,12 +81,14 @@ struct Role {
 
 /// The kinds of roles.
 struct RoleType {
+  enum class Of { Signal, Control, PlantControl };  ///< of any part, or of `plant`
   std::string name;
-  std::string port;  ///< of any part: plays the role where `[roles]` does not name a signal
+  std::string port;  ///< or control: plays the role where `[roles]` does not name one
   std::string doc;
+  Of of = Of::Signal;
 };
 const std::vector<RoleType>& role_types();
-/// The signal that plays a role; empty if there is none.
+/// The signal or the control that plays a role; empty if there is none.
 std::string signal_of(const std::vector<Role>& roles, std::string_view role);
 
 /// A measure of a signal between two times.
@@ -154,7 +156,8 @@ struct SceneSpec {
   DriveBook drives;                            ///< what the guard of each drive is to keep
   std::map<std::string, Source> drive_places;  ///< where [drives] names them
   std::vector<Port> ports;
-  std::vector<Role> roles;
+  std::vector<Role> roles;          ///< of signals
+  std::vector<Role> control_roles;  ///< of controls
   std::vector<Expectation> expect;
   std::vector<Accuracy> accuracy;
   std::optional<Playability> playability;
@@ -167,6 +170,23 @@ struct SceneSpec {
   const Gesture* gesture(std::string_view name) const;
   const Port* port(std::string_view name) const;
 };
+
+/// A control of a part of a scene.
+struct SceneControl {
+  const ScenePart* part;
+  const ControlSpec* spec;
+
+  /// As options name it: "gamma" of the instrument, "plant.gamma" of another part.
+  std::string name() const;
+  /// SI, as the scene sets it, else as the part's file does; nullopt: a gesture or a signal moves it.
+  std::optional<double> constant() const;
+};
+/// The names of all controls, part by part.
+std::vector<std::string> control_names(const SceneSpec& scene);
+/// The control called "gamma", "instrument.gamma" or "plant.gamma"; nullopt if there is none.
+std::optional<SceneControl> find_control(const SceneSpec& scene, const std::string& name);
+/// The control with a role; nullopt if there is none.
+std::optional<SceneControl> control_of(const SceneSpec& scene, std::string_view role);
 
 /// A scene together with the errors in its text and those of its parts; `build_scene` finds the others.
 struct LoadedScene {

@@ -1,14 +1,15 @@
 #include "engine/study/orbits/bifurcation.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "engine/core/index.h"
 #include "engine/core/median.h"
 #include "engine/core/named.h"
-#include "engine/graph/file/quantity.h"
-#include "engine/graph/file/read_graph.h"
+#include "engine/graph/file/error_list.h"
+#include "engine/scene/measures/motion.h"
 #include "engine/study/orbits/bouncing_ball.h"
 #include "engine/study/sweep/sweep.h"
 
@@ -26,17 +27,47 @@ constexpr int kExactRead = 64;
 constexpr const char* kGesture = "swept_by_the_study";
 constexpr double kGlide_s = 3.0, kBifurcationSweepStep_s = 0.1;
 
-/// The value of a control in the scene, or else in its graph file; none if it is not a number.
-std::optional<double> set_value(const ScenePart& part, const ControlSpec& control) {
-  const auto* value = find(part.wires, control.name);
-  if (value == nullptr) return control.control.value;
-  const auto quantity = read_quantity(*value);
-  return quantity ? std::optional{quantity->si} : std::nullopt;
+/// A scene whose control is moved by a gesture of its own, the last one.
+struct GlidingScene {
+  SceneSpec scene;
+  std::string control;
+  double frequency_hz = 0;
+  bool of_the_table = false;  ///< the control is the acceleration of the table
+};
+
+/// The control with a role. Where the scene does not name it, the one of its name beside `swept` comes first.
+std::optional<SceneControl> control_near(const SceneSpec& scene, const SceneControl& swept,
+                                         const char* role) {
+  const auto control = control_of(scene, role);
+  if (!control || find_named(scene.control_roles, role)->written) return control;
+  const auto beside = find_control(scene, swept.part->name + "." + control->spec->name);
+  return beside ? beside : control;
 }
 
-tl::unexpected<Error> no_control(const std::string& name, const std::string& what) {
-  return fail(Errc::UnknownName, name, what,
-              "give --control gamma, or --control plant.gamma for a control of the plant");
+Result<GlidingScene> gliding_scene(const SceneSpec& scene, const std::string& name) {
+  constexpr const char* kAcceleration = "table_acceleration";
+  const auto control = name.empty() ? control_of(scene, kAcceleration) : find_control(scene, name);
+  if (!control)
+    return fail(Errc::UnknownName, name.empty() ? scene.file.text() : name,
+                name.empty() ? fmt::format("no control has the role '{}'", kAcceleration)
+                             : "no part has a control '" + name + "'",
+                suggest(name, control_names(scene), "give one of the controls with --control"));
+  const auto frequency = control_near(scene, *control, "table_frequency");
+  const auto hertz = frequency ? frequency->constant() : std::nullopt;
+  if (!hertz || !(*hertz > 0))
+    return fail(Errc::Missing, control->part->at.text(), "the frequency of the table is not known",
+                "give the role 'table_frequency' to a control with a constant value");
+  const auto acceleration = control_near(scene, *control, kAcceleration);
+  GlidingScene made{scene, control->name(), *hertz, acceleration && acceleration->name() == control->name()};
+  auto& part = *find_named(made.scene.parts, control->part->name);
+  const auto& key = control->spec->name;
+  std::erase_if(part.wires, [&](const Field& field) { return field.key == key; });
+  part.wires.push_back({key, part.at, Value{std::string{kGesture}, part.at}});
+  made.scene.gestures.push_back({.name = kGesture, .at = part.at, .bare = true});
+  made.scene.expect.clear();
+  made.scene.ports.clear();
+  made.scene.compare.reset();
+  return made;
 }
 
 double value_at(const BifurcationPlan& plan, int i, int values) {
@@ -85,59 +116,31 @@ std::vector<Doubling> doublings_of(const Bifurcation& found) {
   return doublings;
 }
 
-/// Finds the control and the frequency; a gesture, the last one, moves the control from then on.
-Status find_control(SceneSweep& sweep, const std::string& control) {
-  auto& scene = sweep.scene;
-  const auto dot = control.find('.');
-  const auto part_name = dot == std::string::npos ? std::string{"instrument"} : control.substr(0, dot);
-  const auto name = dot == std::string::npos ? control : control.substr(dot + 1);
-  const auto part = std::ranges::find(scene.parts, part_name, &ScenePart::name);
-  if (part == scene.parts.end() || part->graph == nullptr)
-    return no_control(control, "the scene has no part '" + part_name + "'");
-  if (find_named(part->graph->controls, name) == nullptr)
-    return no_control(control, "there is no control '" + name + "' in the part '" + part_name + "'");
-  const auto* frequency = find_named(part->graph->controls, "frequency");
-  const auto hertz = frequency != nullptr ? set_value(*part, *frequency) : std::nullopt;
-  if (!hertz || !(*hertz > 0))
-    return fail(Errc::Missing, part->at.text(), "the frequency of the table is not known",
-                "give the part a control 'frequency' with a constant value");
-  sweep.frequency_hz = *hertz;
-  sweep.of_the_table = name == "gamma";
-  std::erase_if(part->wires, [&](const Field& field) { return field.key == name; });
-  part->wires.push_back({name, part->at, Value{std::string{kGesture}, part->at}});
-  scene.gestures.push_back({.name = kGesture, .at = part->at, .bare = true});
-  scene.expect.clear();
-  scene.ports.clear();
-  scene.compare.reset();
-  return {};
-}
+/// One run: the control glides to the first of some values and is held at each.
+struct Glide {
+  SceneSpec scene;
+  std::vector<double> starts;  ///< of the values whose landings are read [s]
+};
 
-}  // namespace
-
-Checked<SceneSweep> make_sweep(const SceneSpec& scene, const NodeTable& table, const BifurcationPlan& plan) {
-  SceneSweep sweep{scene};
-  if (auto status = find_control(sweep, plan.control); !status)
-    return tl::unexpected(std::vector{status.error()});
-  sweep.scene.gestures.back().points = {{0, plan.from}};
-  if (const auto compiled = compile_scene(sweep.scene, table); !compiled)
-    return tl::unexpected(compiled.error());
-  return sweep;
-}
-
-Checked<std::vector<std::vector<Landing>>> play_sweep(const SceneSweep& sweep, const NodeTable& table,
-                                                      const BifurcationPlan& plan,
-                                                      const std::vector<double>& values) {
-  auto scene = sweep.scene;
-  auto& points = scene.gestures.back().points;
-  std::vector<double> starts;
+Glide glide_of(const GlidingScene& gliding, const BifurcationPlan& plan, int run) {
+  Glide glide{gliding.scene, {}};
+  auto& points = glide.scene.gestures.back().points = {{0, plan.from}};
+  const int first = run * kColumnsOfARun;
   double time = kGlide_s;
-  for (const double value : values) {
-    starts.push_back(time);
+  for (int i = std::max(0, first - kColumnsBefore); i < std::min(plan.values, first + kColumnsOfARun); ++i) {
+    const double value = value_at(plan, i, plan.values);
+    if (i >= first) glide.starts.push_back(time);
     points.push_back({time, value});
     points.push_back({time += plan.settling_s + plan.reading_s, value});
     time += kBifurcationSweepStep_s;
   }
-  scene.duration = Seconds{time};
+  glide.scene.duration = Seconds{time};
+  return glide;
+}
+
+/// Of each column the number of its landings, then the three numbers of each.
+Checked<RunResult> play_glide(const Glide& glide, const NodeTable& table, const BifurcationPlan& plan) {
+  const auto& scene = glide.scene;
   const auto recording = play_run({{}, scene}, table);
   if (!recording) return tl::unexpected(recording.error());
   const auto *ball = recording->find(signal_of(scene.roles, "ball")),
@@ -147,15 +150,37 @@ Checked<std::vector<std::vector<Landing>>> play_sweep(const SceneSweep& sweep, c
                                             "the scene has no signals with the roles 'ball' and 'table'",
                                             "give two positions under [roles]"}});
   const auto landings = landings_of(ball->samples, floor->samples, recording->sample_rate);
-  std::vector<std::vector<Landing>> held;
-  for (const double start : starts) {
+  RunResult numbers;
+  for (const double start : glide.starts) {
     const double from = start + plan.settling_s;
-    std::ranges::copy_if(landings, std::back_inserter(held.emplace_back()), [&](const Landing& l) {
-      return l.time_s >= from && l.time_s < from + plan.reading_s;
-    });
+    const auto count = numbers.size();
+    numbers.push_back(0);
+    for (const auto& [time_s, speed, rebound] : landings) {
+      if (!(time_s >= from && time_s < from + plan.reading_s)) continue;
+      numbers.insert(numbers.end(), {time_s, speed, rebound});
+      ++numbers[count];
+    }
   }
-  return held;
+  return numbers;
 }
+
+/// Adds the columns of a run; rebounds of landings in columns with period 1 to `rebounds`.
+void add_columns(Bifurcation& found, const BifurcationPlan& plan, const RunResult& numbers,
+                 std::vector<double>& rebounds) {
+  for (auto at = numbers.begin(); at != numbers.end();) {
+    auto& column = found.simulated.emplace_back();
+    column.value = value_at(plan, static_cast<int>(found.simulated.size()) - 1, plan.values);
+    std::vector<double> shares;
+    for (double left = *at++; left > 0 && numbers.end() - at >= 3; --left, at += 3) {
+      add(column, at[1], at[0] * found.frequency_hz);
+      shares.push_back(at[2] / at[1]);
+    }
+    column.period = period_of(column.speeds);
+    if (column.period == 1) rebounds.insert(rebounds.end(), shares.begin(), shares.end());
+  }
+}
+
+}  // namespace
 
 std::optional<double> doubling_in(const std::vector<BifurcationColumn>& columns, int bounces) {
   const auto behind = std::ranges::find(columns, 2 * bounces, &BifurcationColumn::period);
@@ -176,38 +201,27 @@ std::optional<double> doubling_in(const std::vector<BifurcationColumn>& columns,
 }
 
 Checked<Bifurcation> study_bifurcation(const SceneSpec& scene, const NodeTable& table,
-                                       const BifurcationPlan& plan,
-                                       const std::function<void(double)>& progress) {
-  const auto sweep = make_sweep(scene, table, plan);
-  if (!sweep) return tl::unexpected(sweep.error());
-  Bifurcation found{scene.name, plan.control, sweep->frequency_hz, 0, 0, {}, {}, {}};
-  const int runs = (plan.values + kColumnsOfARun - 1) / kColumnsOfARun;
-  std::vector<Checked<std::vector<std::vector<Landing>>>> results(index(runs));
-  const auto run = [&](int r) {
-    const int first = r * kColumnsOfARun, before = std::min(first, kColumnsBefore);
-    std::vector<double> values;
-    for (int i = first - before; i < std::min(plan.values, first + kColumnsOfARun); ++i)
-      values.push_back(value_at(plan, i, plan.values));
-    auto& result = results[index(r)] = play_sweep(*sweep, table, plan, values);
-    if (result) result->erase(result->begin(), result->begin() + before);
-  };
-  parallel_for(
-      runs, run, progress ? progress : [](double) {});
+                                       const BifurcationPlan& plan) {
+  const auto gliding = gliding_scene(scene, plan.control);
+  if (!gliding) return tl::unexpected(std::vector{gliding.error()});
+  Bifurcation found{scene.name, gliding->control, gliding->frequency_hz};
+  found.runs = (plan.values + kColumnsOfARun - 1) / kColumnsOfARun;
+  const auto key = fmt::format("bifurcation {} {} {} {}", plan.settling_s, plan.reading_s,
+                               signal_of(scene.roles, "ball"), signal_of(scene.roles, "table"));
+  const auto results = evaluate_runs(
+      plan, static_cast<int>(found.runs),
+      [&](int run) {
+        return run_key(key, {{}, glide_of(*gliding, plan, run).scene});
+      },
+      [&](int run) { return play_glide(glide_of(*gliding, plan, run), table, plan); });
+  if (!results) return tl::unexpected(results.error());
+  found.finished = std::ranges::count_if(*results, [](const auto& run) { return run.has_value(); });
+  if (found.finished < found.runs) return found;
   std::vector<double> rebounds;
-  for (const auto& result : results) {
-    if (!result) return tl::unexpected(result.error());
-    for (const auto& landings : *result) {
-      auto& column = found.simulated.emplace_back();
-      column.value = value_at(plan, static_cast<int>(found.simulated.size()) - 1, plan.values);
-      for (const auto& landing : landings) add(column, landing.speed, landing.time_s * found.frequency_hz);
-      column.period = period_of(column.speeds);
-      if (column.period == 1)
-        for (const auto& landing : landings) rebounds.push_back(landing.rebound / landing.speed);
-    }
-  }
+  for (const auto& numbers : *results) add_columns(found, plan, *numbers, rebounds);
   found.measured_restitution = median(std::move(rebounds));
   found.restitution = plan.restitution.value_or(found.measured_restitution);
-  if (!(found.restitution > 0 && found.restitution < 1) || !sweep->of_the_table) return found;
+  if (!(found.restitution > 0 && found.restitution < 1) || !gliding->of_the_table) return found;
   found.exact = sweep_exactly(plan, found.restitution, found.frequency_hz);
   found.doublings = doublings_of(found);
   return found;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,15 +7,15 @@
 #include "engine/core/error.h"
 #include "engine/graph/node_type.h"
 #include "engine/scene/file/scene_spec.h"
-#include "engine/scene/measures/motion.h"
+#include "engine/study/sweep/evaluate_runs.h"
 
 namespace tactus {
 
 /// A sweep of one control of a scene in which a ball bounces on a table, up on one branch: each value is
-/// reached from the one before it, and held. Ball and table are outputs of the part `plant`, in metres; a
-/// control `frequency` beside the swept one says how often the table goes up and down.
-struct BifurcationPlan {
-  std::string control;                     ///< "gamma" of the instrument, "plant.gamma" of another part
+/// reached from the one before it, and held. The scene gives the positions of both the roles `ball` and
+/// `table`, and the controls that move the table `table_frequency` and `table_acceleration`.
+struct BifurcationPlan : RunPlan {
+  std::string control = {};                ///< as `find_control` takes it; empty: the table's acceleration
   double from = 0, to = 0;                 ///< SI; from < to
   int values = 48;                         ///< both ends among them
   double settling_s = 1.5;                 ///< at each value, before anything is read
@@ -43,34 +42,21 @@ struct Doubling {
 struct Bifurcation {
   std::string scene, control;
   double frequency_hz = 0;
-  double restitution = 0;           ///< of the exact map
-  double measured_restitution = 0;  ///< median over the landings of columns with period 1
-  std::vector<BifurcationColumn> simulated;
+  std::ptrdiff_t runs = 0, finished = 0;  ///< unless all runs are finished, all that follows is empty
+  double restitution = 0;                 ///< of the exact map
+  double measured_restitution = 0;        ///< median over the landings of columns with period 1
+  std::vector<BifurcationColumn> simulated = {};
   /// The ideal ball of that restitution, bouncing on a table that no ball moves; only where the control is
-  /// the table's acceleration (it is called `gamma`).
-  std::vector<BifurcationColumn> exact;
-  std::vector<Doubling> doublings;
+  /// the table's acceleration.
+  std::vector<BifurcationColumn> exact = {};
+  std::vector<Doubling> doublings = {};
 };
 
-/// A scene whose control is moved by a gesture of its own.
-struct SceneSweep {
-  SceneSpec scene;
-  double frequency_hz = 0;
-  bool of_the_table = false;  ///< the control is the acceleration of the table
-};
-/// [control] Errors: as `study_bifurcation`.
-Checked<SceneSweep> make_sweep(const SceneSpec& scene, const NodeTable& table, const BifurcationPlan& plan);
-/// [control] Plays the scene: the control glides to the first of these values and is held at each. The
-/// landings at each, times since the scene began.
-Checked<std::vector<std::vector<Landing>>> play_sweep(const SceneSweep& sweep, const NodeTable& table,
-                                                      const BifurcationPlan& plan,
-                                                      const std::vector<double>& values);
-
-/// [control] Simulates the columns in groups of a fixed size, each after a glide from the first value, so
-/// that the result is the same for any number of cores. Errors: those of the scene; UnknownName, OutOfRange.
+/// [control] Simulates the columns in runs of a fixed number, each after a glide from the first value, so
+/// that the result is the same for any number of workers. Errors: those of the scene; UnknownName, Missing of
+/// its controls and roles; BadFile of the cache.
 Checked<Bifurcation> study_bifurcation(const SceneSpec& scene, const NodeTable& table,
-                                       const BifurcationPlan& plan,
-                                       const std::function<void(double)>& progress = {});
+                                       const BifurcationPlan& plan);
 
 /// [any] Where the columns change from `bounces` landings to twice as many. Behind a doubling the square of
 /// the split between landings that were alike grows on a straight line from 0; so where that line begins.

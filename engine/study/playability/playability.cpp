@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "engine/core/named.h"
+
 namespace tactus {
 namespace {
 
@@ -53,16 +55,11 @@ std::vector<DelayVerdict> PlayabilityStudy::verdicts() const {
 }
 
 Checked<PlayabilityStudy> study_playability(const SceneSpec& scene, const NodeTable& table,
-                                            const PlayabilityOptions& options) {
+                                            const SweepPlan& plan) {
   if (!scene.playability)
     return tl::unexpected(
         std::vector{Error{Errc::Missing, scene.file.text(), "the scene has no [playability] section",
                           "add [playability] with kind = \"roll\" or kind = \"tone\""}});
-  for (const auto& swept : options.over)
-    if (auto status = check_swept(scene, swept); !status) return tl::unexpected(std::vector{status.error()});
-  SweepPlan plan = options;
-  plan.over.insert(plan.over.begin(), {"delay", {}, SweptValue::What::Delay});
-  for (const double delay : options.delays_s) plan.over.front().values.emplace_back(delay);
   Sweep sweep{scene, table, plan};
   if (auto status = sweep.check(); !status) return tl::unexpected(status.error());
   const auto& rules = *scene.playability;
@@ -73,7 +70,9 @@ Checked<PlayabilityStudy> study_playability(const SceneSpec& scene, const NodeTa
   };
   const auto points = sweep.evaluate(score_run, "playability");
   if (!points) return tl::unexpected(points.error());
-  PlayabilityStudy study{scene.name, rules.kind, options.delays_s, options.over, sweep.variants(), {}};
+  PlayabilityStudy study{
+      scene.name, rules.kind, {}, {plan.over.begin() + 1, plan.over.end()}, names_of(sweep.variants()), {}};
+  for (const auto& delay : plan.over.front().values) study.delays_s.push_back(delay.si);
   for (const auto& point : *points)
     study.runs.push_back({{{point.at.begin() + 1, point.at.end()},
                            point.variant,

@@ -1,7 +1,6 @@
 #pragma once
 // Thread: [control]
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,11 +9,6 @@
 #include "engine/study/sweep/sweep.h"
 
 namespace tactus {
-
-/// Delays besides the other swept quantities, of which there are at most two.
-struct PlayabilityOptions : SweepPlan {
-  std::vector<double> delays_s;
-};
 
 /// One run and its result.
 struct PlayedRun : EvaluatedPoint<PlayabilityResult> {
@@ -40,7 +34,7 @@ struct PlayabilityStudy {
   std::string scene;
   Playability::Kind kind = Playability::Kind::Roll;
   std::vector<double> delays_s;
-  std::vector<SweptValue> over;
+  std::vector<SweptValue> over;  ///< besides the delay
   std::vector<std::string> variants;
   std::vector<PlayedRun> runs;  ///< delay by delay, then value by value, then variant by variant
 
@@ -57,9 +51,9 @@ struct PlayabilityStudy {
 /// Two: a map of the kind over both, for up to twelve delays.
 std::vector<Plot> plots_of(const PlayabilityStudy& study);
 
-/// [control] A sweep over the delay and other quantities, in which each run is scored. Errors: those of the
-/// scene; Missing without [playability]; UnknownName, OutOfRange of a swept quantity; BadFile of the cache.
+/// [control] A sweep in which each run is scored; the first quantity is the delay, and at most two follow.
+/// Errors: those of the scene; Missing without [playability]; BadFile of the cache.
 Checked<PlayabilityStudy> study_playability(const SceneSpec& scene, const NodeTable& table,
-                                            const PlayabilityOptions& options);
+                                            const SweepPlan& plan);
 
 }  // namespace tactus

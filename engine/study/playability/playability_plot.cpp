@@ -41,8 +41,7 @@ Subplot value_subplot(const PlayabilityStudy& study, const std::string& label, c
   for (const auto& run : study.runs) {
     if (!run.as_written()) continue;
     for (auto* series : {&line, &kinds[study.kind_of(run)]}) {
-      series->x.push_back(run.delay_s);
-      series->y.push_back(value(run));
+      series->add(run.delay_s, value(run));
     }
   }
   if (std::ranges::all_of(line.y, [](double y) { return y >= 0; })) made.y.low = 0;
@@ -55,8 +54,7 @@ Subplot value_subplot(const PlayabilityStudy& study, const std::string& label, c
 Subplot robust_subplot(const PlayabilityStudy& study) {
   PlotSeries line{.mark = PlotMark::LineAndPoints, .color = PlotColor::Purple};
   for (const auto& verdict : study.verdicts()) {
-    line.x.push_back(verdict.delay_s);
-    line.y.push_back(verdict.robust());
+    line.add(verdict.delay_s, verdict.robust());
   }
   return {.y = {.label = "variants of actuator and plant that are playable", .low = 0, .high = 1.05},
           .series = {std::move(line)},

@@ -33,9 +33,9 @@ void find_passive_limit(const ClosedGraph& closed, const LoopGroup& group, int c
   for (const int signal : closed.drives)
     if (const int at = group.cut(signal); at >= 0) drive = at, ++drives;
   if (drives != 1 || !closed.mobility) return;
-  const PassivityTest test(group, drive, closed.mobility, rate);
-  verdict.device_damping = test.device_damping();
-  verdict.stiff.back().passive_up_to = verdict.stiff.back().stiffness * test.largest_factor(cut);
+  const auto limit = passive_limit(group, drive, cut, closed.mobility, rate);
+  verdict.device_damping = limit.device_damping;
+  verdict.stiff.back().passive_up_to = verdict.stiff.back().stiffness * limit.factor;
 }
 
 void analyse_group(const ClosedGraph& closed, const LoopGroup& group, Hertz rate, RegimeVerdict& verdict) {
@@ -100,7 +100,7 @@ class Analysis {
     for (const auto& regime : regimes) find_open_gains(*world, regime);
     for (const auto& control : world->instrument().controls) find_border(control.control);
     for (const auto& regime : verdict_.regimes) verdict_.stable &= regime.held || regime.is_stable();
-    for (const auto& network : verdict_.networks) verdict_.stable &= network.stable;
+    for (const auto& network : verdict_.networks) verdict_.stable &= network.stable();
     return std::move(verdict_);
   }
 
@@ -142,7 +142,6 @@ class Analysis {
       verdict.weakest = model.weakest();
       check_contacts(recipe, verdict);
       verdict.grows = model.grows();
-      verdict.stable = !verdict.grows && verdict.contacts_stable();
       verdict_.networks.push_back(std::move(verdict));
     }
     if (verdict_.skipped.empty())
@@ -162,14 +161,14 @@ class Analysis {
 
   void find_event_loops(const RestingWorld& world) {
     const auto graph = world.closed({}).graph;
-    for (const auto& place : graph.events)
-      verdict_.events.push_back({place, event_loop_through(graph, place.path)});
+    verdict_.events = graph.events;
+    for (auto& event : verdict_.events) event.on_loop = event_loop_through(graph, event.path);
   }
 
   /// The largest gain of each pair with the inner loops closed.
   void find_open_gains(const RestingWorld& world, const Regime& regime) {
     LinearGraph graph;
-    for (const auto& pair : world.open_pairs(graph, regime)) {
+    for (auto& pair : world.open_pairs(graph, regime)) {
       // Output to input closed by a wire of its own: what comes back through it is the pair's response.
       auto closed = graph;
       const int wire = closed.add_signal("outside");
@@ -179,20 +178,22 @@ class Analysis {
         const LoopGroup group(closed, std::move(signals), {wire});
         if (group.too_large() || group.cut(wire) < 0) continue;
         const auto margin = LoopScan(group, verdict_.rate).margin(group.cut(wire));
-        add_open_gain({pair.input, pair.output, margin.peak, margin.peak_hz});
+        pair.peak = margin.peak;
+        pair.peak_hz = margin.peak_hz;
+        add_open_gain(pair);
       }
     }
   }
 
   /// Of all regimes the largest gain counts.
-  void add_open_gain(OpenVerdict found) {
+  void add_open_gain(const OpenPair& found) {
     const auto known = std::ranges::find_if(verdict_.open, [&](const auto& other) {
       return other.input == found.input && other.output == found.output;
     });
     if (known == verdict_.open.end())
-      verdict_.open.push_back(std::move(found));
+      verdict_.open.push_back(found);
     else if (found.peak > known->peak)
-      *known = std::move(found);
+      *known = found;
   }
 
   bool is_stable_at(const FlatControl& control, double value) {

@@ -4,7 +4,6 @@
 
 #include <functional>
 #include <limits>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,7 +29,7 @@ struct NetworkVerdict {
   bool too_deep = false;  ///< its initial state presses an explicit contact too stiff for the rate
   bool contacts_stable() const { return contact_steps >= kFewestContactSteps && !too_deep; }
   bool grows = false;  ///< its linear part
-  bool stable = true;
+  bool stable() const { return !grows && contacts_stable(); }
 };
 
 /// A place where a loop was cut open.
@@ -69,12 +68,6 @@ struct RegimeVerdict {
   bool is_stable() const { return growing == 0; }
 };
 
-/// A node whose events may close loops.
-struct EventVerdict {
-  EventPlace place;
-  bool on_loop = false;
-};
-
 /// The range of a control in which the system is stable, all others unchanged.
 struct ControlVerdict {
   FlatControl control;
@@ -82,20 +75,14 @@ struct ControlVerdict {
   std::optional<double> border = {};  ///< of the stable range, if one end is unstable
 };
 
-/// The gain of an instrument alone: with a gain outside below 1 / peak it is stable at any delay.
-struct OpenVerdict {
-  std::string input, output;
-  double peak = 0, peak_hz = 0;
-};
-
 struct StabilityVerdict {
   Hertz rate;
   double delay_s = 0;
   std::vector<NetworkVerdict> networks;
   std::vector<RegimeVerdict> regimes;
-  std::vector<EventVerdict> events;
+  std::vector<EventPlace> events;
   std::vector<ControlVerdict> controls;
-  std::vector<OpenVerdict> open;
+  std::vector<OpenPair> open;
   std::vector<std::string> skipped;
   bool nonlinear = false;     ///< the stiffness of some force depends on the position
   bool outside_known = true;  ///< false: an instrument alone; only its inner loops are analysed

@@ -16,7 +16,6 @@ namespace tactus {
 namespace {
 
 constexpr int kExtremesBlock = 64;
-constexpr const char* kDisturbances[] = {"silence", "impulses", "full-scale square", "NaN", "denormals"};
 /// At the start of a linear run: the smallest one with half the effect at half the size is used, so that
 /// quantisers and contacts do not matter.
 constexpr double kPushes[] = {1e-6, 1e-4, 1e-2, 1.0, 100.0};
@@ -55,21 +54,7 @@ class Disturbed final : public BlockProcessor {
     if (plan_.linear) return static_cast<double>(frame) <= plan_.push_s * rate_ ? push : 0.0;
     const double seconds = static_cast<double>(frame) / rate_;
     if (seconds > plan_.seconds / 2) return 0;
-    const auto every = static_cast<std::int64_t>(0.037 * rate_);
-    switch (plan_.disturbance) {
-      case Disturbance::Silence:
-        break;
-      case Disturbance::Impulses:
-        return frame % every == 0 ? 1 : 0;
-      case Disturbance::Square:
-        return std::fmod(seconds, 0.02) < 0.01 ? 1 : -1;
-      case Disturbance::NonFinite:
-        if (frame % every == 1) return std::numeric_limits<double>::infinity();
-        return frame % every == 0 ? std::numeric_limits<double>::quiet_NaN() : 0;
-      case Disturbance::Denormals:
-        return 1e-310;
-    }
-    return 0;
+    return plan_.disturbance->at(frame, seconds, static_cast<std::int64_t>(0.037 * rate_));
   }
 
   BlockProcessor& inner_;
@@ -176,16 +161,29 @@ ExtremeRun run_linear(const StabilitySubject& subject, ExtremeRun run) {
   return run;
 }
 
+double impulses(std::int64_t frame, double, std::int64_t period) { return frame % period == 0 ? 1 : 0; }
+double non_finite(std::int64_t frame, double, std::int64_t period) {
+  if (frame % period == 1) return std::numeric_limits<double>::infinity();
+  return frame % period == 0 ? std::numeric_limits<double>::quiet_NaN() : 0;
+}
+
 }  // namespace
+
+const std::array<Disturbance, 5> kDisturbances = {
+    {{"silence", [](std::int64_t, double, std::int64_t) { return 0.0; }},
+     {"impulses", impulses},
+     {"full-scale square", [](std::int64_t, double seconds,
+                              std::int64_t) { return std::fmod(seconds, 0.02) < 0.01 ? 1.0 : -1.0; }},
+     {"NaN", non_finite},
+     {"denormals", [](std::int64_t, double, std::int64_t) { return 1e-310; }}}};
 
 std::vector<ExtremePlan> extremes_of(const WorldOptions& world, const Plan& instrument) {
   std::vector<ExtremePlan> plans;
   const auto plan = [&](std::string what) -> ExtremePlan& {
-    plans.push_back({.what = std::move(what), .world = world, .disturbance = Disturbance::Impulses});
+    plans.push_back({.what = std::move(what), .world = world, .disturbance = &kDisturbances[1]});
     return plans.back();
   };
-  for (int d = 0; d < std::ssize(kDisturbances); ++d)
-    plan(kDisturbances[d]).disturbance = static_cast<Disturbance>(d);
+  for (const auto& disturbance : kDisturbances) plan(disturbance.name).disturbance = &disturbance;
   for (const Hertz rate : {8_kHz, 44.1_kHz, 96_kHz, 192_kHz})
     plan(fmt::format("{:g} kHz", rate.value / 1e3)).world.rate = rate;
   for (const double ms : {0.0, 1.0, 5.0, 20.0, 50.0, 100.0})
@@ -206,7 +204,7 @@ std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityV
   // A measurable motion leaves the range where the linear model is right.
   if (verdict.nonlinear) return plans;
   // A loop that an event opens and closes has no border.
-  if (std::ranges::any_of(verdict.events, &EventVerdict::on_loop)) return plans;
+  if (std::ranges::any_of(verdict.events, &EventPlace::on_loop)) return plans;
   const LoopVerdict* loop = nullptr;
   for (const auto& other : verdict.regimes.front().loops) {
     if (!other.drive) continue;
@@ -242,7 +240,7 @@ Checked<ExtremeRun> run_extreme(const StabilitySubject& subject, const ExtremePl
 }
 
 void exclude_player_energy(std::vector<ExtremeRun>& runs) {
-  const auto silence = std::ranges::find(runs, kDisturbances[0], &ExtremeRun::what);
+  const auto silence = std::ranges::find(runs, kDisturbances[0].name, &ExtremeRun::what);
   if (silence == runs.end() || silence->grew) return;
   const double initial_energy = silence->energy_after;
   for (auto& run : runs)

@@ -2,6 +2,8 @@
 
 // Thread: [control].
 
+#include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -9,20 +11,20 @@
 
 namespace tactus {
 
-/// A disturbance of the instrument's sensors, added to the signals of the plant; in the order of their names.
-enum class Disturbance {
-  Silence,
-  Impulses,   ///< of full scale, every 37 ms
-  Square,     ///< of full scale, 50 Hz
-  NonFinite,  ///< NaN and infinity among the samples
-  Denormals,  ///< 1e-310
+/// A disturbance of the instrument's sensors, added to the signals of the plant.
+struct Disturbance {
+  const char* name;
+  /// At a frame and its time [s]; `period`: of what comes every 37 ms, in frames.
+  double (*at)(std::int64_t frame, double seconds, std::int64_t period);
 };
+/// Silence is the first.
+extern const std::array<Disturbance, 5> kDisturbances;
 
 /// A run to execute.
 struct ExtremePlan {
   std::string what = {};
   WorldOptions world = {};
-  Disturbance disturbance = Disturbance::Silence;
+  const Disturbance* disturbance = &kDisturbances.front();
   double seconds = 0.5;
   double drive_gain = 1;  ///< on every drive
   bool linear = false;    ///< one push at the start, no guard, no converters: to see which side it is on

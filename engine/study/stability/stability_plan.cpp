@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "engine/core/index.h"
 #include "engine/graph/plan/plan.h"

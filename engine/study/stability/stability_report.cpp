@@ -101,7 +101,7 @@ class Report {
   void add_network(const NetworkVerdict& network) {
     const bool first = &network == &verdict_.networks.front() || (&network - 1)->path != network.path;
     if (first && !network.contacts_stable()) add_contacts(network);
-    if (network.stable || !network.grows) return;
+    if (!network.grows) return;
     add("network '{}' ({}) is unstable by itself: spectral radius {:.9g}", network.path, network.regime,
         network.radius);
     if (!network.weakest.empty()) lines_.back() += ", mode of " + network.weakest;
@@ -197,10 +197,10 @@ class Report {
 
   /// Those with a hold limit the rate of events; the others are listed only if none has one.
   void add_events() {
-    const bool limited = std::ranges::any_of(
-        verdict_.events, [](const auto& event) { return event.on_loop && event.place.hold_s; });
-    for (const auto& [place, on_loop] : verdict_.events) {
-      if (!on_loop || place.hold_s.has_value() != limited) continue;
+    const bool limited =
+        std::ranges::any_of(verdict_.events, [](const auto& event) { return event.on_loop && event.hold_s; });
+    for (const auto& place : verdict_.events) {
+      if (!place.on_loop || place.hold_s.has_value() != limited) continue;
       add("the loop through {} '{}' is event-driven: no small-signal gain exists", place.type, place.path);
       if (limited && *place.hold_s > 0)
         lines_.back() +=

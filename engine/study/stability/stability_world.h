@@ -28,10 +28,12 @@ struct ClosedGraph {
   std::function<std::complex<double>(std::complex<double>)> mobility;
 };
 
-/// An input and an output of an instrument between which the path outside is not known.
+/// An input and an output of an instrument between which the path outside is not known. With a gain outside
+/// below 1 / peak it is stable at any delay.
 struct OpenPair {
   std::string input, output;
-  int from = -1, to = -1;  ///< in the graph
+  int from = -1, to = -1;        ///< in the graph
+  double peak = 0, peak_hz = 0;  ///< the largest gain of the instrument
 };
 
 /// Conditions of the analysis; of an instrument alone 48 kHz without delay, unless given.

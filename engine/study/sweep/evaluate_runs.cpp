@@ -60,16 +60,14 @@ class RunCache {
  private:
   void read(const fs::path& file) {
     std::ifstream text{file, std::ios::binary};
-    for (std::string line; std::getline(text, line);) {
-      const auto json = Json::parse(line, nullptr, false);
-      if (!json.is_object() || !json.contains("key") || !json["key"].is_string() || !json.contains("run") ||
-          !json["run"].is_array())
-        continue;
-      auto& run = runs_[json["key"].get<std::string>()];
-      run.clear();
-      for (const auto& value : json["run"])
-        run.push_back(value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN());
-    }
+    for (std::string line; std::getline(text, line);) try {
+        const auto json = Json::parse(line);
+        RunResult run;
+        for (const auto& value : json.at("run"))
+          run.push_back(value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN());
+        runs_[json.at("key").get<std::string>()] = std::move(run);
+      } catch (const Json::exception&) {  // an incomplete line
+      }
   }
 
   Status status() const {

@@ -51,22 +51,10 @@ double draw(std::uint64_t seed, const std::string& name) {
   return 2 * static_cast<double>(bits >> 11) * 0x1p-53 - 1;
 }
 
-struct Draw {
-  double within;
-  std::uint64_t seed;
-};
-
-bool is_material(const ElementType& type, const std::string& field) {
-  const auto* found = find_named(type.fields, field);
+bool is_material(const std::string& element, const std::string& field) {
+  const auto* type = find_element(element);
+  const auto* found = type != nullptr ? find_named(type->fields, field) : nullptr;
   return found != nullptr && !found->late && std::ranges::find(kPlaces, field) == kPlaces.end();
-}
-
-void redraw(NodeSpec& element, const std::string& path, const Draw& rule) {
-  const auto* type = find_element(element.type);
-  if (type == nullptr) return;
-  for (auto& field : element.fields)
-    if (is_material(*type, field.key))
-      field.value = times(field.value, 1 + rule.within * draw(rule.seed, path + "." + field.key));
 }
 
 std::shared_ptr<const GraphSpec> changed(const GraphSpec& graph, const std::string& path,
@@ -75,18 +63,6 @@ std::shared_ptr<const GraphSpec> changed(const GraphSpec& graph, const std::stri
   for (auto& network : copy->networks) change(network, path + "." + network.name);
   for (auto& [name, part] : copy->parts) part = changed(*part, path + "." + name, change);
   return copy;
-}
-
-bool any_network(const GraphSpec& graph, const std::function<bool(const NetworkSpec&)>& condition) {
-  return std::ranges::any_of(graph.networks, condition) ||
-         std::ranges::any_of(graph.parts,
-                             [&](const auto& part) { return any_network(*part.second, condition); });
-}
-
-bool any_network(const SceneSpec& scene, const std::function<bool(const NetworkSpec&)>& condition) {
-  return std::ranges::any_of(scene.parts, [&](const ScenePart& part) {
-    return part.name != "instrument" && part.graph != nullptr && any_network(*part.graph, condition);
-  });
 }
 
 /// Gets each constant with its name; true: it was changed, and no further one is visited.
@@ -134,12 +110,14 @@ SceneSpec with_actuator_gain(SceneSpec scene, double gain) {
 }
 
 SceneSpec with_plant_drawn(SceneSpec scene, double within, std::uint64_t seed) {
-  return with_networks_changed(
-      std::move(scene),
-      [&](NetworkSpec& network, const std::string& path) {
-        for (auto& element : network.elements) redraw(element, path + "." + element.name, {within, seed});
-      },
-      false);
+  const auto redraw = [&](NetworkSpec& network, const std::string& path) {
+    for (auto& element : network.elements)
+      for (auto& field : element.fields)
+        if (is_material(element.type, field.key))
+          field.value =
+              times(field.value, 1 + within * draw(seed, path + "." + element.name + "." + field.key));
+  };
+  return with_networks_changed(std::move(scene), redraw, false);
 }
 
 SceneSpec with_gesture_scaled(SceneSpec scene, const std::string& gesture, double factor) {
@@ -200,19 +178,25 @@ std::vector<std::string> stepping_solvers() {
 }
 
 bool is_linear(const SceneSpec& scene) {
-  return !any_network(scene, [](const NetworkSpec& network) {
-    return std::ranges::any_of(network.elements, [](const NodeSpec& element) {
+  bool linear = true;
+  const auto look = [&](const NetworkSpec& network, const std::string&) {
+    for (const auto& element : network.elements) {
       const auto* type = find_element(element.type);
-      return type == nullptr || !type->linear ||
-             std::ranges::any_of(type->fields, [&](const ElementField& field) {
-               return field.nonlinear && find(element.fields, field.name) != nullptr;
-             });
-    });
-  });
+      linear = linear && type != nullptr && type->linear &&
+               std::ranges::none_of(type->fields, [&](const ElementField& field) {
+                 return field.nonlinear && find(element.fields, field.name) != nullptr;
+               });
+    }
+  };
+  with_networks_changed(scene, look, false);
+  return linear;
 }
 
 bool has_network(const SceneSpec& scene) {
-  return any_network(scene, [](const NetworkSpec&) { return true; });
+  bool found = false;
+  with_networks_changed(
+      scene, [&](NetworkSpec&, const std::string&) { found = true; }, false);
+  return found;
 }
 
 }  // namespace tactus

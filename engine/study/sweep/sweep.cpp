@@ -19,13 +19,10 @@ using What = SweptValue::What;
 
 constexpr int kSweepBlock = 256;
 
-std::vector<std::string> control_names(const SceneSpec& scene) {
-  std::vector<std::string> names;
-  for (const auto& part : scene.parts)
-    if (part.graph != nullptr)
-      for (const auto& control : part.graph->controls)
-        names.push_back(part.name == "instrument" ? control.name : part.name + "." + control.name);
-  return names;
+std::string did_you_mean(const std::string& name, const std::vector<std::string>& names,
+                         const std::string& otherwise) {
+  const auto near = nearest_name(name, names);
+  return (near.empty() ? "" : "did you mean '" + near + "'? ") + otherwise;
 }
 
 Error unknown_name(const SceneSpec& scene, const std::string& name) {
@@ -37,9 +34,8 @@ Error unknown_name(const SceneSpec& scene, const std::string& name) {
     all.insert(all.end(), names.begin(), names.end());
     if (!names.empty()) known += fmt::format("; {}: {}", kind, listed(names));
   }
-  const auto near = nearest_name(name, all);
   return {Errc::UnknownName, "--over", "the scene has no parameter '" + name + "'",
-          (near.empty() ? "" : "did you mean '" + near + "'? ") + known};
+          did_you_mean(name, all, known)};
 }
 
 /// Quantities that every scene has, with their limits.
@@ -64,15 +60,6 @@ Status check_range(const SweptValue& swept, const SceneQuantity& quantity) {
                   fmt::format("'{}' = {:g} is out of range", swept.name, value.si), quantity.range);
   }
   return {};
-}
-
-std::uint64_t cache_key(const std::string& key, const Sweep::Run& run) {
-  // Increased when the meaning of cached numbers changes.
-  constexpr std::uint64_t kEdition = 3;
-  Fingerprint print;
-  add(print.add(kEdition).add(key), run.scene);
-  for (const auto& [name, value] : run.options.set) print.add(name).add(value.si);
-  return print.value();
 }
 
 void apply(Sweep::Run& run, const SweptValue& swept, double si) {
@@ -107,8 +94,7 @@ void apply(Sweep::Run& run, const SweptValue& swept, double si) {
   }
 }
 
-}  // namespace
-
+/// Errors: BadArgument of a control that a gesture moves; UnitMismatch of a held gesture.
 Status check_swept(const SceneSpec& scene, const SweptValue& swept) {
   const auto* gesture = scene.gesture(swept.name);
   const auto& value = swept.values.front();
@@ -127,6 +113,8 @@ Status check_swept(const SceneSpec& scene, const SweptValue& swept) {
                     "=0.5:2:4 scales it; values with a unit replace it by a constant");
   return {};
 }
+
+}  // namespace
 
 Result<SweptValue> find_swept(const SceneSpec& scene, const std::string& name,
                               std::vector<ControlValue> values) {
@@ -150,7 +138,6 @@ Result<SweptValue> find_swept(const SceneSpec& scene, const std::string& name,
   } else {
     return tl::unexpected(unknown_name(scene, name));
   }
-  if (status) status = check_swept(scene, swept);
   if (!status) return tl::unexpected(status.error());
   return swept;
 }
@@ -167,33 +154,37 @@ Result<SweptValue> swept_solvers(const std::vector<std::string>& names, const ch
   return swept;
 }
 
+std::uint64_t run_key(const std::string& what, const Sweep::Run& run) {
+  // Increased when the meaning of cached numbers changes.
+  constexpr std::uint64_t kEdition = 4;
+  Fingerprint print;
+  add(print.add(kEdition).add(what), run.scene);
+  for (const auto& [name, value] : run.options.set) print.add(name).add(value.si);
+  return print.value();
+}
+
+std::string measure_key(const MeasureEntry& measure) {
+  return fmt::format("|{} {} {} {}", measure.measure, measure.of, measure.from_s.value_or(-1),
+                     measure.to_s.value_or(-1));
+}
+
 Sweep::Sweep(const SceneSpec& scene, const NodeTable& table, const SweepPlan& plan)
     : scene_(scene), table_(table), plan_(plan), variants_{{kAsWritten}} {
   for (const double gain : plan.gains) variants_.push_back({fmt::format("actuator x {:.3g}", gain), gain});
   for (int draw = 1; draw <= plan.draws; ++draw) variants_.push_back({fmt::format("draw {}", draw), 1, draw});
-  std::vector<std::vector<double>> settings{{}};
-  for (const auto& swept : plan.over) {
-    std::vector<std::vector<double>> longer;
-    for (const auto& setting : settings)
-      for (const auto& value : swept.values) {
-        longer.push_back(setting);
-        longer.back().push_back(value.si);
-      }
-    settings = std::move(longer);
+  std::size_t settings = 1;
+  for (const auto& swept : plan.over) settings *= swept.values.size();
+  for (std::size_t i = 0; i < settings; ++i) {
+    std::vector<double> at(plan.over.size());
+    for (auto rest = i, a = at.size(); a-- > 0; rest /= plan.over[a].values.size())
+      at[a] = plan.over[a].values[rest % plan.over[a].values.size()].si;
+    for (const auto& variant : variants_) points_.push_back({at, variant.name, std::nullopt});
   }
-  for (const auto& setting : settings)
-    for (const auto& variant : variants_) points_.push_back({setting, variant.name, std::nullopt});
-}
-
-std::vector<std::string> Sweep::variants() const {
-  std::vector<std::string> names;
-  for (const auto& variant : variants_) names.push_back(variant.name);
-  return names;
 }
 
 Sweep::Run Sweep::run_of(std::size_t number) const {
   const auto& variant = variants_[number % variants_.size()];
-  Run run{points_[number].at, scene_};
+  Run run{points_[number].at, scene_, {}, number};
   run.options.set = plan_.set;
   for (std::size_t i = 0; i < plan_.over.size(); ++i) apply(run, plan_.over[i], run.at[i]);
   if (variant.gain != 1) run.scene = with_actuator_gain(std::move(run.scene), variant.gain);
@@ -204,6 +195,8 @@ Sweep::Run Sweep::run_of(std::size_t number) const {
 }
 
 Checked<void> Sweep::check() const {
+  for (const auto& swept : plan_.over)
+    if (auto status = check_swept(scene_, swept); !status) return tl::unexpected(std::vector{status.error()});
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const auto variant = i % variants_.size();
     std::size_t moved = variant == 0 ? 0 : 1;
@@ -219,7 +212,7 @@ Checked<void> Sweep::check() const {
 
 Checked<std::vector<SweepPoint>> Sweep::evaluate(const Evaluate& evaluate, const std::string& key) {
   auto results = evaluate_runs(
-      plan_, static_cast<int>(points_.size()), [&](int i) { return cache_key(key, run_of(index(i))); },
+      plan_, static_cast<int>(points_.size()), [&](int i) { return run_key(key, run_of(index(i))); },
       [&](int i) { return evaluate(run_of(index(i))); });
   if (!results) return tl::unexpected(results.error());
   auto points = points_;
@@ -245,9 +238,8 @@ Result<Expectation> find_swept_measure(const SceneSpec& scene, const std::string
   auto names = names_of(scene.expect);
   for (const auto& known : value_names())
     if (std::ranges::find(names, known) == names.end()) names.push_back(known);
-  const auto near = nearest_name(what.measure, names);
   return fail(Errc::UnknownName, "--measure", "there is no measure '" + what.measure + "'",
-              (near.empty() ? "" : "did you mean '" + near + "'? ") + ("the measures are " + listed(names)));
+              did_you_mean(what.measure, names, "the measures are " + listed(names)));
 }
 
 Checked<SweepTable> sweep_measures(const SceneSpec& scene, const NodeTable& table, const SweepPlan& plan,
@@ -255,9 +247,7 @@ Checked<SweepTable> sweep_measures(const SceneSpec& scene, const NodeTable& tabl
   Sweep sweep{scene, table, plan};
   if (auto status = sweep.check(); !status) return tl::unexpected(status.error());
   std::string key = "measures";
-  for (const auto& measure : measures)
-    key += fmt::format("|{} {} {} {}", measure.measure, measure.of, measure.from_s.value_or(-1),
-                       measure.to_s.value_or(-1));
+  for (const auto& measure : measures) key += measure_key(measure);
   const auto measure_run = [&](const Sweep::Run& run) -> Checked<RunResult> {
     const auto recording = play_run(run, table);
     if (!recording) return tl::unexpected(recording.error());
@@ -271,7 +261,7 @@ Checked<SweepTable> sweep_measures(const SceneSpec& scene, const NodeTable& tabl
   };
   auto points = sweep.evaluate(measure_run, key);
   if (!points) return tl::unexpected(points.error());
-  return SweepTable{scene.name, plan.over, measures, sweep.variants(), std::move(*points)};
+  return SweepTable{scene.name, plan.over, measures, names_of(sweep.variants()), std::move(*points)};
 }
 
 std::string value_text(const SweptValue& swept, double si) {

@@ -40,14 +40,11 @@ struct SweptValue {
   What what = What::Control;
   std::vector<std::string> names = {};  ///< of solvers; the values are their indices
 };
-/// The quantity of this name. Errors: UnknownName with the nearest name; BadArgument of a control that a
-/// gesture moves; UnitMismatch; OutOfRange.
+/// The quantity of this name. Errors: UnknownName with the nearest name; UnitMismatch; OutOfRange.
 Result<SweptValue> find_swept(const SceneSpec& scene, const std::string& name,
                               std::vector<ControlValue> values);
 /// The solvers of these names. Errors, at `option`: UnknownName.
 Result<SweptValue> swept_solvers(const std::vector<std::string>& names, const char* option = "--over");
-/// Errors: BadArgument of a control that a gesture moves; UnitMismatch of a held gesture.
-Status check_swept(const SceneSpec& scene, const SweptValue& swept);
 
 /// All combinations of some values, each with several actuators and plants.
 struct SweepPlan : RunPlan {
@@ -83,12 +80,20 @@ class Sweep {
     std::vector<double> at;  ///< as of its point
     SceneSpec scene;
     SceneOptions options = {};
+    std::size_t number = 0;
   };
   Run run_of(std::size_t number) const;
-  /// "as written", and the other actuators and plants.
-  std::vector<std::string> variants() const;
+  /// An actuator and a plant.
+  struct Variant {
+    std::string name;
+    double gain = 1;
+    int draw = 0;  ///< from 1; 0: as written
+  };
+  /// The first is "as written".
+  const std::vector<Variant>& variants() const { return variants_; }
 
-  /// Compiles the scene at every single value and with every variant. Errors: those of the scene.
+  /// Compiles the scene at every single value and with every variant. Errors: those of the scene; BadArgument
+  /// of a control that a gesture moves; UnitMismatch of a held gesture.
   Checked<void> check() const;
 
   using Evaluate = std::function<Checked<RunResult>(const Run&)>;
@@ -97,18 +102,18 @@ class Sweep {
   Checked<std::vector<SweepPoint>> evaluate(const Evaluate& evaluate, const std::string& key);
 
  private:
-  struct Variant {
-    std::string name;
-    double gain = 1;
-    int draw = 0;  ///< from 1; 0: as written
-  };
-
   const SceneSpec& scene_;
   const NodeTable& table_;
   const SweepPlan& plan_;
   std::vector<Variant> variants_;
   std::vector<SweepPoint> points_;
 };
+
+/// Identifies a run of the study `what` in a cache.
+std::uint64_t run_key(const std::string& what, const Sweep::Run& run);
+
+/// What is measured, as a part of what identifies a run.
+std::string measure_key(const MeasureEntry& measure);
 
 /// How many points have a result.
 std::ptrdiff_t finished(const auto& points) {

@@ -49,8 +49,7 @@ Subplot curve(const SweepTable& table, std::size_t measure) {
   for (std::size_t i = 0; i < table.points.size(); ++i) {
     const auto& point = table.points[i];
     auto& series = point.as_written() ? line : others;
-    series.x.push_back(table.over.empty() ? static_cast<double>(i) : point.at[0]);
-    series.y.push_back((*point.result)[measure]);
+    series.add(table.over.empty() ? static_cast<double>(i) : point.at[0], (*point.result)[measure]);
   }
   if (varied) subplot.series.push_back(std::move(others));
   subplot.series.push_back(std::move(line));

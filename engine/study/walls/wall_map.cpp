@@ -1,11 +1,10 @@
 #include "engine/study/walls/wall_map.h"
 
-#include <algorithm>
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "engine/core/find_root.h"
-#include "engine/core/named.h"
-#include "engine/graph/file/quantity.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/graph/plan/fingerprint.h"
 
@@ -80,7 +79,7 @@ std::optional<FixedPoint> fixed_point_of(const WallDevice& device, const WallLim
 
 /// All points of the study, not computed yet.
 WallMap empty_map(const WallStudy& study) {
-  WallMap map{.devices = study.devices, .rate = study.rate, .by_delay = {}, .by_rate = {}, .controllers = {}};
+  WallMap map{study};
   std::vector<WallLimit> by_delay, by_rate;
   for (const double delay : spread(kShortest_s, kLongest_s, study.points_per_decade))
     by_delay.push_back({.loop = {study.rate, Seconds{delay}, study.damping}});
@@ -88,10 +87,9 @@ WallMap empty_map(const WallStudy& study) {
     by_rate.push_back({.loop = {Hertz{rate}, Seconds{1 / rate}, study.damping}});
   map.by_delay.assign(study.devices.size(), by_delay);
   map.by_rate.assign(study.devices.size(), by_rate);
-  for (const auto& controller : study.controllers) {
-    const WallLimit limit{.loop = {controller.rate, controller.delay, study.damping}};
-    map.controllers.push_back({controller, std::vector(study.devices.size(), limit), {}});
-  }
+  for (auto& controller : map.controllers)
+    controller.limits.assign(study.devices.size(),
+                             {.loop = {controller.rate, controller.delay, study.damping}});
   map.friction_limit = stiffest_by_friction(study.devices.front().device);
   return map;
 }
@@ -112,47 +110,34 @@ std::uint64_t cache_key(const WallDevice& device, const WallLoop& loop) {
   return print.add("wall").value();
 }
 
-struct DeviceControl {
-  const char *name, *unit;
-  double* value;
-  bool required;
-};
-
-/// The value of a control; nullopt if the plant has none of that name.
-Result<std::optional<double>> setting_of(const ScenePart& plant, const DeviceControl& expected) {
-  const auto* control = find_named(plant.graph->controls, expected.name);
-  if (control == nullptr) return std::nullopt;
-  const auto* wire = find(plant.wires, expected.name);
-  if (wire == nullptr) return std::optional{control->control.value};
-  const auto number = read_quantity(*wire, parse_unit(expected.unit).value_or(Unit{}), expected.name);
-  if (number) return std::optional{*number};
-  return fail(Errc::WrongType, wire->at.text(),
-              std::string{"'"} + expected.name + "' of the plant must be a number with a unit for this study",
-              std::string{"write "} + expected.name + " = \"" + "1 " + expected.unit + "\"");
+/// The value of the control with a role, if there is one. Whether there is.
+Result<bool> read_role(const SceneSpec& scene, const char* role, double& value) {
+  const auto control = control_of(scene, role);
+  if (!control) return false;
+  const auto number = control->constant();
+  if (!number)
+    return fail(Errc::WrongType, find(control->part->wires, control->spec->name)->at.text(),
+                "'" + control->name() + "' must be a number with a unit for this study",
+                "give it one value, with the unit of the control");
+  value = *number;
+  return true;
 }
 
 }  // namespace
 
 Result<SceneDevice> device_of(const SceneSpec& scene) {
   SceneDevice device;
-  auto& bare = device.bare;
-  const auto* plant = scene.part("plant");
-  for (const auto& expected : {DeviceControl{"mass", "kg", &bare.mass, true},
-                               {"damping", "N s/m", &bare.damping, true},
-                               {"friction", "N", &bare.friction, false},
-                               {"step", "m", &bare.quantum, false},
-                               {"force_limit", "N", &bare.force_limit, false},
-                               {"hand_mass", "kg", &device.hand_mass, false},
-                               {"hand_damping", "N s/m", &device.hand_damping, false}}) {
-    const auto setting = setting_of(*plant, expected);
-    if (!setting) return tl::unexpected(setting.error());
-    if (*setting)
-      *expected.value = **setting;
-    else if (expected.required)
-      return fail(Errc::Missing, plant->at.text(),
-                  std::string{"the plant has no control '"} + expected.name + "'",
-                  "give the device with --mass and --damping instead of a scene");
+  for (const auto& quantity : kDeviceQuantities) {
+    const auto read = read_role(scene, quantity.role, device.bare.*quantity.value);
+    if (!read) return tl::unexpected(read.error());
+    if (!*read && (quantity.value == &WallDevice::mass || quantity.value == &WallDevice::damping))
+      return fail(Errc::Missing, scene.file.text(),
+                  fmt::format("no control has the role '{}'", quantity.role),
+                  "give one under [roles], or the device with --mass and --damping instead of a scene");
   }
+  for (const auto& [role, value] :
+       {std::pair{"hand_mass", &device.hand.mass}, {"hand_damping", &device.hand.damping}})
+    if (const auto read = read_role(scene, role, *value); !read) return tl::unexpected(read.error());
   return device;
 }
 
@@ -185,8 +170,9 @@ Checked<WallMap> map_walls(const WallStudy& study, const RunPlan& plan) {
       map.borders += points[i].second->stiffest > 0;
       map.confirmed += points[i].second->stiffest > 0 && points[i].second->confirmed();
     }
-  for (auto& [controller, limits, fixed] : map.controllers)
-    fixed = fixed_point_of(study.devices.front().device, limits.front(), controller.bits);
+  for (auto& controller : map.controllers)
+    controller.fixed_point =
+        fixed_point_of(study.devices.front().device, controller.limits.front(), controller.bits);
   return map;
 }
 

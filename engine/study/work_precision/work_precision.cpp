@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <limits>
 #include <map>
 #include <memory>
+#include <mutex>
+#include <utility>
 
 #include "engine/core/decibels.h"
 #include "engine/core/median.h"
@@ -58,21 +61,19 @@ class PlantTimer {
     frames_ = std::max(std::min(frames_, kTimedBlock), static_cast<int>(frames_ * share));
   }
 
-  /// Runs it once more from the start, all of it or as much as takes about 0.3 s, a short one over and over
-  /// for 3 ms, and keeps what a frame took.
-  void run() {
+  /// What a frame takes [ns]: runs it once more from the start, all of it or as much as takes about 0.3 s, a
+  /// short one over and over for 3 ms.
+  double ns_per_frame() {
     double taken_s = 0, frames = 0;
     while (taken_s < kShortestTiming_s && frames < 1e9) {
-      if (!loop_.prepare(rate_, kTimedBlock)) return;
+      if (!loop_.prepare(rate_, kTimedBlock)) return std::numeric_limits<double>::quiet_NaN();
       const double started_s = processor_s();
       loop_.run(frames_);
       taken_s += processor_s() - started_s;
       frames += frames_;
     }
-    runs_ns_.push_back(1e9 * taken_s / frames);
+    return 1e9 * taken_s / frames;
   }
-  /// Median of the runs. [ns]
-  double ns_per_frame() const { return median(runs_ns_); }
 
  private:
   static constexpr int kTimedBlock = 64;
@@ -84,7 +85,6 @@ class PlantTimer {
   ClosedLoop loop_;
   Hertz rate_;
   int frames_;
-  std::vector<double> runs_ns_;
 };
 
 std::string describe_reference(const SceneSpec& scene) {
@@ -92,11 +92,20 @@ std::string describe_reference(const SceneSpec& scene) {
                           : "integration from event to event";
 }
 
-WorkPrecisionOptions completed(WorkPrecisionOptions options, Hertz rate) {
-  if (options.solvers.empty()) options.solvers = stepping_solvers();
-  if (options.rates.empty()) options.rates = {Hertz{0.5 * rate.value}, rate, Hertz{2 * rate.value}};
-  if (options.oversamples.empty()) options.oversamples = {1, 2, 4, 8, 16};
-  return options;
+/// Rates, solvers and oversampling to try.
+std::vector<SweptValue> swept_by(const WorkPrecisionOptions& options, Hertz rate) {
+  std::vector<SweptValue> over{
+      {"rate", {}, SweptValue::What::Rate},
+      {"solver",
+       {},
+       SweptValue::What::Solver,
+       options.solvers.empty() ? stepping_solvers() : options.solvers},
+      {"oversample", {options.oversamples.begin(), options.oversamples.end()}, SweptValue::What::Oversample}};
+  for (const auto tried : options.rates) over[0].values.emplace_back(tried.value);
+  if (options.rates.empty()) over[0].values = {0.5 * rate.value, rate.value, 2 * rate.value};
+  for (std::size_t i = 0; i < over[1].names.size(); ++i) over[1].values.emplace_back(static_cast<double>(i));
+  if (options.oversamples.empty()) over[2].values = {1, 2, 4, 8, 16};
+  return over;
 }
 
 /// Non-finite values, or ten times the size that they may have.
@@ -110,112 +119,149 @@ bool exploded(const Accuracy& accuracy, const SceneRecording& run, const SceneRe
   return peak_of(samples) > kExplosion * most && most > 0;
 }
 
+/// The outcome of a run.
+constexpr double kStable = 0, kUnstable = 1, kRefused = 2;
+
+/// Finds the errors of all variants, then takes their times. A run is its outcome, how far the reference may
+/// be off at its rate, and its errors.
 class Study {
  public:
-  Study(const SceneSpec& scene, const NodeTable& table, const WorkPrecisionOptions& options)
-      : scene_(scene), table_(table), options_(completed(options, scene.rate)) {
-    runs_ = options_.rates.size() * options_.solvers.size() * options_.oversamples.size();
+  /// Nothing in `over`: the scene as it is written.
+  Study(const SceneSpec& scene, const NodeTable& table, const RunPlan& runs, std::vector<SweptValue> over,
+        int repeats)
+      : scene_(scene), table_(table), repeats_(repeats), key_("work precision") {
+    static_cast<RunPlan&>(plan_) = runs;
+    plan_.over = std::move(over);
+    for (const auto& accuracy : scene.accuracy)
+      key_ += measure_key(accuracy) + fmt::format(" {} {}", accuracy.exact.value_or(QuantityValue{}).si,
+                                                  accuracy.scale.value_or(QuantityValue{}).si);
   }
 
   Checked<WorkPrecision> run() {
-    name_references();
-    SweepPlan plan;
-    plan.workers = 1;  // times are measured
-    plan.over = {{"rate", {}, SweptValue::What::Rate},
-                 {"solver", {}, SweptValue::What::Solver, options_.solvers},
-                 {"oversample", {}, SweptValue::What::Oversample}};
-    for (const auto rate : options_.rates) plan.over[0].values.emplace_back(rate.value);
-    for (std::size_t i = 0; i < options_.solvers.size(); ++i)
-      plan.over[1].values.emplace_back(static_cast<double>(i));
-    for (const int oversample : options_.oversamples) plan.over[2].values.emplace_back(oversample);
-    std::optional<SceneRecording> reference;
-    const auto points = Sweep{scene_, table_, plan}.evaluate(
-        [&](const Sweep::Run& run) -> Checked<RunResult> {
-          if (!reference || reference->sample_rate != run.scene.rate) {
-            auto referred = refer(run.scene);
-            if (!referred) return tl::unexpected(referred.error());
-            reference = std::move(*referred);
-          }
-          const SolverVariant variant{options_.solvers[static_cast<std::size_t>(run.at[1])],
-                                      static_cast<int>(run.at[2]), run.scene.rate};
-          report(static_cast<double>(result_.points.size()), to_string(variant));
-          return play(run.scene, variant, *reference).errors;
-        },
-        "work precision");
-    if (!points) return tl::unexpected(points.error());
-    return finish();
-  }
-
-  Checked<WorkPrecision> run_as_written() {
-    name_references();
-    runs_ = 1;
-    const auto reference = refer(scene_);
-    if (!reference) return tl::unexpected(reference.error());
-    play(scene_, {"as written", 0, scene_.rate}, *reference);
-    return finish();
-  }
-
- private:
-  void name_references() {
     result_.scene = scene_.name;
     for (const auto& accuracy : scene_.accuracy)
       result_.references.push_back({accuracy.name, accuracy.measure, accuracy.of,
                                     accuracy.exact ? "closed form" : describe_reference(scene_)});
-  }
-
-  WorkPrecision finish() {
-    take_times();
+    const auto progress = std::exchange(plan_.progress, {});
+    if (progress) plan_.progress = [&](double share) { progress(0.5 * share); };
+    auto evaluated = sweep().evaluate([this](const Sweep::Run& run) { return find_errors(run); }, key_);
+    if (!evaluated) return tl::unexpected(evaluated.error());
+    result_.runs = std::ssize(*evaluated) + repeats_;
+    result_.finished = finished(*evaluated);
+    if (plan_.parts > 1 || result_.finished < std::ssize(*evaluated)) return std::move(result_);
+    for (std::size_t i = 0; i < evaluated->size(); ++i) add_point(i, (*evaluated)[i]);
+    if (progress) plan_.progress = [&](double share) { progress(0.5 + 0.5 * share); };
+    if (auto status = take_times(); !status) return tl::unexpected(status.error());
     for (std::size_t a = 0; a < scene_.accuracy.size(); ++a) find_front(a);
     return std::move(result_);
   }
 
-  void report(double runs, const std::string& what) const {
-    if (options_.progress) options_.progress(runs / static_cast<double>(2 * runs_), what);
-  }
+ private:
+  struct Reference {
+    SceneRecording recording;
+    std::vector<double> floors;  ///< how far two references are apart; 0 where theory gives the number
+  };
+
+  Sweep sweep() const { return {scene_, table_, plan_}; }
 
   /// The reference solution at the rate of a scene. Its own error is its difference from one with half the
   /// step size.
-  Checked<SceneRecording> refer(const SceneSpec& scene) {
-    report(static_cast<double>(result_.points.size()), "reference");
+  Checked<const Reference*> refer(const SceneSpec& scene) {
+    const std::lock_guard lock{referring_};
+    auto& reference = references_[scene.rate.value];
+    if (reference) return &*reference;
     const auto solved = with_network_option(scene, "solver", "reference");
     auto first = play_run({{}, with_network_option(solved, "oversample", 1.0)}, table_);
     if (!first) return tl::unexpected(first.error());
     const auto second = play_run({{}, with_network_option(solved, "oversample", 2.0)}, table_);
     if (!second) return tl::unexpected(second.error());
-    // How far the two references are apart; 0 where theory gives the number.
-    floors_.assign(scene_.accuracy.size(), 0.0);
-    for (std::size_t a = 0; a < scene_.accuracy.size(); ++a) {
-      if (!scene_.accuracy[a].exact)
-        floors_[a] = accuracy_error(scene_.accuracy[a], *second, *first).value_or(1);
-      result_.references[a].own_error = std::max(result_.references[a].own_error, floors_[a]);
-    }
-    return first;
+    std::vector<double> floors;
+    for (const auto& accuracy : scene_.accuracy)
+      floors.push_back(accuracy.exact ? 0 : accuracy_error(accuracy, *second, *first).value_or(1));
+    reference = {std::move(*first), std::move(floors)};
+    return &*reference;
   }
 
-  const WorkPoint& play(const SceneSpec& scene, const SolverVariant& variant,
-                        const SceneRecording& reference) {
+  /// Plays a variant and keeps its timer. Errors: its network cannot be stepped so.
+  Checked<SceneRecording> play(const Sweep::Run& run) {
+    auto built = build_scene(run.scene, table_);
+    if (!built) return tl::unexpected(built.error());
+    auto recording = play_run(run, table_);
+    if (!recording) return recording;
+    auto timer = std::make_unique<PlantTimer>(std::move(*built), run.scene, *recording);
+    const std::lock_guard lock{keeping_};
+    timers_[run.number] = std::move(timer);
+    return recording;
+  }
+
+  Checked<RunResult> find_errors(const Sweep::Run& run) {
+    const auto reference = refer(run.scene);
+    if (!reference) return tl::unexpected(reference.error());
+    const auto& [expected, floors] = **reference;
+    RunResult numbers{kRefused};
+    numbers.insert(numbers.end(), floors.begin(), floors.end());
+    const auto recording = play(run);
+    if (!recording) return numbers;
+    const bool unstable = std::ranges::any_of(
+        scene_.accuracy, [&](const auto& accuracy) { return exploded(accuracy, *recording, expected); });
+    numbers[0] = unstable ? kUnstable : kStable;
+    for (const auto& accuracy : scene_.accuracy)
+      if (!unstable) numbers.push_back(accuracy_error(accuracy, *recording, expected).value_or(1));
+    return numbers;
+  }
+
+  void add_point(std::size_t number, const SweepPoint& swept) {
     auto& point = result_.points.emplace_back();
-    point.variant = variant;
-    auto built = build_scene(scene, table_);
-    const auto recording = built ? play_run({{}, scene}, table_) : tl::unexpected(built.error());
-    if (!recording) return point.refused = recording.error().front(), point;
-    for (const auto& accuracy : scene_.accuracy)
-      point.unstable = point.unstable || exploded(accuracy, *recording, reference);
-    if (point.unstable) return point;
-    point.floors = floors_;
-    for (const auto& accuracy : scene_.accuracy)
-      point.errors.push_back(accuracy_error(accuracy, *recording, reference).value_or(1));
-    timers_[result_.points.size() - 1] = std::make_unique<PlantTimer>(std::move(*built), scene, *recording);
-    return point;
+    point.variant = {"as written", 0, scene_.rate};
+    if (!swept.at.empty())
+      point.variant = {plan_.over[1].names[static_cast<std::size_t>(swept.at[1])],
+                       static_cast<int>(swept.at[2]), Hertz{swept.at[0]}};
+    const auto& numbers = *swept.result;
+    const auto count = scene_.accuracy.size();
+    for (std::size_t a = 0; a < count && a + 1 < numbers.size(); ++a)
+      result_.references[a].own_error = std::max(result_.references[a].own_error, numbers[a + 1]);
+    const double outcome = numbers.empty() ? kRefused : numbers.front();
+    point.unstable = outcome == kUnstable;
+    if (outcome == kRefused)
+      if (const auto again = play(sweep().run_of(number)); !again) point.refused = again.error().front();
+    if (outcome != kStable || numbers.size() != 1 + 2 * count) return;
+    const auto errors = numbers.end() - static_cast<std::ptrdiff_t>(count);
+    point.floors.assign(numbers.begin() + 1, errors);
+    point.errors.assign(errors, numbers.end());
   }
 
-  /// Interleaved, so that a disturbance of the machine affects all of them.
-  void take_times() {
-    for (int repeat = 0; repeat < options_.repeats; ++repeat) {
-      report(static_cast<double>(runs_) * (1.0 + static_cast<double>(repeat) / options_.repeats), "timing");
-      for (const auto& [point, timer] : timers_) timer->run();
+  /// Every repeat takes all variants, so that a disturbance of the machine affects all of them.
+  Checked<void> take_times() {
+    plan_.workers = 1;
+    std::vector<std::size_t> timed;
+    for (std::size_t i = 0; i < result_.points.size(); ++i)
+      if (result_.points[i].known()) timed.push_back(i);
+    const auto time_all = [&](int) -> Checked<RunResult> {
+      RunResult times_ns;
+      for (const auto i : timed) {
+        if (!timers_.contains(i))  // its errors were cached
+          if (const auto played = play(sweep().run_of(i)); !played) return tl::unexpected(played.error());
+        times_ns.push_back(timers_[i]->ns_per_frame());
+      }
+      return times_ns;
+    };
+    const auto times_ns = evaluate_runs(
+        plan_, repeats_, [&](int r) { return time_key(r); }, time_all);
+    if (!times_ns) return tl::unexpected(times_ns.error());
+    for (std::size_t t = 0; t < timed.size(); ++t) {
+      std::vector<double> of_point;
+      for (const auto& repeat : *times_ns)
+        if (repeat && t < repeat->size()) of_point.push_back((*repeat)[t]);
+      result_.points[timed[t]].ns_per_frame = median(std::move(of_point));
     }
-    for (const auto& [point, timer] : timers_) result_.points[point].ns_per_frame = timer->ns_per_frame();
+    result_.finished += std::ranges::count_if(*times_ns, [](const auto& repeat) { return !!repeat; });
+    return {};
+  }
+
+  std::uint64_t time_key(int repeat) const {
+    Fingerprint print;
+    for (std::size_t i = 0; i < result_.points.size(); ++i) print.add(run_key(key_, sweep().run_of(i)));
+    return print.add("times").add(static_cast<std::uint64_t>(repeat)).value();
   }
 
   void find_front(std::size_t a) {
@@ -230,11 +276,13 @@ class Study {
 
   const SceneSpec& scene_;
   const NodeTable& table_;
-  WorkPrecisionOptions options_;
-  std::size_t runs_ = 0;
-  std::vector<double> floors_;  // own errors of the reference
-  WorkPrecision result_;
+  SweepPlan plan_;
+  int repeats_;
+  std::string key_;
+  std::mutex referring_, keeping_;
+  std::map<double, std::optional<Reference>> references_;  ///< by rate
   std::map<std::size_t, std::unique_ptr<PlantTimer>> timers_;
+  WorkPrecision result_;
 };
 
 /// Without a network there is no solver, and without [accuracy] no error.
@@ -270,14 +318,12 @@ const WorkPoint* WorkPrecision::cheapest(double error) const {
 Checked<WorkPrecision> study_work_precision(const SceneSpec& scene, const NodeTable& table,
                                             const WorkPrecisionOptions& options) {
   if (auto missing = missing_section(scene)) return tl::unexpected(std::vector{*missing});
-  return Study{scene, table, options}.run();
+  return Study{scene, table, options, swept_by(options, scene.rate), options.repeats}.run();
 }
 
-Checked<WorkPrecision> evaluate_as_written(const SceneSpec& scene, const NodeTable& table, int repeats) {
+Checked<WorkPrecision> evaluate_as_written(const SceneSpec& scene, const NodeTable& table) {
   if (auto missing = missing_section(scene)) return tl::unexpected(std::vector{*missing});
-  WorkPrecisionOptions options;
-  options.repeats = repeats;
-  return Study{scene, table, options}.run_as_written();
+  return Study{scene, table, {}, {}, WorkPrecisionOptions{}.repeats}.run();
 }
 
 }  // namespace tactus

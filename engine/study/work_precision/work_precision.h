@@ -1,7 +1,6 @@
 #pragma once
 // Thread: [control]
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "engine/graph/node_type.h"
 #include "engine/plot/plot.h"
 #include "engine/scene/file/scene_spec.h"
+#include "engine/study/sweep/evaluate_runs.h"
 
 namespace tactus {
 
@@ -24,13 +24,12 @@ struct SolverVariant {
 std::string to_string(const SolverVariant& variant);
 
 /// What to try; empty lists: all solvers, the scene's rate with its half and its double, 1 to 16 steps a
-/// frame.
-struct WorkPrecisionOptions {
-  std::vector<std::string> solvers;
-  std::vector<Hertz> rates;
-  std::vector<int> oversamples;
+/// frame. A part of several measures no times: they are comparable only where one process takes all of them.
+struct WorkPrecisionOptions : RunPlan {
+  std::vector<std::string> solvers = {};
+  std::vector<Hertz> rates = {};
+  std::vector<int> oversamples = {};
   int repeats = 5;  ///< runs for the time, of which the median counts
-  std::function<void(double, const std::string&)> progress = {};  ///< share done, current step
 };
 
 /// One variant: what it costs and how wrong it is.
@@ -61,6 +60,8 @@ struct WorkPrecision {
   std::string scene;
   std::vector<ReferenceUsed> references;  ///< in the order of [accuracy]
   std::vector<WorkPoint> points;
+  /// Variants and repeats; `points` is empty until all variants are finished.
+  std::ptrdiff_t runs = 0, finished = 0;
 
   /// The cheapest variant within real time whose errors are all at most `error`; nullptr if there is none.
   const WorkPoint* cheapest(double error) const;
@@ -69,14 +70,15 @@ struct WorkPrecision {
 /// [control] A sweep over rate, solver and oversampling that measures errors and times. Every run is compared
 /// with a reference at its own rate, which has the same inputs from frame to frame: so the error is that of
 /// the solver. References: what theory says (`exact`); else the reference solution (Solver::Reference) with
-/// one and with two steps a frame, whose difference is its own error. Errors: those of the scene; Missing
-/// without [accuracy] or a network.
+/// one and with two steps a frame, whose difference is its own error. Workers share the runs for the errors;
+/// times are measured one after another. Errors: those of the scene; Missing without [accuracy] or a network;
+/// BadFile of the cache.
 Checked<WorkPrecision> study_work_precision(const SceneSpec& scene, const NodeTable& table,
                                             const WorkPrecisionOptions& options = {});
 
 /// [control] The same for the scene as it is written: one run, whose variant names no solver. Errors: those
 /// of the scene; Missing without [accuracy].
-Checked<WorkPrecision> evaluate_as_written(const SceneSpec& scene, const NodeTable& table, int repeats = 5);
+Checked<WorkPrecision> evaluate_as_written(const SceneSpec& scene, const NodeTable& table);
 
 /// [any] Error against computing time, a plot for each line of [accuracy]: a curve for each solver and rate
 /// over its oversampling, the Pareto front, and the limit of real time.

@@ -22,19 +22,20 @@ PlotColor color_of(const std::string& solver) {
   return solver == "passive" ? PlotColor::Green : PlotColor::Orange;
 }
 
-/// One solver at one rate over its oversampling.
-PlotSeries curve(const WorkPrecision& study, const SolverVariant& of, std::size_t a) {
-  PlotSeries series;
-  series.label = fmt::format("{}, {:g} kHz", of.solver, of.rate.value / 1e3);
-  series.color = color_of(of.solver);
-  series.mark = PlotMark::LineAndPoints;
+/// A curve for each solver and rate, over its oversampling.
+std::vector<PlotSeries> curves(const WorkPrecision& study, std::size_t a) {
+  std::vector<PlotSeries> curves;
   for (const auto& point : study.points) {
-    if (point.variant.solver != of.solver || point.variant.rate.value != of.rate.value || !point.known())
-      continue;
-    series.x.push_back(time_of(point));
-    series.y.push_back(shown(point.errors[a]));
+    if (!point.known()) continue;
+    const auto& variant = point.variant;
+    const auto label = fmt::format("{}, {:g} kHz", variant.solver, variant.rate.value / 1e3);
+    auto curve = std::ranges::find(curves, label, &PlotSeries::label);
+    if (curve == curves.end())
+      curve = curves.insert(
+          curve, {.label = label, .mark = PlotMark::LineAndPoints, .color = color_of(variant.solver)});
+    curve->add(time_of(point), shown(point.errors[a]));
   }
-  return series;
+  return curves;
 }
 
 /// The Pareto front, as steps: no variant is both cheaper and more accurate.
@@ -45,9 +46,8 @@ PlotSeries front(const WorkPrecision& study, std::size_t a) {
   std::ranges::sort(corners);
   PlotSeries series{.label = "Pareto front", .color = PlotColor::Black};
   for (const auto& [x, y] : corners) {
-    if (!series.y.empty()) series.x.push_back(x), series.y.push_back(series.y.back());
-    series.x.push_back(x);
-    series.y.push_back(y);
+    if (!series.y.empty()) series.add(x, series.y.back());
+    series.add(x, y);
   }
   return series;
 }
@@ -75,16 +75,7 @@ Plot plot_of(const WorkPrecision& study, std::size_t a) {
             .log = true};
   auto& errors = plot.subplots.emplace_back();
   errors.y = {.label = "relative error", .log = true};
-  for (std::size_t i = 0; i < study.points.size(); ++i) {
-    const auto& variant = study.points[i].variant;
-    const auto same = [&](const WorkPoint& other) {
-      return other.variant.solver == variant.solver && other.variant.rate.value == variant.rate.value;
-    };
-    const auto begin = study.points.begin();
-    if (std::find_if(begin, study.points.end(), same) != begin + static_cast<std::ptrdiff_t>(i)) continue;
-    auto series = curve(study, variant, a);
-    if (!series.x.empty()) errors.series.push_back(std::move(series));
-  }
+  errors.series = curves(study, a);
   auto edge = front(study, a);
   if (!edge.x.empty()) errors.series.push_back(std::move(edge));
   errors.series.push_back(real_time(errors));

@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "engine/core/named.h"
+#include "tests/support/error_summary.h"
+
 using namespace tactus;
 using namespace tactus::app;
 
 TEST_CASE("app backends: a simulated card is there for whoever names it, and for nobody else", "[apps]") {
-  const auto cards = card_backends();
+  const auto cards = names_of(sound_backends());
   CHECK(std::count(cards.begin(), cards.end(), "loop") == 0);
   const auto named = backends_called("loop");
   REQUIRE(named);
@@ -26,5 +29,5 @@ TEST_CASE("app backends: an id that says what a simulated card is makes one", "[
   CHECK(choose_devices("loop", "echo", "")->output.id == "loop:echo_cancel");
   const auto unknown = choose_devices("", "loop:nothing", "");
   REQUIRE_FALSE(unknown);
-  CHECK(to_string(unknown.error()).find("'loop:nothing'") != std::string::npos);
+  CHECK(test::summary(unknown).find("'loop:nothing'") != std::string::npos);
 }

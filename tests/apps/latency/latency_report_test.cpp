@@ -137,7 +137,7 @@ TEST_CASE("latency report: the JSON has every figure, and null where there is no
   CHECK(json["sweeps"].size() == 8);
 }
 
-TEST_CASE("latency report: of silence only its noise is told", "[latency]") {
+TEST_CASE("latency report: of silence only its noise is printed", "[latency]") {
   LatencyReport report;
   report.source = "capture.wav";
   report.measurement.finding = {Verdict::NoSignal, "nothing came back", "connect the cable"};
@@ -154,8 +154,7 @@ TEST_CASE("latency report: of silence only its noise is told", "[latency]") {
   CHECK(test::well_formed(to_svg(picture_of(report))));
 }
 
-TEST_CASE("latency report: of what was given up before it was played, nothing is told that nobody knows",
-          "[latency]") {
+TEST_CASE("latency report: what ended before it was played prints no unknown value", "[latency]") {
   LatencyReport report;
   report.live = true;
   report.measurement.finding = {Verdict::Feedback, "it howled", "switch monitoring off"};

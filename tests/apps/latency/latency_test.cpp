@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "apps/render/render.h"
 #include "engine/dsp/generators/counter_noise.h"
@@ -71,10 +72,17 @@ Samples later(const Samples& probe, int frames, double gain) {
   return captured;
 }
 
-void says(const Ran& ran, int exit, const std::string& words) {
+/// `names`: all of them stand in the output, in this order.
+void check_exit(const Ran& ran, int exit, const std::string& names) {
   INFO(ran.out << ran.err);
   CHECK(ran.exit == exit);
-  CHECK((ran.out + ran.err).find(words) != std::string::npos);
+  std::size_t at = 0;
+  std::istringstream words{names};
+  for (std::string word; words >> word;) {
+    CAPTURE(word);
+    at = (ran.out + ran.err).find(word, at);
+    CHECK(at != std::string::npos);
+  }
 }
 
 }  // namespace
@@ -127,7 +135,7 @@ TEST_CASE("latency analyze: the probe is resampled to the capture's rate, or bot
   desk.capture("other.wav", other);
   const auto resampled = desk.run("latency analyze other.wav --probe probe.wav --json");
   INFO(resampled.err);
-  CHECK(resampled.err.find("the probe was resampled") != std::string::npos);
+  CHECK(resampled.err.find("44100") != std::string::npos);
   CHECK(resampled.json()["sample_rate_hz"] == 44100);
   CHECK(resampled.json()["delay_frames"].get<double>() ==
         Approx(960 * 44100.0 / 48000).epsilon(0).margin(0.02));
@@ -155,12 +163,11 @@ TEST_CASE("latency analyze: a file with what was played in its first channel nee
   CHECK(ran.exit == 0);
   CHECK(ran.json()["delay_frames"].get<double>() == Approx(480).epsilon(0).margin(0.01));
   CHECK(desk.run("latency analyze raw.wav --json").json()["verdict"] == "WRONG_CHANNEL");
-  says(desk.run("latency analyze raw.wav --channel 1"), 2, "channel 1 must be the played signal");
-  says(desk.run("latency analyze raw.wav --channel 4"), 2,
-       "'raw.wav' has no channel 4; it has channels 2 to 3");
+  check_exit(desk.run("latency analyze raw.wav --channel 1"), 2, "channel 1");
+  check_exit(desk.run("latency analyze raw.wav --channel 4"), 2, "'raw.wav' 4 2 3");
 }
 
-TEST_CASE("latency analyze: files that cannot be are told one by one, with exit code 3", "[latency]") {
+TEST_CASE("latency analyze: invalid files are reported one by one, with exit code 3", "[latency]") {
   const Desk desk;
   const auto probe = desk.probe();
   desk.capture("capture.wav", later(probe, 960, 0.5));
@@ -171,45 +178,41 @@ TEST_CASE("latency analyze: files that cannot be are told one by one, with exit 
   desk.capture("noise.wav", {48_kHz, {std::vector<double>(100)}});
   desk.folder.write("text.wav", "this is no sound");
   const auto analyze = [&](const std::string& arguments) { return desk.run("latency analyze " + arguments); };
-  says(analyze("nowhere.wav --probe probe.wav"), 3, "nowhere.wav: there is no such file");
-  says(analyze("capture.wav --probe nowhere.wav"), 3, "nowhere.wav: there is no such file");
-  says(analyze("empty.wav --probe probe.wav"), 3, "empty.wav: it contains no samples");
-  says(analyze("capture.wav --probe empty.wav"), 3, "empty.wav: it contains no samples");
-  says(analyze("short.wav --probe probe.wav"), 1, "NO_SIGNAL");
-  says(analyze("slow.wav --probe probe.wav"), 3, "its header states a sample rate of 10 Hz");
-  says(analyze("nan.wav --probe probe.wav"), 3, "some of its samples are non-finite");
-  says(analyze("text.wav --probe probe.wav"), 3, "cannot be read as a WAV file");
-  says(analyze("capture.wav"), 3, "it has one channel, and no probe file is given");
+  check_exit(analyze("nowhere.wav --probe probe.wav"), 3, "nowhere.wav");
+  check_exit(analyze("capture.wav --probe nowhere.wav"), 3, "nowhere.wav");
+  check_exit(analyze("empty.wav --probe probe.wav"), 3, "empty.wav");
+  check_exit(analyze("capture.wav --probe empty.wav"), 3, "empty.wav");
+  check_exit(analyze("short.wav --probe probe.wav"), 1, "NO_SIGNAL");
+  check_exit(analyze("slow.wav --probe probe.wav"), 3, "slow.wav 10");
+  check_exit(analyze("nan.wav --probe probe.wav"), 3, "nan.wav");
+  check_exit(analyze("text.wav --probe probe.wav"), 3, "text.wav");
+  check_exit(analyze("capture.wav"), 3, "capture.wav --probe");
   CHECK(analyze("capture.wav --probe noise.wav").exit == 3);
 }
 
-TEST_CASE("latency: wrong usage is told, with exit code 2", "[latency]") {
+TEST_CASE("latency: wrong usage is reported, with exit code 2", "[latency]") {
   const Desk desk;
   desk.capture("capture.wav", later(desk.probe(), 960, 0.5));
-  says(desk.run("latency analyze capture.wav --probe probe.wav --channel 2"), 2,
-       "'capture.wav' has no channel 2; it has only channel 1");
-  says(desk.run("latency analyze capture.wav --probe probe.wav --channel 0"), 2, "--channel");
-  says(desk.run("latency analyze capture.wav --probe probe.wav --rate fast"), 2, "--rate");
-  says(desk.run("latency analyze capture.wav --probe probe.wav --rate '10 Hz'"), 2,
-       "--rate: '10 Hz' is out of range");
-  says(desk.run("latency analyze"), 2, "FILE is required");
-  says(desk.run("latency probe"), 2, "--out is required");
-  says(desk.run("latency probe --out p.wav --level loud"), 2, "'loud' is not a level");
-  says(desk.run("latency probe --out p.wav --level 3"), 2, "must be between -120 and 0 dBFS");
-  says(desk.run("latency probe --out p.wav --rate '44.1005 kHz'"), 2, "whole number of hertz");
-  says(desk.run("latency bogus"), 2, "bogus");
-  says(desk.run("latency measure --backend none"), 2, "without the backend 'none'");
-  says(desk.run("latency measure --out 0"), 2, "--out");
-  says(desk.run("latency measure --rig nowhere.toml"), 3, "nowhere.toml");
-  says(desk.run("latency measure --rig nowhere.toml --block 64"), 2,
-       "--block: cannot be combined with --rig");
-  says(desk.run("latency measure --device loop:20ms --input 3"), 2, "'loop:20ms' has no input 3");
-  says(desk.run("latency measure --device loop:20ms --output 3"), 2, "'loop:20ms' has no output 3");
-  says(desk.run("latency measure --device loop:nothing"), 4, "nothing");
-  says(desk.run("latency measure --device loop:20ms --rate '12.5 Hz'"), 2,
-       "--rate: '12.5 Hz' is out of range");
-  says(desk.run("latency sweep --blocks 0"), 2, "--blocks");
-  says(desk.run("latency sweep --device loop:20ms --rates 1"), 2, "--rates");
+  check_exit(desk.run("latency analyze capture.wav --probe probe.wav --channel 2"), 2, "'capture.wav' 2 1");
+  check_exit(desk.run("latency analyze capture.wav --probe probe.wav --channel 0"), 2, "--channel");
+  check_exit(desk.run("latency analyze capture.wav --probe probe.wav --rate fast"), 2, "--rate");
+  check_exit(desk.run("latency analyze capture.wav --probe probe.wav --rate '10 Hz'"), 2, "--rate '10 Hz'");
+  check_exit(desk.run("latency analyze"), 2, "FILE");
+  check_exit(desk.run("latency probe"), 2, "--out");
+  check_exit(desk.run("latency probe --out p.wav --level loud"), 2, "--level 'loud'");
+  check_exit(desk.run("latency probe --out p.wav --level 3"), 2, "--level -120 0");
+  check_exit(desk.run("latency probe --out p.wav --rate '44.1005 kHz'"), 2, "p.wav 44100.5");
+  check_exit(desk.run("latency bogus"), 2, "bogus");
+  check_exit(desk.run("latency measure --backend none"), 2, "'none'");
+  check_exit(desk.run("latency measure --out 0"), 2, "--out");
+  check_exit(desk.run("latency measure --rig nowhere.toml"), 3, "nowhere.toml");
+  check_exit(desk.run("latency measure --rig nowhere.toml --block 64"), 2, "--block --rig");
+  check_exit(desk.run("latency measure --device loop:20ms --input 3"), 2, "'loop:20ms' 3");
+  check_exit(desk.run("latency measure --device loop:20ms --output 3"), 2, "'loop:20ms' 3");
+  check_exit(desk.run("latency measure --device loop:nothing"), 4, "nothing");
+  check_exit(desk.run("latency measure --device loop:20ms --rate '12.5 Hz'"), 2, "--rate '12.5 Hz'");
+  check_exit(desk.run("latency sweep --blocks 0"), 2, "--blocks");
+  check_exit(desk.run("latency sweep --device loop:20ms --rates 1"), 2, "--rates");
 }
 
 TEST_CASE("latency: alone it explains itself", "[latency]") {
@@ -230,7 +233,7 @@ TEST_CASE("latency probe: it is as loud and as long as it says", "[latency]") {
   for (const double sample : samples->channels.front()) peak = std::max(peak, std::abs(sample));
   CHECK(peak == Approx(0.1).epsilon(0.01));
   CHECK(ran.json()["duration_s"].get<double>() == Approx(static_cast<double>(samples->frames()) / 96000));
-  says(desk.run("latency probe --out nowhere/p.wav"), 3, "nowhere/p.wav: it cannot be written");
+  check_exit(desk.run("latency probe --out nowhere/p.wav"), 3, "nowhere/p.wav");
 }
 
 namespace {
@@ -282,8 +285,8 @@ TEST_CASE("latency measure: what was measured is what an instrument then reckons
   REQUIRE(desk.run("latency measure --device loop:20ms --block 64" + kShort).exit == 0);
   const auto play = std::string{"play "} + TACTUS_SOURCE_DIR +
                     "/instruments/haptic_drum --device loop:20ms --duration '0.1 s' --block ";
-  says(desk.run(play + "64"), 0, "delay     20.00 ms measured");
-  says(desk.run(play + "128"), 0, "delay     not measured");
+  check_exit(desk.run(play + "64"), 0, "delay 20.00 measured");
+  check_exit(desk.run(play + "128"), 0, "delay not measured");
 }
 
 TEST_CASE("latency measure: a refusal has no delay, and keeps none", "[latency]") {
@@ -322,7 +325,7 @@ TEST_CASE("latency measure: a rig says what to measure, and keeps the delay besi
   CHECK(rig->device.rate == 48_kHz);
 }
 
-TEST_CASE("latency sweep: blocks on the way and what no block takes away are told apart", "[latency]") {
+TEST_CASE("latency sweep: delay per block and fixed delay are separated", "[latency]") {
   const Desk desk;
   const auto ran = desk.run(
       "latency sweep --device loop:delay=100,blocks=2 --blocks 64,128,256 --openings 1 --sweeps 2 --json "
@@ -349,8 +352,7 @@ TEST_CASE("latency calibrate: what lies in the loop becomes a profile, behind wh
           "[latency]") {
   const Desk desk;
   const std::string card = " --device loop:cable,high_pass=100 --block 64";
-  says(desk.run("latency calibrate --save path.toml" + card), 2,
-       "has not been measured with this sample rate and block size");
+  check_exit(desk.run("latency calibrate --save path.toml" + card), 2, "--electrical");
   // 60.25 frames and two blocks, of which the profile takes 20 as its own.
   const auto ran = desk.run("latency calibrate --save path.toml --json --electrical '3.504375 ms'" + card);
   INFO(ran.out << ran.err);
@@ -368,8 +370,8 @@ TEST_CASE("latency calibrate: what lies in the loop becomes a profile, behind wh
   CHECK(other.exit == 0);
   CHECK(other.json()["delay_frames"].get<double>() ==
         Approx(188.25 - 20.04 * 44.1 / 48).epsilon(0).margin(0.05));
-  says(desk.run("latency measure --profile nowhere.toml" + card), 3, "nowhere.toml");
+  check_exit(desk.run("latency measure --profile nowhere.toml" + card), 3, "nowhere.toml");
   desk.folder.write("broken.toml", "format = 1");
-  says(desk.run("latency measure --profile broken.toml" + card), 3, "there is no fir node called 'path'");
+  check_exit(desk.run("latency measure --profile broken.toml" + card), 3, "broken.toml 'path'");
 }
 #endif

@@ -85,12 +85,12 @@ TEST_CASE("render: all outputs in one file, what is to be listened to in another
   const test::TemporaryFolder folder;
   const auto all = (folder.path() / "all.wav").string(), sound = (folder.path() / "sound.wav").string();
   REQUIRE(render("cellomobo --duration '0.5 s' --out " + all + " --sound " + sound) == 0);
-  const auto both = read_wav(all), heard = read_wav(sound);
+  const auto both = read_wav(all), monitor = read_wav(sound);
   REQUIRE(both);
-  REQUIRE(heard);
+  REQUIRE(monitor);
   REQUIRE(both->channels.size() == 2);
-  REQUIRE(heard->channels.size() == 1);
-  CHECK(heard->channels[0] == both->channels[1]);
+  REQUIRE(monitor->channels.size() == 1);
+  CHECK(monitor->channels[0] == both->channels[1]);
   CHECK(render("bouncing_ball --duration '0.1 s' --sound " + sound) == 2);
   CHECK(render("cellomobo --duration '0.1 s' --sound " + (folder.path() / "no" / "x.wav").string()) == 2);
 }

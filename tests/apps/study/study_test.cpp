@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cstdlib>
+#include <fstream>
+
+#include "tests/support/temporary_folder.h"
 
 using namespace tactus;
 using namespace tactus::app;
@@ -65,3 +69,41 @@ TEST_CASE("study: each run is a row of the Markdown table", "[apps]") {
         std::string::npos);
   CHECK(table.find("| explicit | 1 | 24 kHz |  |  | unstable |  |") != std::string::npos);
 }
+
+#if defined(TACTUS_PROGRAM) && defined(__unix__)
+namespace {
+
+const std::string kBall = std::string{TACTUS_SOURCE_DIR} + "/instruments/bouncing_ball/table_scene.toml";
+
+/// Exit code and output of a study.
+std::pair<int, std::string> study(const std::string& arguments) {
+  const test::TemporaryFolder folder;
+  const auto out = folder.path() / "out.txt";
+  const auto command =
+      std::string{TACTUS_PROGRAM} + " study " + arguments + " >" + out.string() + " 2>/dev/null";
+  const int exit = std::system(command.c_str()) / 256;
+  std::ifstream stream{out};
+  return {exit, {std::istreambuf_iterator<char>{stream}, {}}};
+}
+
+}  // namespace
+
+TEST_CASE(
+    "study bifurcation: --over is --control with its range, and a resumed study the whole, byte for byte",
+    "[apps]") {
+  const test::TemporaryFolder folder;
+  const std::string brief = "bifurcation " + kBall + " --settle 0.1 --read 0.3 --json ";
+  const auto whole = study(brief + "--control plant.gamma --from 1.3 --to 1.5 --values 14");
+  CHECK(whole.first == 0);
+  CHECK(study(brief + "--from 1.3 --to 1.5 --values 14") == whole);
+  const auto over = brief + "--over plant.gamma=1.3:1.5:14 ";
+  CHECK(study(over) == whole);
+  const auto keep = over + "--keep " + folder.path().string();
+  CHECK(study(keep + " --part 2/2") == std::pair{0, std::string{}});
+  CHECK(study(keep) == whole);
+  CHECK(study(keep + " --workers 1") == whole);
+  CHECK(study(over + "--values 3").first == 2);
+  CHECK(study(brief + "--over plant.gamma=1.3:1.5:14:log").first == 2);
+  CHECK(study(brief + "--over 'plant.gamma=1:2:3 m'").first == 2);
+}
+#endif

@@ -45,7 +45,7 @@ TEST_CASE("wall report: people, machines and pictures get the same map", "[apps]
 
   const auto picture = to_svg(plots_of(map));
   CHECK(test::well_formed(picture));
-  for (const auto& controller : map.controllers) CHECK(contains(picture, controller.controller.name));
+  for (const auto& controller : map.controllers) CHECK(contains(picture, controller.name));
 }
 
 TEST_CASE("play report: a port that turned active says when, how much and how fast", "[apps]") {

@@ -3,6 +3,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "tests/support/error_summary.h"
+
 using namespace tactus;
 
 TEST_CASE("loop_card: every name in the list is a card, and says what it is", "[loop]") {
@@ -36,6 +38,6 @@ TEST_CASE("loop_card: what means nothing, or cannot be, is refused in words", "[
     const auto card = loop_card(text);
     REQUIRE_FALSE(card);
     CHECK(card.error().code == Errc::UnknownName);
-    CHECK(to_string(card.error()).find("'" + std::string{text} + "'") != std::string::npos);
+    CHECK(test::summary(card).find("'" + std::string{text} + "'") != std::string::npos);
   }
 }

@@ -29,11 +29,13 @@ std::int64_t record_and_kill(const std::filesystem::path& wav, std::int64_t fram
     std::_Exit(1);
   }
   close(ends[1]);
-  std::int64_t done = 0, told = 0;
-  const auto next = [&] { return read(ends[0], &told, sizeof told) == static_cast<ssize_t>(sizeof told); };
-  while (done < frames && next()) done = told;
+  std::int64_t done = 0, reported = 0;
+  const auto next = [&] {
+    return read(ends[0], &reported, sizeof reported) == static_cast<ssize_t>(sizeof reported);
+  };
+  while (done < frames && next()) done = reported;
   kill(child, SIGKILL);
-  while (next()) done = told;
+  while (next()) done = reported;
   waitpid(child, nullptr, 0);
   close(ends[0]);
   return done;

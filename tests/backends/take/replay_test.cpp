@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <sstream>
@@ -6,6 +7,7 @@
 #include "engine/rig/profile.h"
 #include "tests/backends/take/performance.h"
 #include "tests/conformance/random_graph.h"
+#include "tests/support/error_summary.h"
 #include "tests/support/graphs/busy_graph.h"
 #include "tests/support/temporary_folder.h"
 
@@ -65,7 +67,62 @@ std::string complaint(unsigned seed, const TemporaryFolder& folder) {
   return again.same() ? "" : again.verdict() + "\n" + text;
 }
 
+/// The journal of a take of format 1, as docs/takes.md describes it. Its guard limits nothing but the ramps:
+/// 960 frames up, 480 down.
+std::string old_journal(int format) {
+  return replaced(R"({"tactus_take": FORMAT, "program": "0.1", "sample_rate_hz": 48000,)", "FORMAT",
+                  std::to_string(format)) +
+         R"( "inputs": ["x"], "outputs": ["y"], "controls": ["g"], "settings": {"g": 0.5}, "taps": [],)"
+         R"( "system_delay_s": 0, "armed": true, "soft_start": true, "trusted_sensors": true, "state": [],)"
+         R"( "guard": [{"ceiling": 1, "slew_per_second": null, "soft_start_s": 0.02, "fade_out_s": 0.01,)"
+         R"( "direct": {"level": 1, "time_s": 0}, "kind": "audio"}], "rig": "", "left_out": [],)"
+         R"( "input_scales": [0.5], "padding_frames": 0, "files": {"main": "gain.toml", "root": ".",)"
+         R"( "texts": {"gain.toml": "format = 1\n[inputs]\nx = {}\n[controls]\ng = { value = 1,)"
+         R"( range = [0, 1], smooth = \"0 ms\" }\n[outputs]\ny = { from = \"g * x\", kind = \"audio\" }\n"},)"
+         R"( "sounds": {}}}
+{"frame": 1500, "kind": "control", "index": 0, "value": 0.25}
+{"frame": 2000, "kind": "mute", "index": 0, "value": 1}
+{"frame": 2500, "kind": "complete", "lost_entries": 0, "rounded_sensors": 0}
+{"frame": 3000, "kind": "mute", "index": 0, "value": 0}
+{"frame": 5000, "kind": "end", "lost_entries": 0, "rounded_sensors": 0, "why": ""}
+)";
+}
+
+/// The ramps of the guard in `old_journal`.
+double old_gain(int frame) {
+  if (frame < 960) return frame / 960.0;
+  if (frame < 2000) return 1;
+  if (frame < 2480) return 1 - (frame - 2000) / 480.0;
+  return frame < 3000 ? 0 : std::min(1.0, (frame - 3000) / 960.0);
+}
+
 }  // namespace
+
+TEST_CASE("takes: one of format 1 plays to its end, and is input times control times ramps", "[take]") {
+  const auto format = GENERATE(1, 2);
+  CAPTURE(format);
+  std::vector<double> x, y;
+  for (int n = 0; n < 5000; ++n) {
+    x.push_back((n * 37 % 2001 - 1000) / 1024.0);
+    const double before_guard = (n < 1500 ? 0.5 : 0.25) * (0.5 * x.back());
+    y.push_back(as_recorded(before_guard * old_gain(n)));
+  }
+  const TemporaryFolder folder;
+  const auto wav = folder.path() / "old.wav";
+  must(write_wav(wav, {48_kHz, {x, y}}));
+  folder.write("old.jsonl", old_journal(format));
+  const auto again = replay_of(wav, {GENERATE(1, 64, 997)});
+  INFO(again.verdict());
+  CHECK(again.take.finished);
+  CHECK(again.replayed.frames == 5000);
+  CHECK(again.same());
+  REQUIRE(again.drives.size() == 1);
+  REQUIRE(again.drives[0].size() == 5000);
+  for (std::size_t n = 0; n < 5000; ++n) {
+    CAPTURE(n);
+    REQUIRE(static_cast<double>(as_recorded(again.drives[0][n])) == y[n]);
+  }
+}
 
 TEST_CASE("takes: drives of random graphs are the same bit for bit, edits and all", "[take]") {
   const TemporaryFolder folder;
@@ -131,7 +188,7 @@ TEST_CASE("takes: a change that is left out of the journal shows where it was", 
   CHECK_FALSE(again.same());
   REQUIRE(again.replayed.first_difference.has_value());
   CHECK(again.replayed.first_difference->frame == 777);
-  CHECK(again.verdict().starts_with("the drives differ from 0.0162 s on (frame 777): 'y' is "));
+  CHECK(test::names_in(again.verdict()).starts_with("0.0162 777 'y' "));
 }
 
 TEST_CASE("takes: one that was cut anywhere is the same up to there", "[take]") {
@@ -165,13 +222,11 @@ TEST_CASE("takes: one with a gap is played, but not called the same", "[take]") 
   Performance performance{folder.write("test.toml", kBusyGraph + kOutputs), wav, 4};
   performance.play(5000);
   CHECK(performance.finish().empty());
-  std::ofstream{journal_path(wav), std::ios::app} << gap_line({4999, 1});
+  std::ofstream{journal_path(wav), std::ios::app} << journal_line(TakeGap{4999, 1});
   const auto again = replay_of(wav, {64});
   CHECK(again.replayed.frames == 5000);
   CHECK_FALSE(again.same());
-  CHECK(again.verdict() ==
-        "this take cannot be replayed bit for bit: frames are missing at 0.104 s; the recorded part is "
-        "identical");
+  CHECK(test::names_in(again.verdict()) == "0.104");
 }
 
 TEST_CASE("takes: a WAV of another take is refused", "[take]") {
@@ -182,7 +237,7 @@ TEST_CASE("takes: a WAV of another take is refused", "[take]") {
   CHECK(performance.finish().empty());
   must(write_wav(wav, {44100_Hz, {{0.0}}}));
   CHECK_THROWS_WITH(replay_of(wav, {64}),
-                    Catch::Contains("the WAV file has 1 channels at 44100 Hz, its journal 5 at 48000 Hz"));
+                    Catch::Contains(" 1 channels at 44100 Hz") && Catch::Contains(" 5 at 48000 Hz"));
 }
 
 TEST_CASE("takes: what a restart leaves warm, muted or disarmed is in it", "[take]") {
@@ -254,17 +309,15 @@ TEST_CASE("takes: a take that would write outside of its folder is refused", "[t
   const TemporaryFolder folder;
   const auto refused = [&](const TakeFiles& files) {
     const auto file = app::unpack(files, folder.path() / "inside");
-    return file ? "" : file.error().what;
+    return test::summary(file);
   };
-  CHECK(refused({"a.toml", {{"a.toml", ""}, {"../b.toml", ""}}, {}, ""}) ==
-        "the take refers to a file outside its folder");
-  CHECK(refused({"a.toml", {{"/b.toml", ""}}, {}, ""}) == "the take refers to a file outside its folder");
-  CHECK(refused({"a.toml", {{"parts/../../b.toml", ""}}, {}, ""}) ==
-        "the take refers to a file outside its folder");
+  CHECK(refused({"a.toml", {{"a.toml", ""}, {"../b.toml", ""}}, {}, ""}) == "../b.toml BadFile");
+  CHECK(refused({"a.toml", {{"/b.toml", ""}}, {}, ""}) == "/b.toml BadFile");
+  CHECK(refused({"a.toml", {{"parts/../../b.toml", ""}}, {}, ""}) == "parts/../../b.toml BadFile");
   CHECK_FALSE(std::filesystem::exists(folder.path() / "b.toml"));
 }
 
-TEST_CASE("takes: a sound file that changed is told", "[take]") {
+TEST_CASE("takes: a sound file that changed is an error", "[take]") {
   const TemporaryFolder folder;
   folder.write("hit.wav", "old");
   const auto graph = folder.write("test.toml",
@@ -277,5 +330,5 @@ TEST_CASE("takes: a sound file that changed is told", "[take]") {
   folder.write("hit.wav", "new");
   const auto gone = app::unpack(files, folder.path() / "again");
   REQUIRE_FALSE(gone.has_value());
-  CHECK(gone.error().what == "this sound file is missing or has changed since the take was recorded");
+  CHECK(folder.strip(test::summary(gone)) == "hit.wav BadFile");
 }

@@ -7,6 +7,7 @@
 #include "backends/take/take_recorder.h"
 #include "backends/wav_file.h"
 #include "tests/support/allocation_count.h"
+#include "tests/support/error_summary.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace tactus;
@@ -80,7 +81,7 @@ TEST_CASE("take: a disk that stands still drops whole blocks, tells where, and k
   CHECK(take->gaps == std::vector<TakeGap>{{10 * kFrames, 15 * kFrames}});
   CHECK(take->complete == 28 * kFrames);
   CHECK(take->finished);
-  CHECK(why_not_exact(*take) == "frames are missing at 0.021 s");
+  CHECK(test::names_in(why_not_exact(*take)) == "0.021");
   const auto samples = read_wav(path);
   REQUIRE(samples.has_value());
   REQUIRE(samples->frames() == 28 * kFrames);
@@ -91,7 +92,7 @@ TEST_CASE("take: a disk that stands still drops whole blocks, tells where, and k
   }
 }
 
-TEST_CASE("take: a gap at the end is told too", "[take]") {
+TEST_CASE("take: a gap at the end is recorded too", "[take]") {
   const TemporaryFolder folder;
   const auto path = folder.path() / "take.wav";
   TakeRing ring{1, 1, 2 * kFrames};
@@ -118,7 +119,7 @@ TEST_CASE("take: more changes than there is room for are counted, and it says th
   REQUIRE(take.has_value());
   CHECK(take->guard.size() == 16384);
   CHECK(take->lost_entries == 3);
-  CHECK(why_not_exact(*take) == "3 control changes or guard events could not be recorded");
+  CHECK(test::names_in(why_not_exact(*take)) == "3");
 }
 
 TEST_CASE("take: a full disk ends the take and keeps what is there", "[take]") {
@@ -134,13 +135,13 @@ TEST_CASE("take: a full disk ends the take and keeps what is there", "[take]") {
       for (int n = 0; n < 90; ++n) stream.block();
       (void)writer->work();
     }
-    CHECK(writer->error() == "writing to the disk failed (File too large)");
+    CHECK(writer->error().ends_with("(File too large)"));
     CHECK_FALSE(writer->work());
     writer->finish();
   }
   const auto take = read_take(path);
   REQUIRE(take.has_value());
-  CHECK(take->ended == "writing to the disk failed (File too large)");
+  CHECK(take->ended == writer->error());
   const auto samples = read_wav(path);
   REQUIRE(samples.has_value());
   CHECK(samples->frames() == (200'003 - 94) / 8);

@@ -127,15 +127,15 @@ TEST_CASE("howl: every one of 1,000 random unstable loops is faded", "[core]") {
     double y = 0.0;
     double* out = &y;
     GuardEvent event;
-    bool heard = false;
-    for (int n = 0; n < 48'000 * 30 && !heard; ++n) {
+    bool detected = false;
+    for (int n = 0; n < 48'000 * 30 && !detected; ++n) {
       guarded.process({nullptr, &out, 1});
       loop.observe(y);
-      heard = guarded.take_event(event);
-      if (heard) slowest_s = std::max(slowest_s, n / kRate.value);
+      detected = guarded.take_event(event);
+      if (detected) slowest_s = std::max(slowest_s, n / kRate.value);
     }
-    caught += heard ? 1 : 0;
-    if (!heard) UNSCOPED_INFO("missed: gain " << shape.gain << ", delay " << shape.delay << " frames");
+    caught += detected ? 1 : 0;
+    if (!detected) UNSCOPED_INFO("missed: gain " << shape.gain << ", delay " << shape.delay << " frames");
   }
   INFO("slowest " << slowest_s << " s");
   CHECK(caught == 1000);
@@ -187,7 +187,7 @@ TEST_CASE("howl: a drive that faded stays silent until it is armed again, and th
   CHECK_FALSE(guarded.take_event(event));
   play(20);
   CHECK(*std::max_element(drive.begin(), drive.end()) == 0.0);
-  CHECK(*std::max_element(audio.begin(), audio.end()) == 1.0);  // what is only heard goes on
+  CHECK(*std::max_element(audio.begin(), audio.end()) == 1.0);  // audio outputs go on
   REQUIRE(guarded.post({JournalEntry::kNow, JournalEntry::Kind::Arm, 0, 1.0}));
   play(1);
   CHECK(drive[48] == Approx(48.0 / 480));  // of the ceiling, although 2 comes in

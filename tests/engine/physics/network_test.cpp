@@ -156,8 +156,8 @@ TEST_CASE("network: the modes of an explicit chain", "[physics]") {
 }
 
 TEST_CASE("network: a long chain stored by diagonals does what a short one does", "[physics]") {
-  // The fastest that anything can travel is one mass a step, so 40 masses at both ends cannot be told from
-  // 200.
+  // The fastest that anything can travel is one mass a step, so 40 masses at both ends cannot be
+  // distinguished from 200.
   const auto run = [](int count) {
     NetworkElements elements;
     for (int i = 0; i < count; ++i) elements.points.push_back(mass(1.0 + 0.01 * (i % 7), i == 0 ? 1.0 : 0.0));

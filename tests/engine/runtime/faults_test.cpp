@@ -31,7 +31,7 @@ const NodeType& fragile_type() {
   static const NodeType type = {
       .name = "fragile",
       .group = "tests",
-      .summary = "Breaks when told to.",
+      .summary = "Breaks on request.",
       .equation = "",
       .source = "",
       .example = "",

@@ -71,11 +71,11 @@ lens  = { type = "contact", between = ["cone", "stick"], stiffness = "5e6 N/m^1.
 push  = { type = "force", on = "cone", force = "2 N * (x + switch * go) - 20 N s/m * coil.cone.velocity" }
 fall  = { type = "force", on = "stick", force = "-1 N" }
 [nodes]
-heard = { type = "band_pass", in = "coil.lens.force / 1 N", frequency = "corner", q = 0.7 }
-hit   = { type = "threshold", in = "heard", level = "level" }
+filtered = { type = "band_pass", in = "coil.lens.force / 1 N", frequency = "corner", q = 0.7 }
+hit   = { type = "threshold", in = "filtered", level = "level" }
 count = { type = "counter", trigger = "hit", count = 7 }
 [outputs]
-y = { from = "heard" }
+y = { from = "filtered" }
 n = { from = "count" }
 p = { from = "coil.stick.position", unit = "m" }
 )");

@@ -8,6 +8,7 @@
 
 #include "latency/estimation/delay_trend.h"
 #include "latency/probe/probe.h"
+#include "tests/support/error_summary.h"
 #include "tests/support/simulated_loop.h"
 
 namespace {
@@ -94,7 +95,7 @@ TEST_CASE("analysis: coupling capacitors change the delay by no more than the no
         Approx(corners[0] * static_cast<double>(corners.size())).epsilon(0).margin(2.0));
 }
 
-TEST_CASE("analysis: DC and hum are told from what was played", "[latency]") {
+TEST_CASE("analysis: DC and hum are distinguished from what was played", "[latency]") {
   auto recording = SimulatedLoop{.delay_frames = 960.25, .gain = 0.1, .noise = 1e-5}.record(probe(), 48_kHz);
   for (std::size_t n = 0; n < recording.captured[0].size(); ++n)
     recording.captured[0][n] +=
@@ -212,7 +213,7 @@ TEST_CASE("analysis: lost, repeated and silenced frames are found where they are
   }
 }
 
-TEST_CASE("analysis: frames lost within the first sweep are told, too", "[latency]") {
+TEST_CASE("analysis: frames lost within the first sweep are reported, too", "[latency]") {
   auto recording = SimulatedLoop{.delay_frames = 1234.37, .noise = 1e-3}.record(probe(), 48_kHz);
   auto& captured = recording.captured[0];
   const int at = GENERATE(38000, 41000);  // 0.27 and 0.33 s into it
@@ -260,13 +261,13 @@ TEST_CASE("analysis: peaks that are cut a little are clipping, not lost frames",
   CHECK(verdict(analysis_of(recording)) != "LOST_FRAMES");
 }
 
-TEST_CASE("analysis: an input at full scale is told", "[latency]") {
+TEST_CASE("analysis: an input at full scale is reported", "[latency]") {
   auto recording = SimulatedLoop{.delay_frames = 960.25, .gain = 4.2}.record(probe(), 48_kHz);
   for (auto& x : recording.captured[0]) x = std::clamp(x, -1.0, 1.0);
   CHECK(verdict(analysis_of(recording)) == "CLIPPING");
 }
 
-TEST_CASE("analysis: an amplifier that is overdriven below full scale is told", "[latency]") {
+TEST_CASE("analysis: an amplifier that is overdriven below full scale is reported", "[latency]") {
   auto recording = SimulatedLoop{.delay_frames = 960.25}.record(probe(), 48_kHz);
   for (auto& x : recording.captured[0]) x = std::clamp(x, -0.1, 0.1);
   CHECK(verdict(analysis_of(recording)) == "CLIPPING");
@@ -298,9 +299,9 @@ TEST_CASE("analysis: a second path is captured as one at any distance, before th
   REQUIRE(analysis.echo_frames);
   CHECK(std::abs(*analysis.echo_frames - distance) <= 1);
   CAPTURE(analysis.finding.what);
-  const double told =
+  const double reported =
       std::stod(analysis.finding.what.substr(analysis.finding.what.find_first_of("0123456789")));
-  CHECK(told == Approx(-20 * std::log10(level)).epsilon(0).margin(1.0));
+  CHECK(reported == Approx(-20 * std::log10(level)).epsilon(0).margin(1.0));
 }
 
 TEST_CASE("analysis: more frames lost than a sweep is searched for are no second path", "[latency]") {
@@ -336,7 +337,6 @@ TEST_CASE("analysis: of a recording that begins late or ends early, the whole sw
     captured.resize(static_cast<std::size_t>(sweeps[2].end()));
     const auto analysis = analysis_of(recording);
     CHECK(verdict(analysis) == "NO_SIGNAL");
-    CHECK(analysis.finding.what.find("fewer than three") == 0);
   }
 }
 
@@ -381,7 +381,7 @@ TEST_CASE("analysis: hum is no signal", "[latency]") {
   CHECK(verdict(analysis_of(recording)) == "NO_SIGNAL");
 }
 
-TEST_CASE("analysis: a gain that rises is told", "[latency]") {
+TEST_CASE("analysis: a gain that rises is reported", "[latency]") {
   auto recording = SimulatedLoop{.delay_frames = 500.25, .noise = 1e-4}.record(probe(), 48_kHz);
   auto& captured = recording.captured[0];
   for (std::size_t n = 0; n < captured.size(); ++n)
@@ -389,7 +389,7 @@ TEST_CASE("analysis: a gain that rises is told", "[latency]") {
   CHECK(verdict(analysis_of(recording)) == "AGC");
 }
 
-TEST_CASE("analysis: noise that leaves the delay uncertain is told", "[latency]") {
+TEST_CASE("analysis: noise that leaves the delay uncertain is reported", "[latency]") {
   const auto analysis =
       analysis_of({.delay_frames = 960.25, .gain = 0.002, .noise = noise_for(-27.0, 0.002)});
   CHECK(verdict(analysis) == "LOW_SNR");
@@ -423,10 +423,10 @@ TEST_CASE("analysis: a path that is no cable is refused, and measured with its p
 
 TEST_CASE("analysis: what cannot be analysed says why", "[latency]") {
   LoopRecording recording{48_kHz, std::vector<double>(1000, 0.0), {std::vector<double>(1000, 0.0)}};
-  CHECK(analyze(recording).error().what == "nothing was played");
+  CHECK(test::summary(analyze(recording)) == "BadArgument");
   AnalysisSettings settings;
   settings.channel = 1;
-  CHECK(analyze(recording, settings).error().what == "there is no input 2");
+  CHECK(test::summary(analyze(recording, settings)) == "BadArgument 2 1 1");
   recording.captured[0].clear();
-  CHECK(analyze(recording).error().what == "nothing was recorded");
+  CHECK(test::summary(analyze(recording)) == "BadArgument");
 }

@@ -65,7 +65,7 @@ TEST_CASE("level: level probes grow by 6 dB until one stands 30 dB out of the no
   CHECK(result.found.delay->value == Approx(0.03));
 }
 
-TEST_CASE("level: what comes back late is told from what comes back loud", "[latency][level]") {
+TEST_CASE("level: what comes back late is distinguished from what comes back loud", "[latency][level]") {
   const int delay = GENERATE(20, 37, 100, 450);
   CAPTURE(delay);
   const auto result = search({0.1, delay, 1e-9});

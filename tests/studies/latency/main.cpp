@@ -197,7 +197,7 @@ void nothing(int count) {
 void drift(int count) {
   const Stimulus stimulus;
   std::vector<std::array<double, 2>> errors(static_cast<std::size_t>(count));
-  std::atomic<int> told{0};
+  std::atomic<int> reported{0};
   in_parallel(count, [&](int n) {
     Draw draw{n};
     test::SimulatedLoop loop;
@@ -210,7 +210,7 @@ void drift(int count) {
     for (auto& sample : recording.captured[0])
       sample += std::sqrt(stimulus.power * 1e-3) * normal(draw.random);
     const auto analysis = analyze(recording).value();
-    told += analysis.finding.verdict == Verdict::ClocksDiffer;
+    reported += analysis.finding.verdict == Verdict::ClocksDiffer;
     const double first = static_cast<double>(analysis.probes.front().played_at);
     const double last = static_cast<double>(analysis.probes.back().played_at) +
                         frames_in(measuring_probe(kRate).duration, kRate);
@@ -225,9 +225,10 @@ void drift(int count) {
       squares[k] += error[k] * error[k] / count;
     }
   fmt::print(
-      "| loops, ±50 ppm, 30 dB | told as CLOCKS_DIFFER | drift: rms error, worst | delay: rms error, worst "
+      "| loops, ±50 ppm, 30 dB | reported as CLOCKS_DIFFER | drift: rms error, worst | delay: rms error, "
+      "worst "
       "|\n|---|---|---|---|\n");
-  fmt::print("| {} | {} | {:.4f}, {:.4f} ppm | {:.5f}, {:.5f} frames |\n", count, told.load(),
+  fmt::print("| {} | {} | {:.4f}, {:.4f} ppm | {:.5f}, {:.5f} frames |\n", count, reported.load(),
              std::sqrt(squares[0]), worst[0], std::sqrt(squares[1]), worst[1]);
 }
 

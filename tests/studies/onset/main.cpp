@@ -98,8 +98,8 @@ int score_folder(const fs::path& folder) {
     }
     const auto hits = json::parse(truth).at("hits").get<std::vector<TrueHit>>();
     std::vector<double> detections_s;
-    const json heard = json::parse(events);
-    for (const json& event : heard.at("events"))
+    const json document = json::parse(events);
+    for (const json& event : document.at("events"))
       if (event.at("node") == "hit") detections_s.push_back(event.at("time_s"));
     const std::vector<Score> scores = match(hits, detections_s);
     for (std::size_t i = 0; i < hits.size(); ++i) outcomes.push_back({hits[i], scores[i]});

@@ -22,12 +22,12 @@ lens  = { type = "contact", between = ["cone", "stick"], stiffness = "5e6 N/m^1.
 coil  = { type = "coil", on = "cone", voltage = "10 V * back", force_factor = "6 T m", resistance = "6 ohm" }
 fall  = { type = "force", on = "stick", force = "-1 N" }
 [nodes]
-heard  = { type = "band_pass", in = "drum.lens.force / 1 N", frequency = "3 kHz", q = 0.7 }
-hit    = { type = "onset", in = "heard", threshold = "-34 dB", hold = "15 ms" }
+filtered  = { type = "band_pass", in = "drum.lens.force / 1 N", frequency = "3 kHz", q = 0.7 }
+hit    = { type = "onset", in = "filtered", threshold = "-34 dB", hold = "15 ms" }
 back   = { type = "decay", trigger = "hit + go", time = "12 ms" }
 combs  = { type = "delay", voices = 8, in = "x + gain * loss", time = { from = "1 ms", to = "9 ms" } }
 loss   = { type = "low_pass", in = "combs", cutoff = "pitch * 4", q = 0.7 }
-tuned  = { type = "delay", in = "heard + 0.9 * damped", time = "1 / pitch", compensate = ["damped"] }
+tuned  = { type = "delay", in = "filtered + 0.9 * damped", time = "1 / pitch", compensate = ["damped"] }
 damped = { type = "one_pole", in = "tuned", cutoff = "4 kHz" }
 all    = { type = "mix", in = "loss" }
 )";

@@ -8,21 +8,21 @@
 #include "engine/graph/plan/compile.h"
 #include "engine/nodes/table.h"
 #include "engine/runtime/player.h"
-#include "tests/support/messages.h"
+#include "tests/support/error_summary.h"
 
 namespace tactus::test {
 
 using Channels = std::vector<std::vector<double>>;
 
-/// Every mistake of a graph text as one string, one a line; "" if there is none.
-inline Messages mistakes(const std::string& text, CompileOptions options = {}) {
+/// Every error of a graph text as one string, one a line; "" if there is none.
+inline std::string errors_of(const std::string& text, CompileOptions options = {}) {
   const auto schedule = compile(parse_graph_leniently(text, "test.toml"), standard_nodes(), options);
-  return schedule ? "" : to_string(schedule.error());
+  return summary(schedule);
 }
 
 /// A graph text, compiled and ready to run. Throws what is wrong with the text.
 inline std::unique_ptr<Player> engine_of(const std::string& text, CompileOptions options = {}) {
-  const auto wrong = mistakes(text, options);
+  const auto wrong = errors_of(text, options);
   if (!wrong.empty()) throw std::runtime_error(wrong);
   return std::make_unique<Player>(
       *compile(parse_graph_leniently(text, "test.toml"), standard_nodes(), options));

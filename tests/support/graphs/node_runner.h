@@ -15,6 +15,7 @@
 
 #include "engine/core/dimension.h"
 #include "engine/nodes/table.h"
+#include "tests/support/error_summary.h"
 
 namespace tactus::test {
 
@@ -156,10 +157,10 @@ class NodeRunner {
   }
 
   bool made() const { return node_.has_value(); }
-  /// What `make` said, as a user reads it; "" if it worked.
-  std::string error() const { return made() ? std::string{} : to_string(node_.error()); }
+  /// Code and names of what `make` reported; "" if it worked.
+  std::string error() const { return summary(node_); }
   Node& node() {
-    if (!made()) throw std::runtime_error(error());
+    if (!made()) throw std::runtime_error(to_string(node_.error()));
     return **node_;
   }
 

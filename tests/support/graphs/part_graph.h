@@ -3,8 +3,8 @@
 #include <memory>
 #include <string>
 
+#include "tests/support/error_summary.h"
 #include "tests/support/graphs/graph_runner.h"
-#include "tests/support/messages.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tactus::test {
@@ -34,9 +34,9 @@ class PartGraphs {
     return std::make_unique<Player>(right(text, table, options));
   }
   /// "" if there is none.
-  Messages mistakes(const std::string& text, const CompileOptions& options = {}) const {
+  std::string errors_of(const std::string& text, const CompileOptions& options = {}) const {
     const auto made = schedule(text, standard_nodes(), options);
-    return made ? "" : folder_.strip(to_string(made.error()));
+    return folder_.strip(summary(made));
   }
 
  private:

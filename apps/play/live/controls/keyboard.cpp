@@ -12,7 +12,7 @@
 namespace tactus::app {
 namespace {
 
-termios before;  // as the terminal was: a process has only one
+termios terminal_before;  // as it was: a process has only one
 
 bool readable(std::chrono::milliseconds timeout) {
   pollfd input{STDIN_FILENO, POLLIN, 0};
@@ -24,9 +24,9 @@ bool readable(std::chrono::milliseconds timeout) {
 Keyboard::Keyboard() {
   if (isatty(STDIN_FILENO) == 0) return;
   ended_ = tcgetpgrp(STDIN_FILENO) != getpgrp();  // in the background reading would stop the program
-  if (ended_ || tcgetattr(STDIN_FILENO, &before) != 0) return;
+  if (ended_ || tcgetattr(STDIN_FILENO, &terminal_before) != 0) return;
   open_ = true;
-  auto raw = before;
+  auto raw = terminal_before;
   raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
   raw.c_cc[VSUSP] = _POSIX_VDISABLE;  // a program that is stopped leaves its drives where they are
   raw.c_cc[VMIN] = 1;
@@ -35,7 +35,7 @@ Keyboard::Keyboard() {
 }
 
 Keyboard::~Keyboard() {
-  if (open_) tcsetattr(STDIN_FILENO, TCSANOW, &before);
+  if (open_) tcsetattr(STDIN_FILENO, TCSANOW, &terminal_before);
 }
 
 std::optional<char> Keyboard::next() {

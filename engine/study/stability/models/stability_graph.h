@@ -91,7 +91,8 @@ struct StiffPlace {
 /// An event-driven node, without a small-signal gain.
 struct EventPlace {
   std::string path, type;
-  std::optional<double> hold_s;  ///< least time between two events
+  std::optional<double> hold_s = {};  ///< least time between two events
+  bool on_loop = false;               ///< its events close one
 };
 
 /// Which operating point is analysed: contacts open or closed, free or held.

@@ -268,50 +268,52 @@ std::optional<LoopRoot> LoopScan::root_near(double hertz, int cut, double factor
 
 // ---- passivity
 
-PassivityTest::PassivityTest(const LoopGroup& group, int drive, std::function<Complex(Complex)> mobility,
-                             Hertz rate)
-    : drive_(drive), step_(1 / rate.value), mobility_(std::move(mobility)) {
-  constexpr int kPoints = 400;
-  const double lowest = 2 * kPi * step_;  // 1 Hz
-  for (int i = 0; i <= kPoints; ++i) {
-    const double radians = lowest * std::pow(kPi / lowest, static_cast<double>(i) / kPoints);
-    const auto z = std::polar(1.0, radians);
-    points_.push_back({radians, group.returned(z), mobility_(z)});
-  }
-}
+namespace {
 
-double PassivityTest::device_damping() const {
+double damping_of(const std::function<Complex(Complex)>& mobility, double step) {
   double least = std::numeric_limits<double>::infinity();
   for (const double hertz : {1.0, 2.0, 5.0, 10.0}) {
-    const double radians = 2 * kPi * hertz * step_;
+    const double radians = 2 * kPi * hertz * step;
     // The held force comes half a step late.
-    const auto g = mobility_(std::polar(1.0, radians)) * std::polar(1.0, radians / 2);
+    const auto g = mobility(std::polar(1.0, radians)) * std::polar(1.0, radians / 2);
     least = std::min(least, (1.0 / (Complex{0, 2 * kPi * hertz} * g)).real());
   }
   return least;
 }
 
-double PassivityTest::needed(int cut, double factor) const {
-  double most = 0;
-  for (const auto& point : points_) {
-    const auto h = -returned_to(point.returned, drive_, cut, factor) / point.mobility;
-    const double b =
-        step_ / 2 / (1 - std::cos(point.radians)) * ((1.0 - std::polar(1.0, -point.radians)) * h).real();
-    most = std::max(most, b);
-  }
-  return most;
-}
+struct PassivityPoint {
+  double radians;
+  Eigen::MatrixXcd returned;
+  Complex mobility;
+};
 
-double PassivityTest::largest_factor(int cut) const {
-  const double damping = device_damping();
+}  // namespace
+
+PassiveLimit passive_limit(const LoopGroup& group, int drive, int cut,
+                           const std::function<Complex(Complex)>& mobility, Hertz rate) {
+  constexpr int kPoints = 400;
+  const double step = 1 / rate.value, damping = damping_of(mobility, step), lowest = 2 * kPi * step;  // 1 Hz
+  std::vector<PassivityPoint> points;
+  for (int i = 0; i <= kPoints; ++i) {
+    const double radians = lowest * std::pow(kPi / lowest, static_cast<double>(i) / kPoints);
+    const auto z = std::polar(1.0, radians);
+    points.push_back({radians, group.returned(z), mobility(z)});
+  }
+  const auto passive_with = [&](double factor) {
+    return std::ranges::all_of(points, [&](const PassivityPoint& point) {
+      const auto h = -returned_to(point.returned, drive, cut, factor) / point.mobility;
+      const auto held = (1.0 - std::polar(1.0, -point.radians)) * h;
+      return std::max(0.0, step / 2 / (1 - std::cos(point.radians)) * held.real()) <= damping;
+    });
+  };
   double low = 1e-6, high = 1e6;
-  if (!(needed(cut, low) <= damping)) return 0;
-  if (needed(cut, high) <= damping) return std::numeric_limits<double>::infinity();
+  if (!passive_with(low)) return {damping, 0};
+  if (passive_with(high)) return {damping, std::numeric_limits<double>::infinity()};
   while (high > 1.0001 * low) {
     const double middle = std::sqrt(low * high);
-    (needed(cut, middle) <= damping ? low : high) = middle;
+    (passive_with(middle) ? low : high) = middle;
   }
-  return low;
+  return {damping, low};
 }
 
 }  // namespace tactus

@@ -82,34 +82,19 @@ class LoopScan {
   std::vector<double> heights_;  ///< of each cut's L among the first points, at most 1: what counts as near 0
 };
 
+/// What keeps a force law on a sampled and held device passive.
+struct PassiveLimit {
+  double device_damping = 0;  ///< b: Re{1 / (jw G)} near 0 Hz, minus half a step of the hold [N s/m]
+  double factor = 0;          ///< the largest on what goes through a cut for which b is enough; 0: none
+};
 /// The passivity of a force law on a sampled and held device (Colgate & Schenkel, J. Robotic Systems
 /// 14(1), 1997): it adds no more energy than the device dissipates, whoever holds it, while
 ///     b > (T/2) / (1 - cos wT) Re{(1 - e^-jwT) H(e^jwT)}    for 0 < w <= pi/T,
 /// with H the force on the device against its position, delays included. Here H = -L / G: L what comes back
-/// to the cut at the drive, G from a force on the device to its position.
-class PassivityTest {
- public:
-  /// `drive`: the one cut that the force goes through.
-  PassivityTest(const LoopGroup& group, int drive,
-                std::function<std::complex<double>(std::complex<double>)> mobility, Hertz rate);
-
-  /// b of the device: Re{1 / (jw G)} near 0 Hz, minus half a step of the hold [N s/m].
-  double device_damping() const;
-  /// The largest factor on what goes through `cut` for which the device loses enough; 0: none.
-  double largest_factor(int cut) const;
-
- private:
-  double needed(int cut, double factor) const;
-
-  struct Point {
-    double radians;
-    Eigen::MatrixXcd returned;
-    std::complex<double> mobility;
-  };
-  int drive_;
-  double step_;
-  std::function<std::complex<double>(std::complex<double>)> mobility_;
-  std::vector<Point> points_;
-};
+/// to the cut at the drive, G from a force on the device to its position. `drive`: the one cut that the force
+/// goes through.
+PassiveLimit passive_limit(const LoopGroup& group, int drive, int cut,
+                           const std::function<std::complex<double>(std::complex<double>)>& mobility,
+                           Hertz rate);
 
 }  // namespace tactus

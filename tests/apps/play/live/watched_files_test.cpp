@@ -6,7 +6,7 @@
 using namespace tactus;
 using app::WatchedFiles;
 
-TEST_CASE("watched files: a change is told once, so are a file that goes and one that comes", "[live]") {
+TEST_CASE("watched files: a change is reported once, so are a file that goes and one that comes", "[live]") {
   const test::TemporaryFolder folder;
   folder.write("a.toml", "one");
   folder.write("b.toml", "two");

@@ -46,7 +46,7 @@ TEST_CASE("live world: a strike by hand lifts the stick, and it falls on the dru
   CHECK(loudest(guarded, 0.5) < 2 * noise);
 }
 
-TEST_CASE("live world: a rise of the strike is heard however long blocks are", "[live]") {
+TEST_CASE("live world: a rise of the strike is detected however long blocks are", "[live]") {
   for (const int block : {16, 256, 4096}) {
     CAPTURE(block);
     const auto world = single_strike();

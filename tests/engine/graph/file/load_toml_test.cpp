@@ -1,15 +1,15 @@
 #include <catch2/catch.hpp>
 
 #include "engine/graph/file/load.h"
-#include "tests/support/messages.h"
+#include "tests/support/error_summary.h"
 
 using namespace tactus;
 
 namespace {
 
-test::Messages refused(std::string_view text) {
+std::string refused(std::string_view text) {
   const auto table = parse_toml(text, "a.toml");
-  return table ? "read" : to_string(table.error());
+  return table ? "read" : test::summary(table);
 }
 
 }  // namespace
@@ -53,26 +53,21 @@ TEST_CASE("toml: a byte order mark and Windows line ends are fine", "[graph]") {
 
 TEST_CASE("toml: a syntax error is said in words, with its place", "[graph]") {
   const auto [text, message] = GENERATE(table<std::string, std::string>({
-      {"x = { time = 12 ms }", "a.toml:1:14: '12 ms' needs quotes; write \"12 ms\""},
-      {"in = microphone # why", "a.toml:1:6: 'microphone' needs quotes; write \"microphone\""},
-      {"range = [0, 60 dB]", "a.toml:1:13: '60 dB' needs quotes; write \"60 dB\""},
-      {"a = 1\na = 2", "a.toml:2:5: cannot redefine existing integer 'a'; rename or remove one of the two"},
-      {"[n]\nx = 1\n[n]",
-       "a.toml:3:1: cannot redefine existing table 'n'; put all its entries under one heading, or rename one "
-       "of the two"},
-      {"[nodes\nx = 1",
-       "a.toml:1:7: in this table header: expected ']', saw '\\n'; fix this to see further errors"},
-      {"a = [1,", "a.toml:1:8: in this array: encountered end-of-file; fix this to see further errors"},
-      {"a = \"x", "a.toml:1:7: in this string: encountered end-of-file; fix this to see further errors"},
-      {"a = 1\nb = 'caf\xe9'", "a.toml:2:9: this is not UTF-8 text; save the file as UTF-8"},
-      {"a = \"\xed\xa0\x80\"", "a.toml:1:6: this is not UTF-8 text; save the file as UTF-8"},
-      {"a = [1, {x = 2]", "a.toml:1:15: ']' closes a '{'; write '}'"},
-      {"a = [ }", "a.toml:1:7: '}' closes a '['; write ']'"},
-      {"a = ]",
-       "a.toml:1:5: in this key-value pair: expected value, saw ']'; fix this to see further errors"},
-      {"a = inf", "a.toml:1:5: inf and nan are not allowed; give a finite number"},
-      {"a = 2007-06-06",
-       "a.toml:1:5: dates and times are not allowed here; put it in quotes if it is a string"},
+      {"x = { time = 12 ms }", R"(a.toml:1:14 Syntax '12 ms' "12 ms")"},
+      {"in = microphone # why", R"(a.toml:1:6 Syntax 'microphone' "microphone")"},
+      {"range = [0, 60 dB]", R"(a.toml:1:13 Syntax '60 dB' "60 dB")"},
+      {"a = 1\na = 2", "a.toml:2:5 Duplicate 'a'"},
+      {"[n]\nx = 1\n[n]", "a.toml:3:1 Duplicate 'n'"},
+      {"[nodes\nx = 1", "a.toml:1:7 Syntax ']' '\\n'"},
+      {"a = [1,", "a.toml:1:8 Syntax"},
+      {"a = \"x", "a.toml:1:7 Syntax"},
+      {"a = 1\nb = 'caf\xe9'", "a.toml:2:9 Syntax"},
+      {"a = \"\xed\xa0\x80\"", "a.toml:1:6 Syntax"},
+      {"a = [1, {x = 2]", "a.toml:1:15 Syntax ']' '{' '}'"},
+      {"a = [ }", "a.toml:1:7 Syntax '}' '[' ']'"},
+      {"a = ]", "a.toml:1:5 Syntax ']'"},
+      {"a = inf", "a.toml:1:5 OutOfRange"},
+      {"a = 2007-06-06", "a.toml:1:5 WrongType"},
   }));
   CHECK(refused(text) == message);
 }
@@ -95,10 +90,9 @@ TEST_CASE("toml: depth and size are bounded before the parser recurses", "[graph
     return keys;
   }());
   const bool dots = deep[0] == 'a';
-  CHECK(refused("a = \"é[\" # ]\n" + deep) == std::string{"a.toml:2:"} + (dots ? "130" : "65") +
-                                                  ": brackets or dots more than 64 deep; reduce the nesting");
-  CHECK(refused(std::string((16u << 20) + 1, ' ')) ==
-        "a.toml: the file is larger than 16 MB; split the file, or keep data in sound files");
+  CHECK(refused("a = \"é[\" # ]\n" + deep) ==
+        std::string{"a.toml:2:"} + (dots ? "130" : "65") + " Syntax 64");
+  CHECK(refused(std::string((16u << 20) + 1, ' ')) == "a.toml Syntax 16");
 }
 
 TEST_CASE("toml: brackets in strings and comments do not count", "[graph]") {
@@ -111,8 +105,7 @@ TEST_CASE("toml: brackets in strings and comments do not count", "[graph]") {
 }
 
 TEST_CASE("toml: a file that cannot be opened says why", "[graph]") {
-  CHECK(to_string(load_toml("no/such.toml").error()) ==
-        "no/such.toml: there is no such file; check the path");
+  CHECK(test::summary(load_toml("no/such.toml")) == "no/such.toml BadFile");
   const std::filesystem::path folder = TACTUS_SOURCE_DIR;
-  CHECK(to_string(load_toml(folder).error()) == folder.string() + ": this is a folder; give a file in it");
+  CHECK(test::summary(load_toml(folder)) == folder.string() + " BadFile");
 }

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "tests/support/messages.h"
+#include "tests/support/error_summary.h"
 
 using namespace tactus;
 
@@ -29,7 +29,7 @@ std::string show(const Expression& e) {
 
 std::string parsed(std::string_view text) {
   const auto expression = parse_expression(text, kAt);
-  return expression ? show(*expression) : to_string(expression.error());
+  return expression ? show(*expression) : test::summary(expression);
 }
 
 }  // namespace
@@ -87,56 +87,44 @@ TEST_CASE("expression: every part knows its place, an operator that of its sign"
 
 TEST_CASE("expression: what cannot be read is said in words", "[graph]") {
   const auto [text, message] = GENERATE(table<std::string, std::string>({
-      {"", "a.toml:3:10: the expression is empty; write a number, a name or '(' here"},
-      {"x +", "a.toml:3:13: the expression is incomplete; write a number, a name or '(' here"},
-      {"x * / y", "a.toml:3:14: '/' found where a value was expected; write a number, a name or '(' here"},
-      {"x y", "a.toml:3:12: 'y' found where an operator was expected; put + - * or / before it"},
-      {"2 ms x", "a.toml:3:15: 'x' found where an operator was expected; put + - * or / before it"},
-      {"2 x", "a.toml:3:12: 'x' is not a unit; to multiply, write 2 * x"},
-      {"15 msec", "a.toml:3:13: 'msec' is not a unit; to multiply, write 15 * msec"},
-      {"3 dB/s", "a.toml:3:12: 'dB/s' is not a unit; units look like ms, mm/s, N/m^1.5 or dB"},
-      {"x)", "a.toml:3:11: ')' has no '(' before it; remove it"},
-      {"2 * (x + 1", "a.toml:3:14: '(' is not closed; put ')' where it ends"},
-      {"(x y)",
-       "a.toml:3:13: 'y' found where an operator or ')' was expected; put + - * or / before it, or ')'"},
-      {"1,5", "a.toml:3:11: ',' is only allowed in min( , ) and max( , ); write decimals with a point"},
-      {"x ^ 2", "a.toml:3:12: '^' is not an operator; multiply instead"},
-      {"1.5.2", "a.toml:3:13: '.2' found where an operator was expected; put + - * or / before it"},
-      {"sqrt(x)", "a.toml:3:10: there is no function 'sqrt'; the functions are min, max and abs"},
-      {"min(x)", "a.toml:3:15: 'min' and 'max' need two values; write min(a, b)"},
-      {"min(x, y, z)", "a.toml:3:18: too many values for 'min'; write min(a, b)"},
-      {"abs(x, y)", "a.toml:3:15: too many values for 'abs'; write abs(x)"},
-      {"max + 1", "a.toml:3:14: '(' is missing after 'max'; write max(a, b)"},
-      {"max(a, b", "a.toml:3:13: '(' is not closed; put ')' where it ends"},
-      {"Gain * 2",
-       "a.toml:3:10: 'Gain' is not a name; names consist of lower-case letters, digits and _; a port follows "
-       "a "
-       "dot"},
-      {"a..b",
-       "a.toml:3:10: 'a..b' is not a name; names consist of lower-case letters, digits and _; a port follows "
-       "a "
-       "dot"},
-      {"a.",
-       "a.toml:3:10: 'a.' is not a name; names consist of lower-case letters, digits and _; a port follows a "
-       "dot"},
-      {"2 × x", "a.toml:3:12: '×' found where an operator was expected; put + - * or / before it"},
-      {"1e999",
-       "a.toml:3:10: the number 1e999 is too large or too small; use a number between 1e-300 and 1e300"},
-      {"1e5 dB", "a.toml:3:10: the number 1e5 is too large; use a number below 1e300"},
+      {"", "a.toml:3:10 Syntax '('"},
+      {"x +", "a.toml:3:13 Syntax '('"},
+      {"x * / y", "a.toml:3:14 Syntax '/' '('"},
+      {"x y", "a.toml:3:12 Syntax 'y'"},
+      {"2 ms x", "a.toml:3:15 Syntax 'x'"},
+      {"2 x", "a.toml:3:12 Syntax 'x' 2"},
+      {"15 msec", "a.toml:3:13 Syntax 'msec' 15"},
+      {"3 dB/s", "a.toml:3:12 Syntax 'dB/s' 1.5"},
+      {"x)", "a.toml:3:11 Syntax ')' '('"},
+      {"2 * (x + 1", "a.toml:3:14 Syntax '(' ')'"},
+      {"(x y)", "a.toml:3:13 Syntax 'y' ')' ')'"},
+      {"1,5", "a.toml:3:11 Syntax ','"},
+      {"x ^ 2", "a.toml:3:12 Syntax '^'"},
+      {"1.5.2", "a.toml:3:13 Syntax '.2'"},
+      {"sqrt(x)", "a.toml:3:10 Syntax 'sqrt'"},
+      {"min(x)", "a.toml:3:15 Syntax 'min' 'max'"},
+      {"min(x, y, z)", "a.toml:3:18 Syntax 'min'"},
+      {"abs(x, y)", "a.toml:3:15 Syntax 'abs'"},
+      {"max + 1", "a.toml:3:14 Syntax '(' 'max'"},
+      {"max(a, b", "a.toml:3:13 Syntax '(' ')'"},
+      {"Gain * 2", "a.toml:3:10 Syntax 'Gain'"},
+      {"a..b", "a.toml:3:10 Syntax 'a..b'"},
+      {"a.", "a.toml:3:10 Syntax 'a.'"},
+      {"2 × x", "a.toml:3:12 Syntax '×'"},
+      {"1e999", "a.toml:3:10 Syntax 1e999 1e-300 1e300"},
+      {"1e5 dB", "a.toml:3:10 Syntax 1e5 1e300"},
   }));
-  CHECK(test::Messages{parsed(text)} == message);
+  CHECK(parsed(text) == message);
 }
 
 TEST_CASE("expression: depth and length are bounded, so that nothing overflows the stack", "[graph]") {
   const std::string deep(100000, '(');
-  CHECK(test::Messages{parsed(deep)} ==
-        "a.toml:3:74: signs and brackets are nested more than 64 deep; use nodes");
-  CHECK(parsed(std::string(100000, '-') + "x").find("more than 64") != std::string::npos);
+  CHECK(parsed(deep) == "a.toml:3:74 Syntax 64");
+  CHECK(parsed(std::string(100000, '-') + "x").ends_with(" Syntax 64"));
   std::string wide = "x";
   for (int i = 0; i < 999; ++i) wide += "+x";
   CHECK(parse_expression(wide, kAt));
-  CHECK(test::Messages{parsed(wide + "+x")} ==
-        "a.toml:3:2010: the expression has more than 1000 values; split it into several nodes");
+  CHECK(parsed(wide + "+x") == "a.toml:3:2010 Syntax 1000");
 }
 
 TEST_CASE("expression: the text of a string begins behind its quote", "[graph]") {

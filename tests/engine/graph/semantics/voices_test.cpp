@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 
+#include "tests/support/error_summary.h"
 #include "tests/support/graphs/graph_runner.h"
-#include "tests/support/messages.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace tactus;
@@ -18,9 +18,9 @@ std::vector<double> lanes_of(const std::string& nodes) {
   return lanes;
 }
 
-test::Messages mistakes_in(const std::string& nodes) {
-  return test::mistakes("format = 1\n[inputs]\nx = {}\n[nodes]\n" + nodes +
-                        "[outputs]\ny = { from = \"y\" }\n");
+std::string node_errors(const std::string& nodes) {
+  return test::errors_of("format = 1\n[inputs]\nx = {}\n[nodes]\n" + nodes +
+                         "[outputs]\ny = { from = \"y\" }\n");
 }
 
 /// A part that gives `gain * x` and, as `all`, the mix of it over its voices.
@@ -90,13 +90,10 @@ TEST_CASE("voices: a mix adds the lanes that there are, in a part with voices to
 }
 
 TEST_CASE("voices: several lanes into one, or into another number, need a mix", "[graph]") {
-  CHECK(mistakes_in("a = [1, 2]\nb = [1, 2, 3]\ny = \"x * a + b\"\n") ==
-        "test.toml:7:8: 2 lanes are combined with 3; give both the same number of lanes, or put a 'mix' "
-        "between them");
-  CHECK(mistakes_in("a = [1, 2]\nb = [1, 2, 3]\ny = { type = \"mix\", in = \"a + b\" }\n") ==
-        "test.toml:7:27: 2 lanes are combined with 3; give both the same number of lanes, or put a 'mix' "
-        "between them");
-  CHECK(mistakes_in("a = [1, 2]\ny = { type = \"clip\", in = [\"x\", \"a\"] }\n") ==
-        "test.toml:6:34: this is one lane of a list, but has 2 lanes itself; put a 'mix' of it here, or "
-        "remove it from the list");
+  CHECK(node_errors("a = [1, 2]\nb = [1, 2, 3]\ny = \"x * a + b\"\n") ==
+        "test.toml:7:8 OutOfRange 2 3 'mix'");
+  CHECK(node_errors("a = [1, 2]\nb = [1, 2, 3]\ny = { type = \"mix\", in = \"a + b\" }\n") ==
+        "test.toml:7:27 OutOfRange 2 3 'mix'");
+  CHECK(node_errors("a = [1, 2]\ny = { type = \"clip\", in = [\"x\", \"a\"] }\n") ==
+        "test.toml:6:34 OutOfRange 2 'mix'");
 }

@@ -142,7 +142,7 @@ TEST_CASE("delay: min and max bound what the graph does not", "[nodes]") {
   CHECK(runner.node().delay(0, 0).most == 960);
 }
 
-TEST_CASE("delay: mistakes are explained", "[nodes]") {
+TEST_CASE("delay: errors are explained", "[nodes]") {
   const auto error = [](std::map<std::string, std::string> settings, Interval range) {
     return NodeRunner{test::node_type("delay"),
                       {{"in", 0.0}, {"time", 0.1}},
@@ -151,11 +151,8 @@ TEST_CASE("delay: mistakes are explained", "[nodes]") {
                       {{"time", range}}}
         .error();
   };
-  CHECK(error({}, {}) == "the maximum delay cannot be determined; give max = \"...\" a time");
-  CHECK(error({{"max", "2 m"}}, {}) ==
-        "'max' of a delay is not a time: \"2 m\"; give a quantity such as \"20 ms\"");
-  CHECK(error({{"min", "2 s"}, {"max", "1 s"}}, {}) ==
-        "'min' of a delay is longer than its 'max'; exchange them");
-  CHECK(error({}, {0, 1000}) ==
-        "it can be 1000 s long, but the longest possible delay is 350 s; shorten 'time', or give 'max'");
+  CHECK(error({}, {}) == R"(OutOfRange max "...")");
+  CHECK(error({{"max", "2 m"}}, {}) == R"(UnitMismatch 'max' "2 m" "20 ms")");
+  CHECK(error({{"min", "2 s"}, {"max", "1 s"}}, {}) == "OutOfRange 'min' 'max'");
+  CHECK(error({}, {0, 1000}) == "OutOfRange 1000 350 'time' 'max'");
 }

@@ -17,16 +17,16 @@ double damped_sine(double gain, double hertz, double decay, std::size_t frame) {
   return gain * std::pow(1e-3, t / decay) * std::sin(2 * std::numbers::pi * hertz * t);
 }
 
-struct Heard {
+struct Partial {
   double hertz, decay, gain;
 };
 
-double worst_error(const Samples& heard, const std::vector<Heard>& expected) {
+double worst_error(const Samples& output, const std::vector<Partial>& expected) {
   double worst = 0;
-  for (std::size_t n = 0; n < heard.size(); ++n) {
+  for (std::size_t n = 0; n < output.size(); ++n) {
     double sum = 0;
     for (const auto& mode : expected) sum += damped_sine(mode.gain, mode.hertz, mode.decay, n);
-    worst = std::max(worst, std::abs(heard[n] - sum));
+    worst = std::max(worst, std::abs(output[n] - sum));
   }
   return worst;
 }
@@ -34,29 +34,29 @@ double worst_error(const Samples& heard, const std::vector<Heard>& expected) {
 }  // namespace
 
 TEST_CASE("modal: listed modes ring as they are listed", "[nodes]") {
-  const auto heard = play_node(test::node_type("modal"), 24000, {{"in", impulse(24000)}},
-                               {{"frequencies", "[220 Hz, 0.61 kHz, 1203 Hz]"},
-                                {"decays", "[1 s, 500 ms, 0.2]"},
-                                {"gains", "[1, -0.5, 0.25]"}});
-  CHECK(worst_error(heard, {{220, 1, 1}, {610, 0.5, -0.5}, {1203, 0.2, 0.25}}) < 1e-9);
+  const auto output = play_node(test::node_type("modal"), 24000, {{"in", impulse(24000)}},
+                                {{"frequencies", "[220 Hz, 0.61 kHz, 1203 Hz]"},
+                                 {"decays", "[1 s, 500 ms, 0.2]"},
+                                 {"gains", "[1, -0.5, 0.25]"}});
+  CHECK(worst_error(output, {{220, 1, 1}, {610, 0.5, -0.5}, {1203, 0.2, 0.25}}) < 1e-9);
 }
 
 TEST_CASE("modal: frequency and decay move all listed modes together", "[nodes]") {
-  const auto heard = play_node(test::node_type("modal"), 24000,
-                               {{"in", impulse(24000)}, {"frequency", 110.0}, {"decay", 0.5}},
-                               {{"frequencies", "[220, 610]"}, {"decays", "[1, 0.5]"}});
-  CHECK(worst_error(heard, {{110, 0.5, 1}, {305, 0.25, 1}}) < 1e-9);
+  const auto output = play_node(test::node_type("modal"), 24000,
+                                {{"in", impulse(24000)}, {"frequency", 110.0}, {"decay", 0.5}},
+                                {{"frequencies", "[220, 610]"}, {"decays", "[1, 0.5]"}});
+  CHECK(worst_error(output, {{110, 0.5, 1}, {305, 0.25, 1}}) < 1e-9);
 }
 
 TEST_CASE("modal: a series has the ratios, decays and gains that it says", "[nodes]") {
-  const auto heard = play_node(test::node_type("modal"), 24000,
-                               {{"in", impulse(24000)}, {"frequency", 200.0}, {"decay", 0.8}},
-                               {{"series", "harmonic"},
-                                {"modes", "3"},
-                                {"decay_slope", "1"},
-                                {"gain_slope", "2"},
-                                {"gains", "[0.5]"}});
-  CHECK(worst_error(heard, {{200, 0.8, 0.5}, {400, 0.4, 0.125}, {600, 0.8 / 3, 0.5 / 9}}) < 1e-9);
+  const auto output = play_node(test::node_type("modal"), 24000,
+                                {{"in", impulse(24000)}, {"frequency", 200.0}, {"decay", 0.8}},
+                                {{"series", "harmonic"},
+                                 {"modes", "3"},
+                                 {"decay_slope", "1"},
+                                 {"gain_slope", "2"},
+                                 {"gains", "[0.5]"}});
+  CHECK(worst_error(output, {{200, 0.8, 0.5}, {400, 0.4, 0.125}, {600, 0.8 / 3, 0.5 / 9}}) < 1e-9);
 }
 
 TEST_CASE("modal: a mode that rings is retuned at the next group of eight frames, in phase", "[nodes]") {
@@ -76,13 +76,13 @@ TEST_CASE("modal: a mode that rings is retuned at the next group of eight frames
 
 TEST_CASE("modal: no movement of its frequency makes it louder", "[nodes]") {
   constexpr int kFrames = 9600;
-  const auto heard =
+  const auto output =
       play_node(test::node_type("modal"), kFrames,
                 {{"in", impulse(kFrames)}, {"frequency", noise(kFrames, 5, 20, 8000)}, {"decay", 1.0}},
                 {{"modes", "1"}});
   double most = 0;
   for (std::size_t n = 0; n < kFrames; ++n)
-    most = std::max(most, std::abs(heard[n]) * std::pow(1e3, static_cast<double>(n) / kRate));
+    most = std::max(most, std::abs(output[n]) * std::pow(1e3, static_cast<double>(n) / kRate));
   CHECK(most <= 1 + 1e-9);
   CHECK(most > 0.99);
 }
@@ -93,30 +93,26 @@ TEST_CASE("modal: it closes a loop without a delay node", "[nodes]") {
       "format = 1\n[inputs]\nx = {}\n[nodes]\n"
       "y = { type = \"modal\", in = \"x - 0.3 * y\", frequency = \"500 Hz\", modes = 1, decay = \"0.1 s\" }\n"
       "[outputs]\nout = { from = \"y\" }\n");
-  const auto heard = run(*engine, {impulse(3000)}, 3000, {64, 7})[0];
+  const auto output = run(*engine, {impulse(3000)}, 3000, {64, 7})[0];
   const double w = 2 * std::numbers::pi * 500 / kRate, r = std::pow(1e-3, 1 / (0.1 * kRate));
   const double b = r * std::sin(w), a1 = 2 * r * std::cos(w) - 0.3 * b, a2 = -r * r;
   double last = 0, before = 0, worst = 0;
-  for (std::size_t n = 0; n < heard.size(); ++n) {
+  for (std::size_t n = 0; n < output.size(); ++n) {
     const double now = a1 * last + a2 * before + (n == 1 ? b : 0);
-    worst = std::max(worst, std::abs(heard[n] - now));
+    worst = std::max(worst, std::abs(output[n] - now));
     before = last, last = now;
   }
   CHECK(worst < 1e-11);
-  CHECK(std::abs(heard[500]) > 1e-3);
+  CHECK(std::abs(output[500]) > 1e-3);
 }
 
 TEST_CASE("modal: it says what does not fit", "[nodes]") {
   const auto said = [](std::map<std::string, std::string> settings) {
     return refusal(test::node_type("modal"), {{"in", 0.0}}, settings);
   };
-  CHECK(said({{"frequencies", "[100, 200]"}, {"gains", "[1, 2, 3]"}}) ==
-        "'gains' has 3 numbers for 2 modes; give one number for all modes, or one for each");
-  CHECK(said({{"frequencies", "[100, 200]"}, {"decays", "[]"}}) ==
-        "'decays' has 0 numbers for 2 modes; give one number for all modes, or one for each");
-  CHECK(said({{"frequencies", "[100]"}, {"series", "bar"}}) ==
-        "'frequencies' and 'series' both determine the mode frequencies; omit one of them");
-  CHECK(said({{"frequencies", "[100, 0]"}}) == "one of 'frequencies' is below 1 Hz; remove it");
-  CHECK(said({{"frequencies", "[]"}}) ==
-        "'frequencies' has 0 numbers; allowed are 1 to 4096 modes; list one frequency per mode");
+  CHECK(said({{"frequencies", "[100, 200]"}, {"gains", "[1, 2, 3]"}}) == "OutOfRange 'gains' 3 2");
+  CHECK(said({{"frequencies", "[100, 200]"}, {"decays", "[]"}}) == "OutOfRange 'decays' 0 2");
+  CHECK(said({{"frequencies", "[100]"}, {"series", "bar"}}) == "OutOfRange 'frequencies' 'series'");
+  CHECK(said({{"frequencies", "[100, 0]"}}) == "OutOfRange 'frequencies' 1");
+  CHECK(said({{"frequencies", "[]"}}) == "OutOfRange 'frequencies' 0 1 4096");
 }

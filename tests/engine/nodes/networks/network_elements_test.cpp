@@ -9,8 +9,8 @@
 #include <regex>
 
 #include "tests/support/allocation_count.h"
+#include "tests/support/error_summary.h"
 #include "tests/support/graphs/graph_runner.h"
-#include "tests/support/messages.h"
 
 using namespace tactus;
 using namespace tactus::test;
@@ -37,8 +37,8 @@ double period(const Samples& x) {
   return (passages.back() - passages.front()) / static_cast<double>(passages.size() - 1);
 }
 
-test::Messages mistakes_of(const std::string& elements) {
-  return mistakes(graph(elements, "n.energy / 1 J"));
+std::string element_errors(const std::string& elements) {
+  return errors_of(graph(elements, "n.energy / 1 J"));
 }
 
 }  // namespace
@@ -187,44 +187,44 @@ TEST_CASE("network elements: nothing is allocated while any solver runs", "[phys
   std::vector<double> in(64), out(64);
   const double* from[] = {in.data()};
   double* to[] = {out.data()};
-  double heard = 0.0;
+  double peak = 0.0;
   const auto before = allocation_count();
   for (int block = 0; block < 400; ++block) {
     for (std::size_t i = 0; i < 64; ++i)
       in[i] = std::sin(0.002 * static_cast<double>(64 * block) + 0.002 * static_cast<double>(i));
     engine->process({from, to, 64});
-    for (const double y : out) heard = std::max(heard, std::abs(y));
+    for (const double y : out) peak = std::max(peak, std::abs(y));
   }
   CHECK(allocation_count() == before);
-  CHECK(heard > 0.05);
-  CHECK(heard < 100.0);
+  CHECK(peak > 0.05);
+  CHECK(peak < 100.0);
 }
 
-TEST_CASE("network elements: what is wrong with them is told with its place and remedy", "[physics]") {
-  CHECK(mistakes_of("o = { type = \"oscillator\", mass = \"1 g\" }") ==
-        "test.toml:4:1: oscillator 'o' lacks 'stiffness' or 'frequency'; give one of them");
-  CHECK(mistakes_of("o = { type = \"oscillator\", mass = \"1 g\", stiffness = 1, frequency = 2 }") ==
-        "test.toml:4:69: oscillator 'o' has both 'stiffness' and 'frequency'; remove one of them");
+TEST_CASE("network elements: errors have place and remedy", "[physics]") {
+  CHECK(element_errors("o = { type = \"oscillator\", mass = \"1 g\" }") ==
+        "test.toml:4:1 Missing 'o' 'stiffness' 'frequency'");
+  CHECK(element_errors("o = { type = \"oscillator\", mass = \"1 g\", stiffness = 1, frequency = 2 }") ==
+        "test.toml:4:69 Duplicate 'o' 'stiffness' 'frequency'");
   CHECK(
-      mistakes_of(
+      element_errors(
           "c = { type = \"chain\", masses = 3, mass = \"1 g\", stiffness = 1 }\np = { type = \"probe\", on = "
-          "\"c.4\" }") == "test.toml:5:28: 'c.4' is outside 'c'; its last mass is 'c.3'");
+          "\"c.4\" }") == "test.toml:5:28 OutOfRange 'c.4' 'c' 'c.3'");
   CHECK(
-      mistakes_of(
+      element_errors(
           "c = { type = \"chain\", masses = 3, mass = \"1 g\", stiffness = 1 }\np = { type = \"probe\", on = "
-          "\"c\" }") == "test.toml:5:28: 'c' has several masses, but 'c' is not one of them; write \"c.1\"");
-  CHECK(mistakes_of("m = { type = \"mass\", mass = \"1 g\" }\np = { type = \"probe\", on = \"m.1\" }") ==
-        "test.toml:5:28: 'm' is a single mass, so 'm.1' is not a mass of it; write \"m\"");
-  CHECK(mistakes_of("c = { type = \"chain\", mass = \"1 g\", stiffness = 1 }") ==
-        "test.toml:4:1: chain 'c' lacks 'masses'; write masses = … (how many)");
-  CHECK(
-      mistakes_of("c = { type = \"chain\", masses = 3, ends = \"loose\", mass = \"1 g\", stiffness = 1 }") ==
-      "test.toml:4:42: 'ends' of chain 'c' cannot be 'loose'; there are 'fixed' and 'free'");
-  CHECK(mistakes_of("solver = \"exat\"\nm = { type = \"mass\", mass = \"1 g\" }") ==
-        "test.toml:4:10: 'solver' cannot be 'exat'; did you mean 'exact'?");
+          "\"c\" }") == R"(test.toml:5:28 WrongType 'c' 'c' "c.1")");
+  CHECK(element_errors("m = { type = \"mass\", mass = \"1 g\" }\np = { type = \"probe\", on = \"m.1\" }") ==
+        R"(test.toml:5:28 WrongType 'm' 'm.1' "m")");
+  CHECK(element_errors("c = { type = \"chain\", mass = \"1 g\", stiffness = 1 }") ==
+        "test.toml:4:1 Missing 'c' 'masses' masses");
+  CHECK(element_errors(
+            "c = { type = \"chain\", masses = 3, ends = \"loose\", mass = \"1 g\", stiffness = 1 }") ==
+        "test.toml:4:42 UnknownName 'ends' 'c' 'loose' 'fixed' 'free'");
+  CHECK(element_errors("solver = \"exat\"\nm = { type = \"mass\", mass = \"1 g\" }") ==
+        "test.toml:4:10 UnknownName 'solver' 'exat' 'exact'");
 }
 
-TEST_CASE("network elements: the solver that auto takes, and why, is told", "[physics]") {
+TEST_CASE("network elements: the solver that auto takes, and why, is reported", "[physics]") {
   // Three masses between walls, k / (m fs^2) = 0.4: (w T)^2 = 0.4 * 4 sin^2(3 pi / 8) = 1.366, by 24 or 12.
   const auto engine = engine_of(graph(
       "solver = \"auto\"\nc = { type = \"chain\", masses = 3, mass = \"1 g\", stiffness = \"921.6 kN/m\" }",
@@ -241,10 +241,10 @@ TEST_CASE("network elements: the solver that auto takes, and why, is told", "[ph
   }
 }
 
-TEST_CASE("network elements: a choice among bad ones is told as that, in a line for each solver",
+TEST_CASE("network elements: a choice among bad ones is reported as that, in a line for each solver",
           "[physics]") {
   // 200 masses, 4 k / (m fs^2) = 4: (w T)^2 / 24 = 0.167 with one step a frame, 1/16 of that with four.
-  const auto told = [](const std::string& steps) {
+  const auto describe_steps = [](const std::string& steps) {
     const auto engine = engine_of(graph("solver = \"auto\"\n" + steps +
                                             "c = { type = \"chain\", masses = 200, mass = \"1 g\", stiffness "
                                             "= \"2280 kN/m\" }",
@@ -253,11 +253,11 @@ TEST_CASE("network elements: a choice among bad ones is told as that, in a line 
     for (const auto& node : engine->plan().nodes) about += node->about();
     return about;
   };
-  const auto forced = told("oversample = 1\n");
+  const auto forced = describe_steps("oversample = 1\n");
   CHECK(forced.starts_with("solver explicit, "));
   CHECK(forced.find("16 %\n  warning: ") != std::string::npos);
   CHECK(forced.find("`oversample`") != std::string::npos);
-  const auto free = told("");
+  const auto free = describe_steps("");
   CHECK(free.starts_with("solver explicit with 8 steps per frame, "));
   CHECK(free.find("warning") == std::string::npos);
   CHECK(free.find("\n  not explicit with 4 steps per frame: ") != std::string::npos);

@@ -147,8 +147,8 @@ TEST_CASE("network node: signals are late, answers come one frame later, numbers
   CHECK(find_named(type->outputs, "frame") == nullptr);
 }
 
-TEST_CASE("network node: every mistake in its structure is reported in one go", "[physics]") {
-  CHECK(mistakes(of_network(R"(solver = "pasive"
+TEST_CASE("network node: every error in its structure is reported in one go", "[physics]") {
+  CHECK(errors_of(of_network(R"(solver = "pasive"
 oversample = 0
 energy = { type = "mass", mass = "1 g" }
 a = { type = "mas", mass = "1 g" }
@@ -161,28 +161,32 @@ w = { type = "force", on = "s", force = "1 N" }
 g = { type = "ground" }
 h = { type = "hand", on = "g" }
 c = { type = "coil", on = 3 })")) ==
-        R"(test.toml:4:10: 'solver' cannot be 'pasive'; did you mean 'passive'?
-test.toml:5:14: 'oversample' cannot be 0; give one from 1 to 64
-test.toml:6:1: an element cannot have the name 'energy'; 'n.energy' is the energy of the whole network
-test.toml:7:14: there is no element type 'mas'; did you mean 'mass'?
-test.toml:8:22: unknown key 'mas'; did you mean 'mass'?
-test.toml:9:34: spring 's' has 1 end; give two points, the lower one first, as in between = ["cone", "stick"]
-test.toml:10:34: both ends of spring 't' are one point; give two different points
-test.toml:11:41: network 'n' has no element 'x'; there are 'energy', 'b' and 'g'
-test.toml:11:92: contact 'u' has both 'loss' and 'restitution'; remove one of them
-test.toml:12:1: force 'v' lacks 'on'; give the mass that it acts on
-test.toml:13:28: 's' is a spring, not a point; an end must be a mass, a ground or a motion element
-test.toml:15:27: 'g' is a ground, not a mass; a hand acts on a mass
-test.toml:16:27: an end of coil 'c' is a number; give the name of an element, in quotes)");
+        R"(test.toml:4:10 UnknownName 'solver' 'pasive' 'passive'
+test.toml:5:14 OutOfRange 'oversample' 0 1 64
+test.toml:6:1 Duplicate 'energy' 'n.energy'
+test.toml:7:14 UnknownName 'mas' 'mass'
+test.toml:8:22 UnknownName 'mas' 'mass'
+test.toml:9:34 WrongType 's' 1 between "cone" "stick"
+test.toml:10:34 Duplicate 't'
+test.toml:11:41 UnknownName 'n' 'x' 'energy' 'b' 'g'
+test.toml:11:92 Duplicate 'u' 'loss' 'restitution'
+test.toml:12:1 Missing 'v' 'on'
+test.toml:13:28 WrongType 's'
+test.toml:15:27 WrongType 'g'
+test.toml:16:27 WrongType 'c')");
 }
 
 TEST_CASE("network node: wrong units and missing numbers are found by the compiler", "[physics]") {
-  const auto text = mistakes(of_network(R"(a = { type = "mass" }
+  const auto wrong = of_network(R"(a = { type = "mass" }
 b = { type = "ground", at = "1 N" }
-c = { type = "contact", between = ["a", "b"], stiffness = "1 N/m^1.5", exponent = 2 })"));
-  CHECK(text.find("a.mass") != text.npos);
-  CHECK(text.find("test.toml:5:") != text.npos);
-  CHECK(text.find("N/m^2") != text.npos);
+c = { type = "contact", between = ["a", "b"], stiffness = "1 N/m^1.5", exponent = 2 })");
+  CHECK(errors_of(wrong) == R"(test.toml:3:11 Missing 'n' 'a.mass' mass
+test.toml:5:30 UnitMismatch 'b.at' 'n'
+test.toml:6:60 UnitMismatch 'c.stiffness' 'n' 2 1.5 2
+test.toml:8:1 UnitMismatch 'out' unit "J")");
+  const auto compiled = compile(parse_graph_leniently(wrong, "test.toml"), standard_nodes(), {});
+  REQUIRE_FALSE(compiled);
+  CHECK(to_string(compiled.error()).find("N/m^2") != std::string::npos);
 }
 
 TEST_CASE("network node: the reference names every element, its unit and its doc", "[physics]") {

@@ -126,13 +126,13 @@ TEST_CASE("waves: a mass and the body at its port move together", "[nodes]") {
       "f = { from = \"back.force\", unit = \"N\" }\n";
   const auto engine = engine_of(text);
   // 3 N from frame 0 on.
-  const auto heard = run(*engine, {Samples(24000, 3.0 / 48000)}, 24000, {64});
+  const auto output = run(*engine, {Samples(24000, 3.0 / 48000)}, 24000, {64});
   const double sigma = 3 * std::numbers::ln10 / 0.02,
                stiffness = 0.05 * (square_pulsation(200) + sigma * sigma);
-  CHECK(heard[3].back() == Approx(3 / stiffness).epsilon(2e-3));
-  CHECK(heard[4].back() == Approx(3).epsilon(1e-6));
+  CHECK(output[3].back() == Approx(3 / stiffness).epsilon(2e-3));
+  CHECK(output[4].back() == Approx(3).epsilon(1e-6));
   // The frames between the two are a spring.
-  CHECK(heard[2].back() - heard[3].back() ==
+  CHECK(output[2].back() - output[3].back() ==
         Approx(3 * TACTUS_WAVEGUIDE_PORT / (2 * 20 * 48000.0)).epsilon(1e-3));
 }
 

@@ -102,7 +102,7 @@ TEST_CASE("contact demand: explicit steps are refused where the start would make
   CHECK(growth(far, chosen) == Approx(1.0).margin(1e-9));
 }
 
-TEST_CASE("contact demand: a contact is off by no more than is told, whatever its exponent", "[physics]") {
+TEST_CASE("contact demand: a contact is off by no more than predicted, whatever its exponent", "[physics]") {
   // Where it is when it has left, against the closed form, over 40 phases of the touch between two frames.
   const double exponent = GENERATE(1.0, 1.5, 3.0, 10.0), steps = 13.5;
   const auto solver = GENERATE(Solver::Explicit, Solver::Passive, Solver::Exact, Solver::Implicit);
@@ -113,9 +113,9 @@ TEST_CASE("contact demand: a contact is off by no more than is told, whatever it
   elements.points = {mass(kMass), {Point::Kind::Ground, 0, 0, 0, {}}};
   elements.contacts = {contact(1, 0, 0.5 * a1 * kMass / std::pow(depth, a1), exponent)};
   const auto choice = choose_solver(elements, Hertz{kRate}, 1);
-  const auto& told = of(choice, solver);
-  CHECK(told.contact_steps == Approx(steps).epsilon(1e-9));
-  REQUIRE(told.stable);
+  const auto& predicted = of(choice, solver);
+  CHECK(predicted.contact_steps == Approx(steps).epsilon(1e-9));
+  REQUIRE(predicted.stable);
   double worst = 0.0;
   for (int phase = 0; phase < 40; ++phase) {
     const double before = (3.0 + phase / 40.0) / kRate;
@@ -127,6 +127,6 @@ TEST_CASE("contact demand: a contact is off by no more than is told, whatever it
     for (int i = 0; i < kFrames; ++i) network.step(state, nullptr);
     worst = std::max(worst, std::abs(network.position(state, 0) - (kFrames / kRate - before - time)) / time);
   }
-  CHECK(worst <= told.error);
-  CHECK(worst > 0.1 * told.error);
+  CHECK(worst <= predicted.error);
+  CHECK(worst > 0.1 * predicted.error);
 }

@@ -6,6 +6,7 @@
 #include "engine/dsp/delays/resample.h"
 #include "engine/nodes/table.h"
 #include "engine/scene/play_scene.h"
+#include "tests/support/error_summary.h"
 #include "tests/support/graphs/node_runner.h"
 #include "tests/support/temporary_folder.h"
 
@@ -38,12 +39,12 @@ taps = [1, 0.5]
 )";
 
 /// What is wrong with kSmall when `from` is `to`.
-std::string mistakes(const std::string& from, const std::string& to) {
+std::string errors_of(const std::string& from, const std::string& to) {
   std::string text = kSmall;
   const auto at = text.find(from);
   REQUIRE(at != std::string::npos);
   const auto path = read_path(parse_graph_leniently(text.replace(at, from.size(), to), "path.toml"));
-  return path ? "" : to_string(path.error());
+  return test::summary(path);
 }
 
 /// A scene with this path between the woofer and the microphone, and beside it what the path is given.
@@ -105,12 +106,12 @@ TEST_CASE("path file: as the plant of a scene it is a convolution with what was 
   const auto path = *read_path(parse_graph_leniently(to_text(woofer(measured_at)), "path.toml"));
   const auto recording = played(path, 48_kHz);
   const auto& given = recording.find("given.out")->samples;
-  const auto& heard = recording.find("plant.sensor")->samples;
-  REQUIRE(heard.size() == 24000);
+  const auto& recorded = recording.find("plant.sensor")->samples;
+  REQUIRE(recorded.size() == 24000);
   const auto expected = convolved(given, taps_at_rate(path.taps, measured_at, 48_kHz));
   double worst = 0, highest = 0;
-  for (std::size_t n = 0; n < heard.size(); ++n) {
-    worst = std::max(worst, std::abs(heard[n] - expected[n]));
+  for (std::size_t n = 0; n < recorded.size(); ++n) {
+    worst = std::max(worst, std::abs(recorded[n] - expected[n]));
     highest = std::max(highest, std::abs(expected[n]));
   }
   CHECK(highest > 1e-3);           // it did play
@@ -130,25 +131,19 @@ TEST_CASE("path file: a scene at another rate hears the same path", "[scene]") {
   CHECK(worst < 1e-3 * highest);
 }
 
-TEST_CASE("path file: what is no measured path is told with its place", "[scene]") {
-  const std::string form =
-      "; a measured path must have one input, one fir node 'path' and one output with from = \"path\"";
-  CHECK(mistakes("type = \"fir\"\nin = \"drive\"\nrate = \"48 kHz\"\ntaps = [1, 0.5]",
-                 "type = \"clip\"\nin = \"drive\"") ==
-        "path.toml:1:1: there is no fir node called 'path'" + form +
-            "\npath.toml:6:8: 'path' is not part of a measured path" + form);
-  CHECK(mistakes("drive = {}", "drive = {}\nother = {}") ==
-        "path.toml:1:1: there are 2 inputs and 1 outputs" + form);
-  CHECK(mistakes("\"path\"", "\"0.5 * path\"") == "path.toml:5:19: 'from' is not \"path\" alone" + form);
-  CHECK(mistakes("in = \"drive\"", "in = \"-drive\"") == "path.toml:8:6: 'in' is not \"drive\" alone" + form);
-  CHECK(mistakes("[nodes.path]", "[nodes]\nmore = \"2 * path\"\n[nodes.path]") ==
-        "path.toml:7:1: 'more' is not part of a measured path" + form);
-  CHECK(mistakes("rate = \"48 kHz\"\n", "") ==
-        "path.toml:6:8: fir 'path' lacks 'rate'; give the sample rate of its taps, as in "
-        "rate = "
-        "\"48 kHz\"");
-  CHECK(mistakes("48 kHz", "48 Hz").find("path.toml:9:8: 'rate' of fir 'path' cannot be 48 Hz") == 0);
-  CHECK(mistakes("0.5]", "\"0.5 m\"]").find("path.toml:10:12") != std::string::npos);
-  CHECK(mistakes("taps = [1, 0.5]", "taps = [").find("path.toml:") != std::string::npos);
+TEST_CASE("path file: what is no measured path is an error with its place", "[scene]") {
+  const std::string form = " 'path' from \"path\"";
+  CHECK(errors_of("type = \"fir\"\nin = \"drive\"\nrate = \"48 kHz\"\ntaps = [1, 0.5]",
+                  "type = \"clip\"\nin = \"drive\"") ==
+        "path.toml:1:1 BadFile 'path'" + form + "\npath.toml:6:8 BadFile 'path'" + form);
+  CHECK(errors_of("drive = {}", "drive = {}\nother = {}") == "path.toml:1:1 BadFile 2 1" + form);
+  CHECK(errors_of("\"path\"", "\"0.5 * path\"") == "path.toml:5:19 BadFile 'from' \"path\"" + form);
+  CHECK(errors_of("in = \"drive\"", "in = \"-drive\"") == "path.toml:8:6 BadFile 'in' \"drive\"" + form);
+  CHECK(errors_of("[nodes.path]", "[nodes]\nmore = \"2 * path\"\n[nodes.path]") ==
+        "path.toml:7:1 BadFile 'more'" + form);
+  CHECK(errors_of("rate = \"48 kHz\"\n", "") == R"(path.toml:6:8 Missing 'path' 'rate' rate "48 kHz")");
+  CHECK(errors_of("48 kHz", "48 Hz") == "path.toml:9:8 OutOfRange 'rate' 'path' 48 1 1000");
+  CHECK(errors_of("0.5]", "\"0.5 m\"]").find("path.toml:10:12") != std::string::npos);
+  CHECK(errors_of("taps = [1, 0.5]", "taps = [").find("path.toml:") != std::string::npos);
   CHECK(!read_path(load_graph_leniently("/nowhere/path.toml")));
 }

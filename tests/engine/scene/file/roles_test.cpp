@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
@@ -8,6 +9,7 @@
 #include "engine/scene/build_scene.h"
 #include "engine/scene/file/scene_spec.h"
 #include "engine/scene/guard_report.h"
+#include "tests/support/error_summary.h"
 #include "tests/support/scene_folder.h"
 
 using namespace tactus;
@@ -25,7 +27,7 @@ struct Folder : test::SceneFolder {
   }
   std::string errors(const std::string& sections) const {
     const auto built = build_scene(load(sections), standard_nodes());
-    return built ? "" : strip(to_string(built.error()));
+    return strip(test::summary(built));
   }
 };
 
@@ -45,11 +47,25 @@ TEST_CASE("roles: named ones come first, in order, and ports play the others by 
   CHECK(signal_of(roles, "monitor").empty());
 }
 
+TEST_CASE("roles: a control has one by [roles], else by its name", "[scene]") {
+  const Folder folder;
+  const auto named = *folder.load("[roles]\ntable_frequency = \"instrument.strength\"\n").scene;
+  REQUIRE(control_of(named, "table_frequency"));
+  CHECK(control_of(named, "table_frequency")->name() == "strength");
+  CHECK(control_of(named, "table_frequency")->constant() == 0.5);
+  CHECK_FALSE(control_of(*folder.load("").scene, "table_frequency"));
+  CHECK(std::ranges::none_of(named.roles, [](const Role& role) { return role.name == "table_frequency"; }));
+  CHECK(folder.errors("[roles]\ntable_frequency = \"strength\"\n") == "");
+  const auto unknown = folder.errors("[roles]\ntable_frequency = \"strenght\"\n");
+  CHECK(unknown.starts_with("scene.toml:8:19: "));
+  CHECK(unknown.find("'strength'") != std::string::npos);
+}
+
 TEST_CASE("roles: unknown roles and signals are errors at their place", "[scene]") {
   const Folder folder;
-  CHECK(folder.errors("[roles]\nstik = \"plant.stick\"\n").starts_with("scene.toml:8:1: "));
-  CHECK(folder.errors("[roles]\nstick = \"plant.stik\"\n").starts_with("scene.toml:8:9: "));
-  CHECK(folder.errors("[roles]\nstick = 1\n").starts_with("scene.toml:8:9: "));
+  CHECK(folder.errors("[roles]\nstik = \"plant.stick\"\n").starts_with("scene.toml:8:1 UnknownName"));
+  CHECK(folder.errors("[roles]\nstick = \"plant.stik\"\n").starts_with("scene.toml:8:9 "));
+  CHECK(folder.errors("[roles]\nstick = 1\n").starts_with("scene.toml:8:9 "));
   CHECK(folder.errors("[expect]\nbounce = { measure = \"restitution\", max = 1 }\n").find("'contact'") !=
         std::string::npos);
   CHECK(folder.errors("[roles]\ncontact = \"plant.stick\"\n"

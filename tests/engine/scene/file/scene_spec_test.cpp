@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "tests/support/messages.h"
+#include "tests/support/error_summary.h"
 #include "tests/support/scene_folder.h"
 
 using namespace tactus;
@@ -22,9 +22,9 @@ struct Folder : TemporaryFolder {
   Checked<SceneSpec> read(std::string_view text) const {
     return test::parse_scene(text, (path() / "scene.toml").string());
   }
-  test::Messages mistakes(std::string_view text) const {
+  std::string errors_of(std::string_view text) const {
     const auto scene = read(text);
-    return scene ? "" : strip(to_string(scene.error()));
+    return strip(test::summary(scene));
   }
 };
 
@@ -106,10 +106,10 @@ TEST_CASE("scene: what may be left out has the value that the manual says", "[sc
   CHECK_FALSE(off->converters.on);
 }
 
-TEST_CASE("scene: all mistakes come in one go, those of its parts too", "[scene]") {
+TEST_CASE("scene: all errors come in one go, those of its parts too", "[scene]") {
   const Folder folder;
   folder.write("plant.toml", "format = 1\nnods = 1\n");
-  CHECK(folder.mistakes(R"(rate = 48
+  CHECK(folder.errors_of(R"(rate = 48
 delay = "12 mm"
 sead = 3
 seed = 1.5
@@ -131,51 +131,50 @@ p = { of = "plant.piezo", from = "2 s", to = "1 s", min = 2, max = 1 }
 q = { measure = "peak", min = "1 m", max = "2 s" }
 r = { measure = "peak", mx = 3 }
 )") ==
-        R"(scene.toml:1:1: 'format' is missing; begin the file with format = 1
-scene.toml:1:8: 'rate' cannot be 48 Hz; it runs from 1 kHz to 768 kHz
-scene.toml:2:9: '12 mm' is in m, but 'delay' is in s; give "15 ms"
-scene.toml:3:1: unknown key 'sead'; did you mean 'seed'?
-scene.toml:4:8: 'seed' must be a whole number; give one from 0 to 9007199254740991
-scene.toml:5:12: 'duration' cannot be -1 s; it runs from 1 ms to 86400 s
-scene.toml:7:22: there is no file 'instrment.toml'; did you mean 'instrument.toml'?
-scene.toml:7:62: the expression is incomplete; write a number, a name or '(' here
-scene.toml:7:80: the expression is incomplete; write a number, a name or '(' here
-scene.toml:9:1: part 'hand' has no 'use'; give its file, as in use = "hand.toml"
-scene.toml:11:1: 'hand' cannot name a gesture: it names a part in line 9; choose another name
-scene.toml:12:34: 0 s is not later than 0 s before it; the times of a gesture must be ascending
-scene.toml:12:41: '1 N' is in N, but 'a' is in m; give "12 mm"
-scene.toml:12:50: '1 mm' is in m, but 'time' is in s; give "15 ms"
-scene.toml:12:62: a point must be a time and a value; write for instance ["0.1 s", "2 m/s"]
-scene.toml:12:76: 'curve' cannot be 'stpe'; did you mean 'step'?
-scene.toml:13:1: gesture 'b' lacks 'points'; give 'points': [[time, value], …] with ascending times
-scene.toml:15:8: 'bits' cannot be 64; give one from 1 to 32
-scene.toml:16:7: 'off' must be true or false, not a number; write off = true
-scene.toml:17:2: 'nodes' is a key of graphs, but this is a scene; move it to the file of a part
-scene.toml:19:1: expectation 'p' lacks 'measure'; give 'measure': what is measured
-scene.toml:19:46: 'to' is not later than 'from'; swap them
-scene.toml:19:68: 'max' is below 'min'; swap them
-scene.toml:20:44: 'min' and 'max' are in different units; give both in the same unit
-scene.toml:21:1: expectation 'r' lacks 'min' and 'max'; give at least one of them
-scene.toml:21:25: unknown key 'mx'; did you mean 'max'?
-plant.toml:2:1: unknown key 'nods'; did you mean 'nodes'?)");
+        R"(scene.toml:1:1 Missing 'format' format 1
+scene.toml:1:8 OutOfRange 'rate' 48 1 768
+scene.toml:2:9 UnitMismatch '12 mm' 'delay' "15 ms"
+scene.toml:3:1 UnknownName 'sead' 'seed'
+scene.toml:4:8 OutOfRange 'seed' 0 9007199254740991
+scene.toml:5:12 OutOfRange 'duration' -1 1 86400
+scene.toml:7:22 BadFile 'instrment.toml' 'instrument.toml'
+scene.toml:7:62 Syntax '('
+scene.toml:7:80 Syntax '('
+scene.toml:9:1 Missing 'hand' 'use' use "hand.toml"
+scene.toml:11:1 Duplicate 'hand' 9
+scene.toml:12:34 OutOfRange 0 0
+scene.toml:12:41 UnitMismatch '1 N' 'a' "12 mm"
+scene.toml:12:50 UnitMismatch '1 mm' 'time' "15 ms"
+scene.toml:12:62 WrongType "0.1 s" "2 m/s"
+scene.toml:12:76 UnknownName 'curve' 'stpe' 'step'
+scene.toml:13:1 Missing 'b' 'points' 'points'
+scene.toml:15:8 OutOfRange 'bits' 64 1 32
+scene.toml:16:7 WrongType 'off' off
+scene.toml:17:2 UnknownName 'nodes'
+scene.toml:19:1 Missing 'p' 'measure' 'measure'
+scene.toml:19:46 OutOfRange 'to' 'from'
+scene.toml:19:68 OutOfRange 'max' 'min'
+scene.toml:20:44 UnitMismatch 'min' 'max'
+scene.toml:21:1 Missing 'r' 'min' 'max'
+scene.toml:21:25 UnknownName 'mx' 'max'
+plant.toml:2:1 UnknownName 'nods' 'nodes')");
 }
 
 TEST_CASE("scene: a plant is required, and so is a duration", "[scene]") {
   const Folder folder;
-  CHECK(folder.mistakes("format = 1\n") ==
-        "scene.toml:1:1: 'duration' is missing; give the length of the scene, as in duration = \"6 s\"\n"
-        "scene.toml:1:1: the part 'plant' is missing; under [parts], write plant = { use = \"plant.toml\", … "
-        "}");
+  CHECK(folder.errors_of("format = 1\n") ==
+        R"(scene.toml:1:1 Missing 'duration' duration "6 s"
+scene.toml:1:1 Missing 'plant' [parts] plant use "plant.toml")");
 }
 
 TEST_CASE("scene: nothing is measured after its end", "[scene]") {
   const Folder folder;
-  CHECK(folder.mistakes(std::string{"format = 1\nduration = \"6 s\"\n"} + kParts +
-                        "[expect]\na = { measure = \"peak\", from = \"7 s\", max = 1 }\n") ==
-        "scene.toml:7:32: 'from' cannot be 7 s; it runs from 0 s to 6 s");
+  CHECK(folder.errors_of(std::string{"format = 1\nduration = \"6 s\"\n"} + kParts +
+                         "[expect]\na = { measure = \"peak\", from = \"7 s\", max = 1 }\n") ==
+        "scene.toml:7:32 OutOfRange 'from' 7 0 6");
 }
 
-TEST_CASE("scene: parts stay below the root, and mistakes that two parts share are told once", "[scene]") {
+TEST_CASE("scene: parts stay below the root, and errors that two parts share are reported once", "[scene]") {
   const Folder folder;
   folder.write("shared/bad.toml", "nods = 1");
   const auto part = "format = 1\n[nodes]\nx = { use = \"../shared/bad.toml\" }\n";
@@ -184,24 +183,21 @@ TEST_CASE("scene: parts stay below the root, and mistakes that two parts share a
   folder.write("drum/scene.toml", std::string{"format = 1\nduration = 1\n"} + kParts);
   const auto narrow = load_scene(folder.path() / "drum");
   REQUIRE_FALSE(narrow);
-  CHECK(folder.strip(to_string(narrow.error())) ==
-        "drum/instrument.toml:3:13: '../shared/bad.toml' is outside the folder 'drum'; keep the files of an "
-        "instrument inside it\n"
-        "drum/plant.toml:3:13: '../shared/bad.toml' is outside the folder 'drum'; keep the files of an "
-        "instrument "
-        "inside it");
+  CHECK(folder.strip(test::summary(narrow)) ==
+        R"(drum/instrument.toml:3:13 OutOfRange '../shared/bad.toml' 'drum'
+drum/plant.toml:3:13 OutOfRange '../shared/bad.toml' 'drum')");
   const auto wide = load_scene(folder.path() / "drum", folder.path());
   REQUIRE_FALSE(wide);
-  CHECK(folder.strip(to_string(wide.error())) ==
-        "shared/bad.toml:1:1: 'format' is missing; begin the file with format = 1\n"
-        "shared/bad.toml:1:1: unknown key 'nods'; did you mean 'nodes'?");
+  CHECK(folder.strip(test::summary(wide)) ==
+        R"(shared/bad.toml:1:1 Missing 'format' format 1
+shared/bad.toml:1:1 UnknownName 'nods' 'nodes')");
 }
 
 TEST_CASE("scene: a folder without a scene says which file it lacks", "[scene]") {
   const TemporaryFolder folder;
   const auto scene = load_scene(folder.path());
   REQUIRE_FALSE(scene);
-  CHECK(folder.strip(to_string(scene.error())) == "scene.toml: there is no such file; check the path");
+  CHECK(folder.strip(test::summary(scene)) == "scene.toml BadFile");
 }
 
 TEST_CASE("scene: without a name it is called as its file, or as the folder that it is the scene of",

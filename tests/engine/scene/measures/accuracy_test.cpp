@@ -2,7 +2,7 @@
 
 #include "engine/nodes/table.h"
 #include "engine/scene/build_scene.h"
-#include "tests/support/messages.h"
+#include "tests/support/error_summary.h"
 #include "tests/support/scene_folder.h"
 
 using namespace tactus;
@@ -11,36 +11,35 @@ using namespace tactus::test;
 namespace {
 
 /// All that is wrong with a scene of this [accuracy].
-test::Messages mistakes(const std::string& lines) {
+std::string errors_of(const std::string& lines) {
   const SceneFolder folder;
   folder.write("scene.toml",
                "format = 1\nduration = \"1 s\"\n[parts]\n"
                "plant = { use = \"plant.toml\", drive = 0, lift = \"1 mm\" }\n[accuracy]\n" +
                    lines);
   const auto compiled = compile_scene(load_scene_leniently(folder.path()), standard_nodes());
-  return compiled ? "" : folder.strip(to_string(compiled.error()));
+  return folder.strip(test::summary(compiled));
 }
 
 }  // namespace
 
 TEST_CASE("accuracy: a scene of a plant alone says what must come out right", "[scene]") {
-  CHECK(mistakes("a = { measure = \"position\", of = \"plant.stick\", to = \"0.5 s\", scale = \"1 mm\" }\n"
-                 "b = { measure = \"frequency\", of = \"plant.stick\", exact = \"110 Hz\" }\n") == "");
+  CHECK(errors_of("a = { measure = \"position\", of = \"plant.stick\", to = \"0.5 s\", scale = \"1 mm\" }\n"
+                  "b = { measure = \"frequency\", of = \"plant.stick\", exact = \"110 Hz\" }\n") == "");
 }
 
-TEST_CASE("accuracy: mistakes are told by their place", "[scene]") {
-  CHECK(mistakes("a = { of = \"plant.stick\" }\n") ==
-        "scene.toml:6:1: accuracy 'a' lacks 'measure'; give 'measure': name of a measure");
-  CHECK(mistakes("a = { measure = \"positon\", of = \"plant.stick\" }\n") ==
-        "scene.toml:6:17: 'measure' cannot be 'positon'; did you mean 'position'?");
-  CHECK(mistakes("a = { measure = \"position\" }\n") ==
-        "scene.toml:6:1: accuracy 'a' lacks 'of'; give 'of': recorded signal, such as \"plant.tip\"");
-  CHECK(mistakes("a = { measure = \"position\", of = \"plant.stik\" }\n") ==
-        "scene.toml:6:34: no signal 'plant.stik' is recorded; did you mean 'plant.stick'?");
-  CHECK(mistakes("a = { measure = \"position\", of = \"plant.stick\", exact = 1 }\n") ==
-        "scene.toml:6:57: 'position' has no single exact value; remove 'exact'");
-  CHECK(mistakes("a = { measure = \"frequency\", of = \"plant.stick\", exact = \"1 m\" }\n") ==
-        "scene.toml:6:1: 'frequency' is in Hz, but it is compared with 1 m; give it in Hz");
-  CHECK(mistakes("a = { measure = \"position\", of = \"plant.stick\", scale = 0 }\n") ==
-        "scene.toml:6:57: 'scale' must be above 0; give the value that counts as a relative error of 1");
+TEST_CASE("accuracy: errors have their place", "[scene]") {
+  CHECK(errors_of("a = { of = \"plant.stick\" }\n") == "scene.toml:6:1 Missing 'a' 'measure' 'measure'");
+  CHECK(errors_of("a = { measure = \"positon\", of = \"plant.stick\" }\n") ==
+        "scene.toml:6:17 UnknownName 'measure' 'positon' 'position'");
+  CHECK(errors_of("a = { measure = \"position\" }\n") ==
+        R"(scene.toml:6:1 Missing 'a' 'of' 'of' "plant.tip")");
+  CHECK(errors_of("a = { measure = \"position\", of = \"plant.stik\" }\n") ==
+        "scene.toml:6:34 UnknownName 'plant.stik' 'plant.stick'");
+  CHECK(errors_of("a = { measure = \"position\", of = \"plant.stick\", exact = 1 }\n") ==
+        "scene.toml:6:57 BadArgument 'position' 'exact'");
+  CHECK(errors_of("a = { measure = \"frequency\", of = \"plant.stick\", exact = \"1 m\" }\n") ==
+        "scene.toml:6:1 UnitMismatch 'frequency' 1");
+  CHECK(errors_of("a = { measure = \"position\", of = \"plant.stick\", scale = 0 }\n") ==
+        "scene.toml:6:57 OutOfRange 'scale' 0 1");
 }

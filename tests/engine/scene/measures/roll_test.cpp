@@ -22,7 +22,7 @@ std::vector<double> strokes(double first, std::vector<double> intervals, double 
 }
 
 /// Strikes of 20 N and 1 ms; each hit is a trigger 0.5 ms later.
-SceneRecording recorded(const std::vector<double>& strikes, const std::vector<double>& heard) {
+SceneRecording recorded(const std::vector<double>& strikes, const std::vector<double>& detected) {
   const auto frames = static_cast<std::size_t>(kRate * kDuration_s);
   SceneRecording recording;
   recording.sample_rate = Hertz{kRate};
@@ -33,18 +33,18 @@ SceneRecording recorded(const std::vector<double>& strikes, const std::vector<do
       const auto frame = static_cast<std::size_t>(std::lround(time * kRate)) + static_cast<std::size_t>(i);
       if (frame < frames) recording.signals[0].samples[frame] = 20;
     }
-  for (const double time : heard) {
+  for (const double time : detected) {
     const auto frame = static_cast<std::size_t>(std::lround((time + 0.5e-3) * kRate));
     if (frame < frames) recording.signals[1].samples[frame] = 1;
   }
   return recording;
 }
 
-PlayabilityResult result_of(const std::vector<double>& strikes, const std::vector<double>& heard) {
+PlayabilityResult result_of(const std::vector<double>& strikes, const std::vector<double>& detected) {
   Playability playability;
   playability.hits.name = "instrument.hit";
   playability.contact.name = "plant.contact";
-  return evaluate(recorded(strikes, heard), playability);
+  return evaluate(recorded(strikes, detected), playability);
 }
 
 }  // namespace
@@ -73,7 +73,7 @@ TEST_CASE("roll: chance has the same spread for every pattern", "[analysis]") {
   CHECK(even.pattern_spread == Approx(theory).epsilon(0.03));
 }
 
-TEST_CASE("roll: a roll that is even and all heard has the score 1", "[analysis]") {
+TEST_CASE("roll: a roll that is even and all detected has the score 1", "[analysis]") {
   const auto times = strokes(0.1, {0.05});
   const auto run = result_of(times, times);
   CHECK(run.kind == "regular");

@@ -7,9 +7,11 @@
 #include <numbers>
 
 #include "engine/nodes/table.h"
+#include "engine/scene/measures/motion.h"
 #include "engine/study/orbits/bouncing_ball.h"
 #include "engine/study/sweep/scene_variants.h"
 #include "tests/support/shipped_scene.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace tactus;
 using test::play;
@@ -110,44 +112,77 @@ TEST_CASE(
   CHECK(hard < 0.5 * soft);
 }
 
-TEST_CASE("bifurcation: what is found does not depend on how the sweep is shared out", "[analysis]") {
+TEST_CASE("bifurcation: workers, parts and a cache change nothing", "[analysis]") {
+  const test::TemporaryFolder folder;
   const auto scene = scene_of("table_scene.toml");
   BifurcationPlan plan;
-  plan.control = "plant.gamma";
   plan.from = 1.3;
   plan.to = 1.56;
-  plan.values = 14;
+  plan.values = 14;  // the last two columns are a run of their own, which plays three before them first
   plan.settling_s = 0.3;
   plan.reading_s = 0.5;
-  const auto study = study_bifurcation(scene, standard_nodes(), plan);
-  REQUIRE(study);
-  const auto again = study_bifurcation(scene, standard_nodes(), plan);
-  REQUIRE(again);
-  // The last two columns are a run of their own, which plays the three before them first.
-  const auto sweep = make_sweep(scene, standard_nodes(), plan);
-  REQUIRE(sweep);
-  const auto alone = play_sweep(*sweep, standard_nodes(), plan, {1.48, 1.50, 1.52, 1.54, 1.56});
-  REQUIRE(alone);
-  for (std::size_t i = 0; i < 14; ++i) {
-    REQUIRE(study->simulated[i].speeds == again->simulated[i].speeds);
-    REQUIRE_FALSE(study->simulated[i].speeds.empty());
-  }
-  for (std::size_t n = 0; n < alone->back().size(); ++n)
-    CHECK(alone->back()[n].speed == Approx(study->simulated[13].speeds.at(n)).epsilon(1e-9));
+  plan.workers = 1;
+  const auto whole = study_bifurcation(scene, standard_nodes(), plan);
+  REQUIRE(whole);
+  REQUIRE(whole->runs == 2);
+  REQUIRE(whole->simulated.size() == 14);
+  const auto same = [&](const BifurcationPlan& other) {
+    const auto study = study_bifurcation(scene, standard_nodes(), other);
+    return study && std::ranges::equal(study->simulated, whole->simulated, [](const auto& a, const auto& b) {
+             return a.speeds == b.speeds && a.phases == b.phases && a.period == b.period;
+           });
+  };
+  plan.workers = 2;
+  CHECK(same(plan));
+  plan.cache = folder.path();
+  plan.parts = 2;
+  const auto half = study_bifurcation(scene, standard_nodes(), plan);
+  REQUIRE(half);
+  CHECK(half->finished == 1);
+  CHECK(half->simulated.empty());
+  plan.part = 1;
+  CHECK(same(plan));
+  plan.stop = [] { return true; };  // all is there: nothing is begun
+  CHECK(same(plan));
+  for (const auto& column : whole->simulated) CHECK_FALSE(column.speeds.empty());
 }
 
-TEST_CASE("bifurcation: what cannot be swept is told", "[analysis]") {
-  const auto told = [](const char* file, const std::string& control) {
+TEST_CASE("bifurcation: roles name the controls of the table, else those of their names do", "[analysis]") {
+  BifurcationPlan plan;
+  plan.from = 1.3;
+  plan.to = 1.32;
+  plan.values = 3;
+  plan.settling_s = plan.reading_s = 0.1;
+  auto scene = scene_of("table_scene.toml");
+  const auto named = study_bifurcation(scene, standard_nodes(), plan);
+  REQUIRE(named);
+  CHECK(named->control == "plant.gamma");
+  CHECK(named->frequency_hz == 29.93);
+  for (auto& role : scene.control_roles) role.written = false;
+  plan.control = "plant.gamma";
+  CHECK(study_bifurcation(scene, standard_nodes(), plan)->frequency_hz == 29.93);
+  for (auto& role : scene.control_roles) role = {role.name, "plant.drop_height", {}, true};
+  CHECK(study_bifurcation(scene, standard_nodes(), plan)->frequency_hz == Approx(0.70727e-3));
+}
+
+TEST_CASE("bifurcation: controls that cannot be swept are errors", "[analysis]") {
+  const auto error_of = [](SceneSpec scene, const std::string& control) {
     BifurcationPlan plan;
     plan.control = control;
     plan.from = 1;
     plan.to = 2;
-    const auto study = study_bifurcation(scene_of(file), standard_nodes(), plan);
-    return study ? std::string{} : study.error().front().what;
+    const auto study = study_bifurcation(scene, standard_nodes(), plan);
+    return study ? Error{} : study.error().front();
   };
-  CHECK(told("scene.toml", "gama") == "there is no control 'gama' in the part 'instrument'");
-  CHECK(told("table_scene.toml", "gamma") == "the scene has no part 'instrument'");
-  CHECK(told("scene.toml", "plant.cone_mass") == "the frequency of the table is not known");
+  const auto unknown = error_of(scene_of("scene.toml"), "gama");
+  CHECK(unknown.code == Errc::UnknownName);
+  CHECK(unknown.where == "gama");
+  CHECK(unknown.remedy.find("'gamma'") != std::string::npos);
+  CHECK(error_of(scene_of("table_scene.toml"), "gamma").code == Errc::UnknownName);
+  auto scene = scene_of("scene.toml");
+  scene.control_roles.clear();
+  CHECK(error_of(scene, "").code == Errc::UnknownName);
+  CHECK(error_of(scene, "plant.cone_mass").code == Errc::Missing);  // the frequency is not known
 }
 
 TEST_CASE("bouncing ball: on the woofer it lands once, twice, four times until it repeats, and never",
@@ -198,7 +233,7 @@ TEST_CASE("bouncing ball: a billionth more drive moves an orbit by next to nothi
   CHECK(apart_at_end("chaos.toml") > 0.5e-3);  // of jumps of some millimetres
 }
 
-TEST_CASE("bouncing ball: the lens moves as it is told to, and gives way to the ball as its mass says",
+TEST_CASE("bouncing ball: the lens moves as its input demands, and gives way to the ball as its mass says",
           "[instruments]") {
   const auto recording = play(scene_of("scene.toml"));
   const auto landings = landings_of(recording);

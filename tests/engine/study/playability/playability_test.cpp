@@ -6,6 +6,7 @@
 
 #include "engine/graph/file/read_graph.h"
 #include "engine/nodes/table.h"
+#include "tests/support/error_summary.h"
 #include "tests/support/reading.h"
 #include "tests/support/temporary_folder.h"
 
@@ -28,17 +29,22 @@ SceneSpec short_drum() {
   return scene;
 }
 
+SweepPlan over_delays(const std::vector<ControlValue>& delays) {
+  SweepPlan plan;
+  plan.over = {{"delay", delays, SweptValue::What::Delay}};
+  return plan;
+}
+
 /// Two delays, two strengths, three actuators, one other plant.
-PlayabilityOptions small() {
-  PlayabilityOptions options;
-  options.delays_s = {0.01, 0.02};
-  options.over = {{"strength", {0.4, 1.0}}};
+SweepPlan small() {
+  auto options = over_delays({0.01, 0.02});
+  options.over.push_back({"strength", {0.4, 1.0}});
   options.gains = {0.5, 2};
   options.draws = 1;
   return options;
 }
 
-PlayabilityStudy studied(const PlayabilityOptions& options) {
+PlayabilityStudy studied(const SweepPlan& options) {
   auto study = study_playability(short_drum(), standard_nodes(), options);
   if (!study) throw std::runtime_error(to_string(study.error()));
   return std::move(*study);
@@ -58,9 +64,9 @@ std::string text_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>{stream}, {}};
 }
 
-std::string error_of(const SceneSpec& scene, const PlayabilityOptions& options) {
+std::string error_of(const SceneSpec& scene, const SweepPlan& options) {
   const auto study = study_playability(scene, standard_nodes(), options);
-  return study ? "" : study.error().front().what;
+  return test::summary(study);
 }
 
 }  // namespace
@@ -131,7 +137,7 @@ TEST_CASE("playability: stopped, it stores finished runs and resumes", "[analysi
 TEST_CASE("playability: another scene, seed or control is another run", "[analysis]") {
   const test::TemporaryFolder folder;
   auto options = small();
-  options.over.clear();
+  options.over.pop_back();
   options.cache = folder.path();
   studied(options);
   options.stop = [] { return true; };
@@ -162,44 +168,40 @@ TEST_CASE("playability: a delay is playable when all as written are, and nine of
 }
 
 TEST_CASE("playability: errors are reported before anything is played", "[analysis]") {
-  PlayabilityOptions options;
-  options.delays_s = {0.02};
+  auto options = over_delays({0.02});
   auto scene = short_drum();
   scene.playability.reset();
   CHECK(error_of(scene, options).find("[playability]") != std::string::npos);
-  options.over = {{"strenght", {0.5}}};
+  options.over.push_back({"strenght", {0.5}});
   CHECK(error_of(short_drum(), options).find("strenght") != std::string::npos);
-  options.over = {{"strength", {0.5, 7.0}}};
+  options.over.back() = {"strength", {0.5, 7.0}};
   CHECK(error_of(short_drum(), options).find("7") != std::string::npos);
 }
 
 TEST_CASE("playability: a control that a gesture moves is swept by the gesture", "[analysis]") {
-  PlayabilityOptions options;
-  options.delays_s = {0.02};
-  options.over = {{"strength", {0.5}}};
+  auto options = over_delays({0.02});
+  options.over.push_back({"strength", {0.5}});
   auto scene = short_drum();
   for (auto& part : scene.parts)
     if (part.name == "instrument")
       part.wires.push_back({"strength", part.at, {std::string{"weight"}, part.at}});
-  CHECK(error_of(scene, options) == "control 'strength' is set by gesture 'weight'");
+  CHECK(error_of(scene, options) == "--over BadArgument 'strength' 'weight' --over 0.5 2 4");
 }
 
 TEST_CASE("playability: a gesture can be held at values of its own unit", "[analysis]") {
-  PlayabilityOptions options;
-  options.delays_s = {0.02};
+  auto options = over_delays({0.02});
   const auto unit = short_drum().gesture("weight")->unit.dimension;
-  options.over = {{"weight", {{0.3, unit}, {0.35, unit}}, SweptValue::What::Held}};
+  options.over.push_back({"weight", {{0.3, unit}, {0.35, unit}}, SweptValue::What::Held});
   const auto study = study_playability(short_drum(), standard_nodes(), options);
   REQUIRE(study);
   CHECK(study->runs[0].result != study->runs[1].result);
-  options.over[0].values = {{0.001, Dimension{.second = 1}}};
-  CHECK(error_of(short_drum(), options).find("gesture 'weight'") == 0);
+  options.over[1].values = {{0.001, Dimension{.second = 1}}};
+  CHECK(error_of(short_drum(), options) == "--over UnitMismatch 'weight'");
 }
 
 TEST_CASE("playability: the folder of the Cellomobo means its phrase, of which each note is result",
           "[analysis][instruments]") {
-  PlayabilityOptions options;
-  options.delays_s = {0.02};
+  auto options = over_delays({0.02});
   const auto study = study_playability(scene_of("cellomobo/scene.toml"), standard_nodes(), options);
   REQUIRE(study);
   const auto& run = *study->runs[0].result;
@@ -218,8 +220,9 @@ TEST_CASE("playability: the shipped instruments are playable over all the delays
   REQUIRE(tested);
   REQUIRE(tested->low <= 0.02);
   REQUIRE(tested->high >= 0.02);
-  PlayabilityOptions options;
-  for (int i = 0; i <= 8; ++i) options.delays_s.push_back(tested->low + i * (tested->high - tested->low) / 8);
+  auto options = over_delays({});
+  for (int i = 0; i <= 8; ++i)
+    options.over[0].values.emplace_back(tested->low + i * (tested->high - tested->low) / 8);
   const auto study = study_playability(scene, standard_nodes(), options);
   REQUIRE(study);
   for (const auto& verdict : study->verdicts()) {
@@ -234,9 +237,8 @@ TEST_CASE("playability: the drum keeps to its tested delays with other woofers a
   scene.duration = Seconds{4};
   const auto tested = scene.part("instrument")->graph->tested;
   REQUIRE(tested);
-  PlayabilityOptions options;
   // Both ends, and both sides of the delay from which it waits for the third bounce.
-  options.delays_s = {tested->low, 0.022, 0.023, tested->high};
+  auto options = over_delays({tested->low, 0.022, 0.023, tested->high});
   options.gains = {0.5, 2};
   options.draws = 18;
   const auto study = study_playability(scene, standard_nodes(), options);
@@ -248,8 +250,7 @@ TEST_CASE("playability: the drum keeps to its tested delays with other woofers a
 }
 
 TEST_CASE("playability: without the throw the drum is dead at every delay", "[analysis][instruments]") {
-  PlayabilityOptions options;
-  options.delays_s = {0, 0.02, 0.04};
+  auto options = over_delays({0, 0.02, 0.04});
   options.set["strength"] = 0.0;
   for (const auto& run : studied(options).runs) {
     CHECK(run.result->kind == "dead");

@@ -342,9 +342,9 @@ push = { from = "2 N * pulse", unit = "N" }
                                 {});
   CHECK(verdict.stable);
   REQUIRE(verdict.events.size() >= 1);
-  CHECK(verdict.events[0].place.path == "instrument.hit");
+  CHECK(verdict.events[0].path == "instrument.hit");
   CHECK(verdict.events[0].on_loop);
-  CHECK(verdict.events[0].place.hold_s.value() == Approx(0.02));
+  CHECK(verdict.events[0].hold_s.value() == Approx(0.02));
   CHECK(describe(verdict)[1].find("50 events per second") != std::string::npos);
 }
 

@@ -115,7 +115,7 @@ TEST_CASE("scene fingerprint: what is played counts, texts for people do not", "
   const auto scene = drum();
   auto named = scene;
   named.name = "another";
-  named.about = "told otherwise";
+  named.about = "other text";
   CHECK(print_of(named) == print_of(scene));
   auto later = scene;
   later.delay = 21_ms;

@@ -9,6 +9,7 @@
 
 #include "engine/nodes/table.h"
 #include "engine/study/sweep/scene_variants.h"
+#include "tests/support/error_summary.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace tactus;
@@ -56,7 +57,7 @@ const WorkPoint& find(const WorkPrecision& study, const std::string& solver, int
 
 TEST_CASE("work and precision: explicit steps are sharp by (w T)^2 / 24", "[analysis]") {
   const auto study =
-      study_work_precision(Swing{1000}.scene(), standard_nodes(), {{"explicit"}, {48_kHz}, {1, 2, 4}, 1});
+      study_work_precision(Swing{1000}.scene(), standard_nodes(), {{}, {"explicit"}, {48_kHz}, {1, 2, 4}, 1});
   REQUIRE(study);
   REQUIRE(study->points.size() == 3);
   const double step = kTwoPi * 1000 / 48000;
@@ -70,7 +71,7 @@ TEST_CASE("work and precision: explicit steps are sharp by (w T)^2 / 24", "[anal
 TEST_CASE("work and precision: a run that grows is unstable and has no error", "[analysis]") {
   // (w T)^2 = 6.9 > 4; with two steps a frame 1.7.
   const auto study = study_work_precision(Swing{20000}.scene(), standard_nodes(),
-                                          {{"explicit", "passive"}, {48_kHz}, {1, 2}, 1});
+                                          {{}, {"explicit", "passive"}, {48_kHz}, {1, 2}, 1});
   REQUIRE(study);
   CHECK(find(*study, "explicit", 1).unstable);
   CHECK(find(*study, "explicit", 1).errors.empty());
@@ -81,7 +82,7 @@ TEST_CASE("work and precision: a run that grows is unstable and has no error", "
 TEST_CASE("work and precision: the front holds what nothing cheaper beats, and advice keeps to it",
           "[analysis]") {
   const auto study = study_work_precision(Swing{1000}.scene(), standard_nodes(),
-                                          {{"explicit", "passive"}, {48_kHz}, {1, 4, 16}, 3});
+                                          {{}, {"explicit", "passive"}, {48_kHz}, {1, 4, 16}, 3});
   REQUIRE(study);
   const auto& points = study->points;
   for (const auto& point : points) {
@@ -98,9 +99,47 @@ TEST_CASE("work and precision: the front holds what nothing cheaper beats, and a
   CHECK(study->cheapest(1e-30) == nullptr);
 }
 
+TEST_CASE("work and precision: workers, parts and a cache change no error, and a part takes no times",
+          "[analysis]") {
+  const TemporaryFolder folder;
+  const auto scene = Swing{20000}.scene();
+  WorkPrecisionOptions options{{}, {"explicit", "passive"}, {24_kHz, 48_kHz}, {1, 2}, 2};
+  options.workers = 1;
+  const auto whole = study_work_precision(scene, standard_nodes(), options);
+  REQUIRE(whole);
+  REQUIRE(whole->runs == 8 + 2);
+  CHECK(whole->finished == whole->runs);
+  const auto same = [&] {
+    const auto study = study_work_precision(scene, standard_nodes(), options);
+    return study && std::ranges::equal(study->points, whole->points, [](const auto& a, const auto& b) {
+             return a.unstable == b.unstable && a.errors == b.errors && a.floors == b.floors &&
+                    (a.ns_per_frame > 0) == (b.ns_per_frame > 0) &&
+                    to_string(a.variant) == to_string(b.variant);
+           });
+  };
+  options.workers = 3;
+  CHECK(same());
+  options.cache = folder.path();
+  options.parts = 2;
+  for (options.part = 0; options.part < 2; ++options.part) {
+    const auto part = study_work_precision(scene, standard_nodes(), options);
+    REQUIRE(part);
+    CHECK(part->points.empty());
+    CHECK(part->finished == (options.part == 0 ? 4 : 8));
+  }
+  options.parts = 1;
+  options.part = 0;
+  double share = 0;
+  options.progress = [&](double now) { share = now; };
+  CHECK(same());
+  CHECK(share == 1);
+  options.stop = [] { return true; };  // all is there, the times too
+  CHECK(same());
+}
+
 TEST_CASE("work and precision: a plot for each line, with a front and the end of real time", "[analysis]") {
   const auto study =
-      study_work_precision(Swing{1000}.scene(), standard_nodes(), {{"passive"}, {48_kHz}, {1, 2}, 1});
+      study_work_precision(Swing{1000}.scene(), standard_nodes(), {{}, {"passive"}, {48_kHz}, {1, 2}, 1});
   REQUIRE(study);
   const auto plots = plots_of(*study);
   REQUIRE(plots.size() == 2);
@@ -110,13 +149,14 @@ TEST_CASE("work and precision: a plot for each line, with a front and the end of
   CHECK(plots[0].subplots[0].series[2].x[0] == Approx(1.0 / 48000));
 }
 
-TEST_CASE("work and precision: a scene that compares nothing is told so", "[analysis]") {
+TEST_CASE("work and precision: a scene that compares nothing is an error", "[analysis]") {
   Swing swing{1000};
   auto scene = swing.scene();
   scene.accuracy.clear();
   const auto study = study_work_precision(scene, standard_nodes());
   REQUIRE_FALSE(study);
-  CHECK(study.error().front().what == "the scene does not list the measures to compare");
+  CHECK(test::summary(study.error().front().at("")) ==
+        R"(Missing [accuracy] path measure "position" of "plant.stick")");
 }
 
 TEST_CASE("work and precision: the solver is set in parts of parts, and not in the instrument",

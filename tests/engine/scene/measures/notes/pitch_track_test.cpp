@@ -59,7 +59,7 @@ std::vector<DetectedNote> detected(const std::vector<double>& played, const std:
 
 }  // namespace
 
-TEST_CASE("notes_heard: each wanted note with its cents and partial", "[analysis]") {
+TEST_CASE("pitch track: each wanted note with its cents and partial", "[analysis]") {
   const double up = std::exp2(7.0 / 1200);
   const auto notes = detected(steps({110, 220 * up, 3 * 165, 0}, 0.5), steps({110, 220, 165, 330}, 0.5));
   REQUIRE(notes.size() == 4);
@@ -76,7 +76,7 @@ TEST_CASE("notes_heard: each wanted note with its cents and partial", "[analysis
   CHECK(describe(notes) == "2 of 4 notes right, at most 7.0 cents off, each steady within 0.03 s");
 }
 
-TEST_CASE("notes_heard: a note that takes long to leave another partial is told so and not right",
+TEST_CASE("pitch track: a note that takes long to leave another partial is reported so and not right",
           "[analysis]") {
   for (const double wrong_s : {0.2, 0.3}) {
     auto played = steps({220}, 1.0);
@@ -93,7 +93,7 @@ TEST_CASE("notes_heard: a note that takes long to leave another partial is told 
   }
 }
 
-TEST_CASE("notes_heard: a note speaks when the study of playability says that it stands", "[analysis]") {
+TEST_CASE("pitch track: a note speaks when the study of playability says that it stands", "[analysis]") {
   auto samples = sung(steps({110}, 3.0));
   // 26 dB below what it ends as until 0.4 s: in tune, and not there yet.
   for (std::size_t n = 0; n < 19200; ++n) samples[n] *= 0.05;
@@ -113,12 +113,12 @@ TEST_CASE("notes_heard: a note speaks when the study of playability says that it
   CHECK(reading(evaluate(recording, playability), playability.kind, "start_s") == *notes[0].speaks_after_s);
 }
 
-TEST_CASE("notes_heard: a vibrato is one note, and told as one", "[analysis]") {
+TEST_CASE("pitch track: a vibrato is one note, and reported as one", "[analysis]") {
   const auto expected = vibrato(220, 20, 2.0);
   const auto notes = detected(expected, expected);
   REQUIRE(notes.size() == 1);
   CHECK_FALSE(notes[0].expected.glides);
-  // From crest to crest, of which one in twenty moments is one; what is heard is a little smoothed by the
+  // From crest to crest, of which one in twenty moments is one; the tracked pitch is a little smoothed by the
   // windows.
   CHECK(notes[0].expected_swing_cents == Approx(40).epsilon(0).margin(0.1));
   CHECK(notes[0].swing_cents == Approx(38).epsilon(0).margin(2.5));
@@ -127,7 +127,7 @@ TEST_CASE("notes_heard: a vibrato is one note, and told as one", "[analysis]") {
   CHECK(describe(notes[0]).find("(40 expected)") != std::string::npos);
 }
 
-TEST_CASE("notes_heard: a slide is a glide between two notes", "[analysis]") {
+TEST_CASE("pitch track: a slide is a glide between two notes", "[analysis]") {
   const double fifth = 110 * std::exp2(7.0 / 12);
   const auto expected = slide(110, fifth, 0.8);
   const auto notes = detected(expected, expected);
@@ -149,7 +149,7 @@ TEST_CASE("notes_heard: a slide is a glide between two notes", "[analysis]") {
   CHECK(describe(lazy[2]).starts_with("E3, 164.8 Hz: not right: 110.0 Hz sounds, A2, -700.0 cents"));
 }
 
-TEST_CASE("notes_heard: steps off the scale are notes of their own, and compared with what is expected",
+TEST_CASE("pitch track: steps off the scale are notes of their own, and compared with what is expected",
           "[analysis]") {
   const double off = 220 * std::exp2(40.0 / 1200);
   const auto expected = steps({220, off, 220}, 0.3);

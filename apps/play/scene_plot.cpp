@@ -1,5 +1,3 @@
-#include "engine/study/scene_plot.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,10 +5,11 @@
 #include <limits>
 #include <map>
 
+#include "apps/play/play_report.h"
 #include "engine/scene/measures/events.h"
 #include "engine/scene/measures/notes/pitch_track.h"
 
-namespace tactus {
+namespace tactus::app {
 namespace {
 
 class ScenePlotter {
@@ -55,11 +54,9 @@ class ScenePlotter {
       // A gap where there was no pitch, and where another note begins.
       if (!detected.x.empty() && (point.time_s > detected.x.back() + 1.5 * kPitchHop_s ||
                                   std::abs(cents(point.hertz, detected.y.back())) > kNearPartial_cents)) {
-        detected.x.push_back(point.time_s);
-        detected.y.push_back(std::numeric_limits<double>::quiet_NaN());
+        detected.add(point.time_s, std::numeric_limits<double>::quiet_NaN());
       }
-      detected.x.push_back(point.time_s);
-      detected.y.push_back(point.hertz);
+      detected.add(point.time_s, point.hertz);
     }
     subplot.series.push_back(std::move(detected));
     plot.subplots.push_back(std::move(subplot));
@@ -103,8 +100,7 @@ class ScenePlotter {
                        .mark = PlotMark::Points};
       for (const double time : trigger_times(signal.samples, recording_.sample_rate)) {
         if (time < from_ || time > to_) continue;
-        marks.x.push_back(time);
-        marks.y.push_back(0);
+        marks.add(time, 0);
         hits_.push_back(time);
       }
       subplot.series.push_back(std::move(marks));
@@ -130,8 +126,8 @@ class ScenePlotter {
 
 }  // namespace
 
-Plot scene_plot(const SceneSpec& scene, const SceneRecording& recording, double from_s, double to_s) {
-  return ScenePlotter{scene, recording, from_s, to_s}.run();
+Plot scene_plot(const PlayedScene& played, double from_s, double to_s) {
+  return ScenePlotter{played.scene, played.recording, from_s, to_s}.run();
 }
 
-}  // namespace tactus
+}  // namespace tactus::app
