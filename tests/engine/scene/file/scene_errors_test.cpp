@@ -83,7 +83,7 @@ plant = { use = "plant.toml", drive = 0, lift = "1 s" }
 [gestures]
 rise = { points = [["0 s", 0], ["1 s", 2]] }
 )") ==
-        R"(scene.toml:4:72 OutOfRange 'rise' 'strength' 2 0 1
+        R"(scene.toml:4:72 OutOfRange 'strength' 2 'rise' 0 1
 scene.toml:5:50 UnitMismatch 'lift')");
   CHECK(folder.errors_of(R"(format = 1
 duration = "1 s"
