@@ -61,7 +61,7 @@ TEST_CASE("measurement: a path of four seconds is waited for", "[latency][measur
 TEST_CASE("measurement: in a howl the output is silent from the frame on in which the input is at its end",
           "[latency][measurement]") {
   auto card = named("delay=100,noise=0");  // so that nothing begins before the first level probe
-  card.monitor = {1.5, 0, false};
+  card.monitor_gain = 1.5;
   auto settings = on_a_wire(3);
   settings.request.block_frames = GENERATE(16, 64);
   const auto measurement = measured({card}, settings);
