@@ -47,7 +47,8 @@ class MidiInputs {
 
 /// [control] MIDI inputs by RtMidi 5 through `api`: "alsa", "jack", "core", "winmm"; empty: that of the
 /// system. Every `interval` ports are looked for and opened, on a thread of its own, because servers may
-/// hang: a call that never returns costs that thread and nothing else.
+/// hang: a call that never returns costs that thread and nothing else. A port that leaves and returns within
+/// one `interval` is not seen to have left, and stays silent: RtMidi does not report a lost connection.
 ///
 /// An id is "api:name" with the name as the system gives it, without the numbers that change from one
 /// plugging in to the next; the second of the same name is "api:name #2".

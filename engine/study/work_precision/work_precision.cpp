@@ -290,7 +290,7 @@ std::optional<Error> missing_section(const SceneSpec& scene) {
   if (scene.accuracy.empty())
     return Error{
         Errc::Missing, scene.file.text(), "the scene does not list the measures to compare",
-        "add [accuracy] with an entry such as\n  path = { measure = \"position\", of = \"plant.stick\" }"};
+        "add [accuracy] with an entry such as path = { measure = \"position\", of = \"plant.stick\" }"};
   if (!has_network(scene))
     return Error{Errc::Missing, scene.file.text(),
                  "no part of the scene has a network, so there is no solver to choose",

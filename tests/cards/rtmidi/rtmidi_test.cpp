@@ -113,13 +113,14 @@ TEST_CASE("rtmidi: a keyboard that is unplugged and plugged in again is heard ag
   const auto server = test::start_sound_server();
   const auto inputs = jack_inputs();
   for (int time = 0; time < 3; ++time) {
-    Keyboard keyboard{"tactus_keys"};
-    REQUIRE(opens(*inputs, "jack:tactus_keys:keys"));
-    CHECK(arrives(*inputs, keyboard));
-    if (time > 0) continue;
-    CHECK(inputs->news().back() == "MIDI from 'jack:tactus_keys:keys'");
+    {
+      Keyboard keyboard{"tactus_keys"};
+      REQUIRE(opens(*inputs, "jack:tactus_keys:keys"));
+      CHECK(arrives(*inputs, keyboard));
+      CHECK(inputs->news().back() == "MIDI from 'jack:tactus_keys:keys'");
+    }
+    REQUIRE(closes(*inputs));  // that it is away is seen by looking now and then
   }
-  REQUIRE(closes(*inputs));
   CHECK(inputs->news().back() ==
         "'jack:tactus_keys:keys' is disconnected; it is reopened when it reconnects");
 }
