@@ -51,8 +51,13 @@ ElementType contact() {
                  with_default("offset", "m", "indentation when both points have the same position", 0.0),
                  with_default("clearance", "m", "for a two-sided contact: free travel in each direction", 0.0,
                               0.0)},
-      .quantities = {{"force", "N", "contact force, never negative", contact_force, {0.0, kUnlimited}},
-                     {"indentation", "m", "indentation, never negative", indentation, {0.0, kUnlimited}}},
+      .quantities =
+          {{"force", "N", "contact force; negative only with `sides` = 2", contact_force, {0.0, kUnlimited}},
+           {"indentation",
+            "m",
+            "indentation; negative only with `sides` = 2",
+            indentation,
+            {0.0, kUnlimited}}},
       .example =
           "lens = { type = \"contact\", between = [\"cone\", \"stick\"], stiffness = \"5e6 N/m^1.5\" }",
       .build = build_contact,

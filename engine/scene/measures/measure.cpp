@@ -81,7 +81,8 @@ Result<Measured> measured(const SceneRecording& recording, const Expectation& ex
                 "there are " + listed(value_names()));
   return window_of(recording, expectation, *type).map([&](const Window& window) {
     const bool own = type->unit != Measure::kUnitOfSubject;
-    return Measured{type->value(window), own ? type->unit : to_string(window.signal->dimension)};
+    return Measured{window.empty() ? std::nan("") : type->value(window),
+                    own ? type->unit : to_string(window.signal->dimension)};
   });
 }
 

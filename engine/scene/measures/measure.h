@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <string>
@@ -16,8 +17,8 @@ namespace tactus {
 
 struct ToneValues;
 
-/// A recording between two times, with what a measure is taken of. Signals that the measure does not need are
-/// nullptr.
+/// A recording between two times, at most to its end, with what a measure is taken of. Signals that the
+/// measure does not need are nullptr.
 struct Window {
   /// How times become frames.
   enum class Edges { Down, Nearest };
@@ -37,10 +38,11 @@ struct Window {
          Edges rounded = Edges::Down)
       : recording(recorded),
         from_s(from.value_or(0)),
-        to_s(to.value_or(recorded.seconds())),
+        to_s(std::min(to.value_or(recorded.seconds()), recorded.seconds())),
         edges(rounded) {}
 
   Hertz rate() const { return recording.sample_rate; }
+  bool empty() const { return !(from_s < to_s); }
   /// The frames of `of` in the window.
   std::span<const double> samples(const RecordedSignal& of) const;
   std::span<const double> samples() const { return samples(*signal); }

@@ -29,8 +29,8 @@ Moments from_time(Moments moments, double time_s) {
 /// How often a pitch goes around its median: from the times at which it rises a quarter of its swing above
 /// it after having been as far below. nullopt: fewer than three times, or not as often as a vibrato.
 std::optional<double> vibrato_of(const Moments& moments) {
-  const auto hertz = each(moments, &ToneMoment::hertz);
-  const double middle = median(hertz), far = 0.25 * swing_of(hertz);
+  auto hertz = each(moments, &ToneMoment::hertz);
+  const double far = 0.25 * swing_of(hertz), middle = median(std::move(hertz));
   std::vector<double> rises;
   bool low = false;
   for (const auto& moment : moments) {

@@ -1,8 +1,11 @@
 #include "engine/scene/file/scene_spec.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "engine/graph/file/read_graph.h"
 #include "tests/support/error_summary.h"
+#include "tests/support/parse_graph.h"
 #include "tests/support/scene_folder.h"
 
 using namespace tactus;
@@ -29,6 +32,21 @@ struct Folder : TemporaryFolder {
 };
 
 }  // namespace
+
+TEST_CASE("scene: a graph with any key of scenes is told apart from one with an unknown key", "[scene]") {
+  const auto error_with = [](const std::string& key) {
+    const auto graph = test::parse_graph("format = 1\n" + key + " = 1\n", "test.toml");
+    auto text = graph ? std::string{} : to_string(graph.error().front());
+    if (const auto at = text.find(key); at != std::string::npos) text.replace(at, key.size(), "KEY");
+    return text;
+  };
+  const auto keys = graph_fields().keys();
+  for (const auto& key : scene_fields().keys()) {
+    if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
+    CHECK(error_with(key) == error_with("duration"));
+  }
+  CHECK(error_with("unknown") != error_with("duration"));
+}
 
 TEST_CASE("scene: the bow of the manual becomes plain data", "[scene]") {
   const Folder folder;
