@@ -33,7 +33,8 @@ Status fits(int channels, const std::vector<int>& map, int available, const char
     return fail(Errc::BadArgument, "", fmt::format("there cannot be {} {}", channels, what), "");
   if (!map.empty() && map.size() != index(channels))
     return fail(Errc::BadArgument, "",
-                fmt::format("{} {} are mapped, but {} are requested", map.size(), what, channels), "");
+                fmt::format("{} {} of the device are chosen, but {} are needed", map.size(), what, channels),
+                "choose one for each");
   const int last = channels_to_open(channels, map);
   if (last > available || (!map.empty() && *std::min_element(map.begin(), map.end()) < 0))
     return fail(

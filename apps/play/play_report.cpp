@@ -29,7 +29,7 @@ std::pair<double, double> shown_times(const std::vector<std::string>& show, cons
     return {0.0, melody_of(recording) ? recording.seconds() : std::min(1.0, recording.seconds())};
   const double from = parse_option(show[0], "s", "show"), to = parse_option(show[1], "s", "show");
   if (from < to && from < recording.seconds()) return {from, to};
-  exit_with({Errc::OutOfRange, "--show", "does not overlap the scene",
+  exit_with({Errc::OutOfRange, "--show", "this range of time is outside the scene",
              "give a start time before the end of the scene, and a later end time"});
 }
 

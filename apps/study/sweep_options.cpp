@@ -123,7 +123,8 @@ void read_part(const std::string& text, RunPlan& plan) {
     exit_with({Errc::Syntax, "--part", "'" + text + "' is not of the form I/N, part I of N",
                "write for instance 2/4"});
   if (plan.cache.empty())
-    exit_with({Errc::Missing, "--part", "--part needs a folder for the results", "add --keep FOLDER"});
+    exit_with({Errc::Missing, "--part", "the parts of a sweep need a folder for their results",
+               "add --keep FOLDER"});
   plan.part = part - 1;
   plan.parts = parts;
 }
@@ -232,13 +233,16 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
   command.add_option("--duration", options.duration, "duration of each run; default: the scene's");
   command.add_option("--gain", options.gain,
                      "also run with the actuator weaker and stronger by this gain, such as \"6 dB\"");
-  add_number(command, "--draws", options.plan.draws,
-             "number of additional runs with random variations of the plant", 0, 100000);
+  auto* draws = add_number(command, "--draws", options.plan.draws,
+                           "number of additional runs with random variations of the plant", 0, 100000);
   command
       .add_option("--within", options.within,
                   "largest deviation of the plant's parameters in the random variations")
-      ->capture_default_str();
-  command.add_option("--seed", options.plan.seed, "seed of the random variations")->capture_default_str();
+      ->capture_default_str()
+      ->needs(draws);
+  command.add_option("--seed", options.plan.seed, "seed of the random variations")
+      ->capture_default_str()
+      ->needs(draws);
 }
 
 SweepPlan read_plan(const SweepOptions& options, SceneSpec& scene) {

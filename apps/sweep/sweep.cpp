@@ -30,7 +30,10 @@ std::string cell_text(const SweepTable& table, std::size_t first, std::size_t me
 std::string text_of(const SweepTable& table) {
   Table text{{{}}};
   for (const auto& swept : table.over) text.rows[0].push_back(swept.name);
-  for (const auto& measure : table.measures) text.rows[0].push_back(measure.name);
+  for (const auto& measure : table.measures) {
+    const auto unit = unit_of(measure);
+    text.rows[0].push_back(measure.name + (unit.empty() ? "" : " [" + unit + "]"));
+  }
   for (std::size_t i = 0; i < table.points.size(); i += table.variants.size()) {
     auto& row = text.rows.emplace_back();
     for (std::size_t a = 0; a < table.over.size(); ++a)
@@ -46,7 +49,8 @@ std::string text_of(const SweepTable& table) {
 
 Json json_of(const SweepTable& table) {
   const auto measure_json = [](const Expectation& measure) -> Json {
-    return {{"name", measure.name}, {"measure", measure.measure}, {"of", measure.of}};
+    return {
+        {"name", measure.name}, {"measure", measure.measure}, {"of", measure.of}, {"unit", unit_of(measure)}};
   };
   Json json{{"scene", table.scene},
             {"over", list_of(table.over, [](const SweptValue& swept) { return swept.name; })},
@@ -73,6 +77,9 @@ std::vector<Expectation> read_measures(const MeasureSweepOptions& options, const
     auto& measure = measures.emplace_back(or_exit(find_swept_measure(scene, text), kUsage));
     if (!options.from.empty()) measure.from_s = parse_option(options.from, "s", "from");
     if (!options.to.empty()) measure.to_s = parse_option(options.to, "s", "to");
+    if (measure.to_s && measure.from_s.value_or(0) >= *measure.to_s)
+      exit_with({Errc::OutOfRange, "--to", "the measurement window must end after it begins",
+                 "give --from less than --to"});
   }
   return measures;
 }

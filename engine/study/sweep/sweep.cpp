@@ -264,6 +264,11 @@ Checked<SweepTable> sweep_measures(const SceneSpec& scene, const NodeTable& tabl
   return SweepTable{scene.name, plan.over, measures, names_of(sweep.variants()), std::move(*points)};
 }
 
+std::string unit_of(const Expectation& measure) {
+  const auto* type = find_measure(measure.measure);
+  return type == nullptr || type->unit == Measure::kUnitOfSubject ? std::string{} : type->unit;
+}
+
 std::string value_text(const SweptValue& swept, double si) {
   if (!swept.names.empty()) return swept.names[static_cast<std::size_t>(si)];
   const auto digits = fmt::format("{:.3g}", si);

@@ -138,6 +138,8 @@ struct SweepTable {
 Checked<SweepTable> sweep_measures(const SceneSpec& scene, const NodeTable& table, const SweepPlan& plan,
                                    const std::vector<Expectation>& measures);
 
+/// That of the measure; empty if it is the unit of the signal.
+std::string unit_of(const Expectation& measure);
 /// A value of a swept quantity with its unit: "1.2 m", "x 0.5", "passive".
 std::string value_text(const SweptValue& swept, double si);
 /// All of them.

@@ -33,11 +33,7 @@ PlotAxis axis_of(const SweptValue& swept) {
   return axis;
 }
 
-PlotAxis axis_of(const Expectation& measure) {
-  const auto* type = find_measure(measure.measure);
-  const bool own = type != nullptr && type->unit != Measure::kUnitOfSubject;
-  return {.label = measure.name, .unit = own ? type->unit : ""};
-}
+PlotAxis axis_of(const Expectation& measure) { return {.label = measure.name, .unit = unit_of(measure)}; }
 
 /// Over the first quantity; without one, over the number of the draw.
 Subplot curve(const SweepTable& table, std::size_t measure) {
