@@ -33,7 +33,7 @@ struct Folder : TemporaryFolder {
 
 }  // namespace
 
-TEST_CASE("scene: a graph with any key of scenes is told apart from one with an unknown key", "[scene]") {
+TEST_CASE("scene: a key of scenes in a graph file has an error of its own", "[scene]") {
   const auto error_with = [](const std::string& key) {
     const auto graph = test::parse_graph("format = 1\n" + key + " = 1\n", "test.toml");
     auto text = graph ? std::string{} : to_string(graph.error().front());
