@@ -1,13 +1,13 @@
 #include "backends/loop/loop_card.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <optional>
 #include <string_view>
 
 #include "engine/core/decibels.h"
+#include "engine/core/parse_double.h"
 
 namespace tactus {
 namespace {
@@ -18,7 +18,7 @@ std::optional<double> number(std::string_view text, std::string_view unit = {}) 
   if (!text.ends_with(unit)) return std::nullopt;
   text.remove_suffix(unit.size());
   double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const auto [end, error] = parse_double(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
   return value;
 }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/core/decibels.h"
+#include "engine/core/parse_double.h"
 #include "engine/core/units.h"
 
 namespace tactus {
@@ -68,7 +69,7 @@ std::string_view trim(std::string_view text) {
 std::optional<double> take_number(std::string_view& text) {
   if (text.starts_with('+')) text.remove_prefix(1);
   double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const auto [end, error] = parse_double(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || !std::isfinite(value)) return std::nullopt;
   text = text.substr(static_cast<std::size_t>(end - text.data()));
   return value;
@@ -111,7 +112,7 @@ std::size_t symbol_length(std::string_view text) {
   if (!is_unit_symbol(text.substr(0, length))) return 0;
   if (length == text.size() || text[length] != '^') return length;
   double exponent = 0;
-  const auto parsed = std::from_chars(text.data() + length + 1, text.data() + text.size(), exponent);
+  const auto parsed = parse_double(text.data() + length + 1, text.data() + text.size(), exponent);
   return parsed.ec == std::errc{} ? static_cast<std::size_t>(parsed.ptr - text.data()) : length;
 }
 

@@ -20,11 +20,20 @@ double bar_root(int k, double sign) {
   return b;
 }
 
+/// The Bessel function J_order(x); libc++ lacks that of C++17, and the C library of its systems has its own.
+double bessel_j(int order, double x) {
+#ifdef __STDCPP_MATH_SPEC_FUNCS__
+  return std::cyl_bessel_j(order, x);
+#else
+  return ::jn(order, x);
+#endif
+}
+
 /// The zeros of all J_m in (0, end), rising. J_m has none up to m, and two are more than 3 apart.
 std::vector<double> membrane_roots(double end) {
   std::vector<double> roots;
   for (int order = 0; order < end; ++order) {
-    const auto bessel = [order](double x) { return std::cyl_bessel_j(order, x); };
+    const auto bessel = [order](double x) { return bessel_j(order, x); };
     double before = std::max(0.5, 1.0 * order), value = bessel(before);
     for (double at = before + 1; at < end; ++at) {
       const double next = bessel(at);

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
+
+#include "engine/core/parse_double.h"
 
 namespace tactus {
 namespace {
@@ -23,7 +24,7 @@ std::string example_of(const Dimension& dimension) {
 bool has_number_and_unit(std::string_view text) {
   const auto start = std::min(text.find_first_not_of(" +"), text.size());
   double value = 0;
-  const auto number = std::from_chars(text.data() + start, text.data() + text.size(), value);
+  const auto number = parse_double(text.data() + start, text.data() + text.size(), value);
   if (number.ec == std::errc::invalid_argument) return false;
   return parse_unit(text.substr(static_cast<std::size_t>(number.ptr - text.data()))).has_value();
 }

@@ -1,13 +1,13 @@
 #include "engine/graph/semantics/expression.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <ranges>
 #include <utility>
 
 #include "engine/core/dimension.h"
 #include "engine/core/index.h"
+#include "engine/core/parse_double.h"
 
 namespace tactus {
 namespace {
@@ -111,7 +111,7 @@ class Parser {
   Result<Expression> number(std::size_t start, double sign) {
     if (++values_ > kMaxValues) return too_long(start);
     double value = 0;
-    const auto parsed = std::from_chars(text_.data() + here_, text_.data() + text_.size(), value);
+    const auto parsed = parse_double(text_.data() + here_, text_.data() + text_.size(), value);
     const auto digits = text_.substr(here_, index(parsed.ptr - text_.data()) - here_);
     if (parsed.ec != std::errc{})
       return syntax(start, "the number " + std::string{digits} + " is too large or too small",

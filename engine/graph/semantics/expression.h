@@ -84,16 +84,18 @@ Number apply(Expression::Op op, Number a, Number b) noexcept {
   }
 }
 
-/// Calls `with` with the operator as a constant, so that each gets a loop of its own. What is no operator
-/// copies.
+/// Calls `with` with the operator as a constant if it is one of kOps. False: it is none of them.
+template <Expression::Op... kOps, class With>
+bool for_one_of(Expression::Op op, With with) {
+  return ((op == kOps && (with(std::integral_constant<Expression::Op, kOps>{}), true)) || ...);
+}
+
+/// The same for all operators, so that each gets a loop of its own. What is no operator copies.
 template <class With>
 void for_operator(Expression::Op op, With with) {
   using Op = Expression::Op;
-  const auto known = [&]<Op... kOps>(std::integer_sequence<Op, kOps...>) {
-    return ((op == kOps && (with(std::integral_constant<Op, kOps>{}), true)) || ...);
-  };
-  if (!known(std::integer_sequence<Op, Op::Negate, Op::Add, Op::Subtract, Op::Multiply, Op::Divide, Op::Min,
-                                   Op::Max, Op::Abs>{}))
+  if (!for_one_of<Op::Negate, Op::Add, Op::Subtract, Op::Multiply, Op::Divide, Op::Min, Op::Max, Op::Abs>(
+          op, with))
     with(std::integral_constant<Op, Op::Signal>{});
 }
 

@@ -1,0 +1,59 @@
+#pragma once
+// Thread: [any]
+
+#include <charconv>
+
+#ifndef __cpp_lib_to_chars
+#include <cctype>
+#include <locale>
+#include <sstream>
+#include <string>
+#endif
+
+namespace tactus {
+
+#ifdef __cpp_lib_to_chars
+
+/// The longest decimal number at the beginning of [first, last), as std::from_chars reads it: the nearest
+/// double, whatever the locale; no blanks and no '+' in front. Errors: invalid_argument, result_out_of_range.
+inline std::from_chars_result parse_double(const char* first, const char* last, double& value) {
+  return std::from_chars(first, last, value);
+}
+
+#else  // libc++ before version 20 has std::from_chars for integers only
+
+/// The end of the longest decimal number at the beginning of [first, last); `first` if there is none.
+inline const char* end_of_number(const char* first, const char* last) {
+  const auto digits = [last](const char* at) {
+    while (at != last && std::isdigit(static_cast<unsigned char>(*at)) != 0) ++at;
+    return at;
+  };
+  const char* begin = first != last && *first == '-' ? first + 1 : first;
+  const char* end = digits(begin);
+  bool any = end != begin;
+  if (end != last && *end == '.') {
+    const char* fraction = digits(end + 1);
+    any = any || fraction != end + 1;
+    end = fraction;
+  }
+  if (!any) return first;
+  if (end == last || (*end != 'e' && *end != 'E')) return end;
+  const char* exponent = end + 1;
+  if (exponent != last && (*exponent == '-' || *exponent == '+')) ++exponent;
+  return digits(exponent) == exponent ? end : digits(exponent);
+}
+
+inline std::from_chars_result parse_double(const char* first, const char* last, double& value) {
+  const char* end = end_of_number(first, last);
+  if (end == first) return {first, std::errc::invalid_argument};
+  std::istringstream stream{std::string{first, end}};
+  stream.imbue(std::locale::classic());
+  double read = 0;
+  if (!(stream >> read)) return {end, std::errc::result_out_of_range};
+  value = read;
+  return {end, {}};
+}
+
+#endif
+
+}  // namespace tactus
