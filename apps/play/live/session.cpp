@@ -131,6 +131,8 @@ void Session::tick() {
   report_faults();
   check_delay_after_gap();
   follow_edits();
+  // A value posted before an edit takes over would be applied to the version after it.
+  if (stream_->state() == StreamState::Running && !performer_.instrument().replacing()) controls_.send();
 }
 
 void Session::set_delay_known(bool known) {
