@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <system_error>
 #include <thread>
 
 #include "apps/cli/console.h"
@@ -146,7 +147,11 @@ void Session::follow_edits() {
     if (reading_.wait_for(std::chrono::seconds{0}) == std::future_status::ready) take_over(reading_.get());
   } else if (edit_pending_ && !performer_.instrument().replacing()) {
     edit_pending_ = false;
-    reading_ = std::async(std::launch::async, [this] { return performer_.read_edit(); });
+    try {
+      reading_ = std::async(std::launch::async, [this] { return performer_.read_edit(); });
+    } catch (const std::system_error& error) {
+      messages_.push_back(std::string{"the edit cannot be compiled: "} + error.what());
+    }
   }
 }
 
