@@ -1,79 +1,11 @@
 // The program itself, played by keys on a real server.
-#include <catch2/catch.hpp>
-#include <csignal>
-#include <nlohmann/json.hpp>
-#include <thread>
-
-#include "tests/support/sound_server.h"
-#include "tests/support/temporary_folder.h"
-#include "tests/support/wait_until.h"
+#include "tests/cards/jack/playing.h"
 
 using namespace tactus;
 using namespace std::chrono_literals;
-
-namespace {
-
-/// Gives out a constant, and hears what comes back.
-std::string constant(const std::string& level) {
-  return "format = 1\nname = \"constant\"\n[inputs]\nheard = {}\n[nodes]\nsame = \"0 * heard + " + level +
-         "\"\n[outputs]\ntone = { from = \"same\" }\n";
-}
-
-/// `tactus play` with keys for stdin and one log for what it says.
-class Playing {
- public:
-  explicit Playing(const std::vector<std::string>& arguments) : process_(command(arguments), Logged) {}
-
-  void press(const std::string& key) { REQUIRE(process_.type(key)); }
-  /// Presses a twice, at a distance that arms; again where a busy machine made it too long.
-  void arm() {
-    for (std::size_t seen = 0; process_.log().find("drives armed") == std::string::npos;) {
-      press("a");
-      REQUIRE(test::wait_until([&] { return answers() > seen; }));
-      seen = answers();
-      std::this_thread::sleep_for(150ms);  // part of what is pressed
-    }
-  }
-  /// Waits until it prints this.
-  bool says(const std::string& words) {
-    return test::wait_until([&] { return process_.log().find(words) != std::string::npos; });
-  }
-  int ends() { return process_.wait(60s).value_or(-1000); }
-  /// The object that --json prints at the end.
-  nlohmann::json report() const {
-    const auto log = process_.log();
-    return nlohmann::json::parse(log.substr(log.find("\n{\n") + 1), nullptr, false);
-  }
-  std::string log() const { return process_.log(); }
-  test::ChildProcess& process() { return process_; }
-
- private:
-  /// To presses of a.
-  std::size_t answers() const {
-    const auto log = process_.log();
-    std::size_t count = log.find("drives armed") == std::string::npos ? 0 : 1;
-    for (auto at = log.find("press a again"); at != std::string::npos; at = log.find("press a again", at + 1))
-      ++count;
-    return count;
-  }
-  static constexpr auto Logged = test::ChildProcess::Stdout::Logged;
-  static std::vector<std::string> command(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), {TACTUS_PROGRAM, "play"});
-    return arguments;
-  }
-  test::ChildProcess process_;
-};
-
-/// A server, if there can be one here, and a file that plays 0.2.
-struct OnServer {
-  std::string in_folder(const std::string& name) const { return (folder.path() / name).string(); }
-
-  std::unique_ptr<test::SoundServer> server = test::start_sound_server();
-  test::TemporaryFolder folder;
-  std::string tone = folder.write("tone.toml", constant("0.2")).string();
-};
-
-}  // namespace
+using test::constant;
+using test::OnServer;
+using test::Playing;
 
 TEST_CASE_METHOD(OnServer, "play: drives are silent until a key arms them", "[cards]") {
   const test::DelayClient card;
@@ -234,38 +166,6 @@ TEST_CASE_METHOD(OnServer, "play: what was pressed while the device was away hol
   Playing listener{{tone, "--device", "jack:loopback", "--json", "--duration", "1 s"}};
   CHECK(listener.ends() == 0);
   CHECK(listener.report()["highest_input"]["heard"] == 0.0);
-  play.press("q");
-  CHECK(play.ends() == 0);
-}
-
-TEST_CASE_METHOD(OnServer, "play: a program that is killed, aborts or faults leaves zeros behind",
-                 "[cards]") {
-  for (const int signal : {SIGKILL, SIGABRT, SIGSEGV}) {
-    CAPTURE(signal);
-    Playing play{{tone, "--device", "jack:loopback", "--arm"}};
-    REQUIRE(play.says("delay "));
-    Playing before{{tone, "--device", "jack:loopback", "--json", "--duration", "2 s"}};
-    REQUIRE(before.ends() == 0);
-    CHECK(before.report()["highest_input"]["heard"] > 0.1);
-    play.process().send(signal);
-    CHECK(play.ends() == -signal);
-    Playing after{{tone, "--device", "jack:loopback", "--json", "--duration", "1 s"}};
-    REQUIRE(after.ends() == 0);
-    CHECK(after.report()["highest_input"]["heard"] == 0.0);
-  }
-}
-
-TEST_CASE_METHOD(OnServer,
-                 "play: a program that is stopped by SIGSTOP leaves zeros, and fades when it goes on",
-                 "[cards]") {
-  Playing play{{tone, "--device", "jack:loopback", "--arm"}};
-  REQUIRE(play.says("delay "));
-  play.process().pause();
-  Playing listener{{tone, "--device", "jack:loopback", "--json", "--duration", "1 s"}};
-  CHECK(listener.ends() == 0);
-  INFO(listener.log());
-  CHECK(listener.report()["highest_input"]["heard"] == 0.0);
-  play.process().send(SIGCONT);
   play.press("q");
   CHECK(play.ends() == 0);
 }
