@@ -2,7 +2,7 @@
 #include <exception>
 
 #include "apps/cli/console.h"
-#include "apps/play/live/controls/keyboard.h"
+#include "apps/cli/terminal.h"
 
 namespace {
 

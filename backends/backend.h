@@ -91,7 +91,7 @@ class Stream {
   /// [control & stopped] Blocks begin to flow. Errors: Device.
   [[nodiscard]] virtual Status start() = 0;
   /// [control] When it returns, no block is in `process` and none will follow. However a stream stops (this,
-  /// its end, an error of its own), the last block that it outputs comes from `Guarded::finish`: zeros.
+  /// its end, an error of its own), the last blocks that it outputs come from `Guarded::finish`: to zero.
   /// Stopping twice is fine. Errors: Device, and the stream counts as stopped all the same.
   [[nodiscard]] virtual Status stop() = 0;
   /// [any]

@@ -43,7 +43,8 @@ void CardCallback::play() noexcept {
 bool CardCallback::finish() {
   auto expected = Stage::Playing;
   if (!stage_.compare_exchange_strong(expected, Stage::Finishing)) return true;
-  const auto deadline = Clock::now() + patience_;
+  const std::chrono::duration<double> closing{processor_.closing_time().value};
+  const auto deadline = Clock::now() + patience_ + std::chrono::duration_cast<Clock::duration>(closing);
   while (stage_.load() == Stage::Finishing) {
     if (Clock::now() > deadline) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds{1});
@@ -67,26 +68,30 @@ void CardCallback::block(const float* const* in, float* const* out, int device_o
     if (std::exchange(first_, false)) meter_.realtime_priority(realtime_priority());
     if (stage == Stage::Playing && first_block_ == Clock::time_point{}) first_block_ = begin;
     // After a stall the outputs must not jump back to full level.
-    const bool resumes =
-        stage == Stage::Playing && begin - last_block_.load(std::memory_order_relaxed) > patience_;
+    resumes_ = stage == Stage::Playing &&
+               (resumes_ || begin - last_block_.load(std::memory_order_relaxed) > patience_);
     watch(frames, begin);
     if (stage == Stage::Playing) meter_.clock(seconds(begin - first_block_));
+    bool at_zero = true;
     for (int offset = 0; offset < frames; offset += format_.max_frames)
-      process(in, out, offset, std::min(format_.max_frames, frames - offset),
-              resumes ? Stage::Finishing : stage);
+      at_zero = process(in, out, offset, std::min(format_.max_frames, frames - offset),
+                        resumes_ ? Stage::Finishing : stage);
+    resumes_ = resumes_ && !at_zero;
     const std::chrono::duration<double> took = Clock::now() - begin;
     if (stage == Stage::Playing) meter_.block(frames, took.count() * format_.sample_rate.value / frames);
-    if (stage == Stage::Finishing) stage_.store(Stage::Silent);
+    if (stage == Stage::Finishing && at_zero) stage_.store(Stage::Silent);
   }
   busy_.store(false);
 }
 
-void CardCallback::process(const float* const* in, float* const* out, int offset, int frames,
+/// True: when finishing, every output ends at zero.
+bool CardCallback::process(const float* const* in, float* const* out, int offset, int frames,
                            Stage stage) noexcept {
   convert_input(in, offset, frames);
   const BlockIo io{in_.data(), out_.data(), frames};
+  bool at_zero = false;
   if (stage == Stage::Finishing)
-    processor_.finish(io);
+    at_zero = processor_.finish(io);
   else
     processor_.process(io);
   for (int c = 0; c < out_.size(); ++c) {
@@ -95,6 +100,7 @@ void CardCallback::process(const float* const* in, float* const* out, int offset
     std::transform(out_[c], out_[c] + frames, plane + offset,
                    [](double sample) { return static_cast<float>(sample); });
   }
+  return at_zero;
 }
 
 void CardCallback::convert_input(const float* const* in, int offset, int frames) noexcept {

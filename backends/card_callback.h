@@ -70,8 +70,8 @@ class CardCallback {
 
   /// [control & not playing] Blocks reach the processor from now on.
   void play() noexcept;
-  /// [control] The next block is the last, zeros from Guarded::finish. Returns when it went out; false when
-  /// none came for half a second and four blocks.
+  /// [control] The next blocks are the last, from Guarded::finish. Returns when every output was at zero;
+  /// false when that takes half a second and four blocks longer than the guards need.
   bool finish();
   /// [control] When it returns no block is in the processor, and none ever will be. Zeros go out.
   void abandon() noexcept;
@@ -95,7 +95,7 @@ class CardCallback {
   /// [any]
   Health health() const noexcept { return meter_.read(); }
   /// [any] Blocks should flow, and none came for half a second and four blocks, or for `silence` if that is
-  /// longer. When they come again, one of zeros goes out first and the guards start softly.
+  /// longer. When they come again, the outputs come to zero first and the guards start softly.
   bool stalled(std::chrono::milliseconds silence = {}) const noexcept;
   bool playing() const noexcept { return stage_.load() == Stage::Playing; }
 
@@ -103,11 +103,11 @@ class CardCallback {
   enum class Stage {
     Silent,  ///< zeros; the processor is left alone
     Playing,
-    Finishing,  ///< the next block is the last
+    Finishing,  ///< the outputs come to zero
   };
   using Clock = std::chrono::steady_clock;
 
-  void process(const float* const* in, float* const* out, int offset, int frames, Stage stage) noexcept;
+  bool process(const float* const* in, float* const* out, int offset, int frames, Stage stage) noexcept;
   void convert_input(const float* const* in, int offset, int frames) noexcept;
   void watch(int frames, Clock::time_point now) noexcept;
 
@@ -124,6 +124,7 @@ class CardCallback {
   std::int64_t frames_ = 0;  ///< since `play`, with those that the library reported lost
   FrameWatch clock_;
   bool first_ = true;
+  bool resumes_ = false;  ///< after a stall the outputs are not at zero yet
   HealthMeter meter_;
 };
 

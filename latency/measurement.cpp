@@ -72,6 +72,12 @@ void add_event(Findings& findings, const GuardEvent& event, int input, bool driv
             fmt::format("input {} repeated the same value for 40 ms: it hangs", event.channel + 1),
             "check its cable, and reopen the device");
       return;
+    case GuardEvent::Kind::DeadMan:
+    case GuardEvent::Kind::DeadManDisarmed:
+      findings.emplace_back(Verdict::LostFrames,
+                            "the stop inputs were not handled for 500 ms, and the output was faded out",
+                            kAgainstGaps);
+      return;
   }
 }
 
@@ -213,6 +219,7 @@ class Session {
   Session(Backend& backend, const MeasureSettings& settings, const MeasureProgress& progress)
       : backend_(backend), settings_(settings), progress_(progress), guarded_(player_, {settings.guard}) {
     guarded_.set_tap(&player_);
+    guarded_.set_dead_mans_switch(settings.dead_mans_switch);
   }
 
   Result<Measurement> run() {

@@ -21,6 +21,7 @@ struct MeasureSettings {
   int openings = 5;             ///< of the stream, one after another
   int probes = 8;               ///< each time
   std::optional<PathProfile> profile;
+  const DeadMansSwitch* dead_mans_switch = nullptr;  ///< of the program that plays the probes; nullptr: none
 };
 
 /// One opening of the stream.

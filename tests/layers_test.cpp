@@ -78,7 +78,7 @@ const std::set<std::string> kIntrinsics = {"xmmintrin.h", "immintrin.h", "arm_ne
 const std::set<std::string> kSystem = {"unistd.h",   "io.h",          "pthread.h",    "sched.h",
                                        "dlfcn.h",    "windows.h",     "sys/mman.h",   "sys/resource.h",
                                        "sys/time.h", "sys/utsname.h", "sys/sysctl.h", "sys/ioctl.h",
-                                       "fcntl.h",    "poll.h",        "termios.h"};
+                                       "fcntl.h",    "poll.h",        "termios.h",    "conio.h"};
 
 struct Include {
   std::string path;

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <fstream>
 
-#include "apps/play/live/controls/keyboard.h"
+#include "apps/cli/terminal.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/file/read_graph.h"
 
@@ -63,7 +63,7 @@ CLI::Validator writable_folder() { return writable_if(opens_into, "choose a writ
 
 int report(const CommandError& error) {
   const auto& errors = error.errors;
-  fmt::print(stderr, "{}\n", errors.empty() ? "interrupted" : to_string(errors));
+  print_note(errors.empty() ? "interrupted" : to_string(errors));
   if (error.exit != 0) return error.exit;
   const bool in_a_file = std::ranges::count(errors, Error::Place::File, &Error::place) > 0;
   return in_a_file ? kBadFile : kUsage;
@@ -73,46 +73,39 @@ int exit_of(const Error& error) {
   return error.code == Errc::BadArgument || error.code == Errc::OutOfRange ? kUsage : kDevice;
 }
 
-void install_signal_handlers([[maybe_unused]] bool also_hangup) {
+void install_signal_handlers() {
   std::signal(SIGINT, note_signal);
   std::signal(SIGTERM, note_signal);
-#if defined(SIGHUP)
-  if (!also_hangup) return;
-  std::signal(SIGHUP, note_signal);
-  std::signal(SIGQUIT, note_signal);
-  std::signal(SIGPIPE, SIG_IGN);
-#endif
 }
 
 bool interrupted() { return signalled != 0; }
 
-Progress::Progress(std::string what) : what_(std::move(what)), terminal_(terminal_columns() > 0) {}
+void print_note(const std::string& text) noexcept { std::fprintf(stderr, "%s\n", text.c_str()); }
 
-Progress::~Progress() {
-  if (shown_) fmt::print(stderr, "\r{:70}\r", "");
+Progress::Progress(std::string what) : what_(std::move(what)) {
+  if (terminal_columns() > 0) printer_.emplace();
 }
 
 void Progress::operator()(double share, const std::string& what) {
-  if (!what.empty() && what != std::exchange(what_, what)) {
-    percent_ = -1;
-    if (shown_) fmt::print(stderr, "\r{:70}", "");  // the previous text may be longer
-  }
+  const bool renamed = !what.empty() && what != std::exchange(what_, what);
   const int percent = static_cast<int>(share * 100);
-  if (!terminal_ || percent == percent_) return;
+  if (!printer_ || (percent == percent_ && !renamed)) return;
   percent_ = percent;
-  shown_ = true;
   const int full = percent * 30 / 100;
-  fmt::print(stderr, "\r{} [{:=<{}}{: <{}}] {:3} %", what_, "", full, "", 30 - full, percent);
-  std::fflush(stderr);
+  printer_->status(fmt::format("{} [{:=<{}}{: <{}}] {:3} %", what_, "", full, "", 30 - full, percent));
+}
+
+std::string delay_warning(const GraphSpec& instrument, double delay_s) {
+  const auto& tested = instrument.tested;
+  if (!tested || tested->contains(delay_s)) return {};
+  const auto text = [](double si) { return short_quantity(si, Dimension{.second = 1}); };
+  return fmt::format(
+      "warning: {} was tested with system delays from {} to {}; with {} it may not be playable",
+      instrument.name, text(tested->low), text(tested->high), text(delay_s));
 }
 
 void announce_delay(const GraphSpec& instrument, double delay_s) {
-  const auto& tested = instrument.tested;
-  if (!tested || tested->contains(delay_s)) return;
-  const auto text = [](double si) { return short_quantity(si, Dimension{.second = 1}); };
-  fmt::print(stderr,
-             "warning: {} was tested with system delays from {} to {}; with {} it may not be playable\n",
-             instrument.name, text(tested->low), text(tested->high), text(delay_s));
+  if (const auto warning = delay_warning(instrument, delay_s); !warning.empty()) print_note(warning);
 }
 
 std::filesystem::path resolve_target(const std::string& target, const char* name) {

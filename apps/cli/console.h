@@ -6,11 +6,13 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "apps/cli/printer.h"
 #include "engine/core/error.h"
 #include "engine/graph/plan/compile.h"
 
@@ -85,27 +87,30 @@ T or_exit(tl::expected<T, E> result, int exit = 0) {
   if constexpr (!std::is_void_v<T>) return std::move(*result);
 }
 
-/// From now on Ctrl-C and SIGTERM only set `interrupted`. `also_hangup`: a closed terminal too, and a closed
-/// pipe does not end the program: for a program whose outputs must fade before it ends.
-void install_signal_handlers(bool also_hangup = false);
+/// From now on Ctrl-C and SIGTERM only set `interrupted`. For work without outputs: those need a StopLoop.
+void install_signal_handlers();
 bool interrupted();
 
-/// A bar on stderr for work that takes longer than a moment; draws nothing when stderr is no terminal.
+/// Prints a line on standard error; nothing happens where nobody reads it.
+void print_note(const std::string& text) noexcept;
+
+/// A bar on stderr for work that takes longer than a moment; draws nothing when stderr is no terminal. The
+/// work does not wait for the terminal.
 class Progress {
  public:
   explicit Progress(std::string what);
-  ~Progress();
   /// `what`: what is being done now; empty: as before.
   void operator()(double share, const std::string& what = {});
 
  private:
   std::string what_;
-  bool shown_ = false;
-  bool terminal_;
+  std::optional<Printer> printer_;  ///< where there is a terminal
   int percent_ = -1;
 };
 
-/// Warns on stderr when an instrument was never tried with such a system delay.
+/// Empty, or a warning: an instrument was never tried with such a system delay.
+std::string delay_warning(const GraphSpec& instrument, double delay_s);
+/// The same on stderr.
 void announce_delay(const GraphSpec& instrument, double delay_s);
 
 /// Which file a person means: a file, or the `name` (scene.toml, instrument.toml) of a folder.

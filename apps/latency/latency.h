@@ -136,9 +136,9 @@ struct Loop {
 /// Chooses the devices and looks up what is connected to the output. Opens nothing. Throws a CommandError.
 Loop make_loop(const LoopOptions& options);
 
-/// Measures with a bar on stderr. Errors: of `measure`. Throws a CommandError when the user interrupts it
-/// (after install_signal_handlers); the stream is closed.
-Result<Measurement> measure_now(Backend& backend, const MeasureSettings& settings);
+/// Measures with a bar on stderr, beside a StopLoop. Errors: of `measure`. Throws a CommandError when the
+/// user ends it: the output has faded out, and the stream is closed.
+Result<Measurement> measure_now(Backend& backend, MeasureSettings settings);
 
 /// The profile of a file of `tactus latency calibrate` at `sample_rate`, whatever it was measured at. Throws
 /// a CommandError.

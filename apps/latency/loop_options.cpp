@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "apps/cli/stop_loop.h"
 #include "apps/latency/latency.h"
 #include "engine/core/decibels.h"
 #include "engine/dsp/delays/resample.h"
@@ -128,11 +129,14 @@ Loop make_loop(const LoopOptions& options) {
   return loop;
 }
 
-Result<Measurement> measure_now(Backend& backend, const MeasureSettings& settings) {
+Result<Measurement> measure_now(Backend& backend, MeasureSettings settings) {
+  DeadMansSwitch dead_man;
+  StopLoop stop_loop{dead_man, {.act = {}, .inputs = {}, .fade = closing_time(settings.guard.limits)}};
+  settings.dead_mans_switch = &dead_man;
   Progress bar{"measuring"};
   return measure(backend, settings, [&](double share, const std::string& what) {
-    // The stream ends with its owner, with a block of zeros.
-    if (interrupted()) throw CommandError{{}, kInterrupted};
+    // The output fades; the stream ends with its owner.
+    if (interrupted() || stop_loop.ending() != StopLoop::Ending::None) throw CommandError{{}, kInterrupted};
     bar(share, what);
   });
 }

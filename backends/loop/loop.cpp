@@ -109,22 +109,25 @@ class LoopStream final : public Stream {
         std::this_thread::sleep_until(due(frame_ - first + frames_a_block_));
       block(false);
     }
-    block(true);
+    while (!block(true)) continue;
   }
 
-  void block(bool last) noexcept {
+  /// True: the outputs are at zero behind the last block.
+  bool block(bool last) noexcept {
     record();
     const BlockIo io{in_.data(), out_.data(), frames_a_block_};
     if (!last) meter_.clock(static_cast<double>(frame_) / true_rate());
     const auto begin = Clock::now();
+    bool at_zero = false;
     if (last)
-      processor_.finish(io);
+      at_zero = processor_.finish(io);
     else
       processor_.process(io);
     const std::chrono::duration<double> took = Clock::now() - begin;
     if (!last) meter_.block(frames_a_block_, took.count() * true_rate() / frames_a_block_);
     play();
     frame_ += frames_a_block_;
+    return at_zero;
   }
 
   void record() noexcept {

@@ -103,7 +103,7 @@ class TakePlayer {
   Status post_until(std::int64_t end) {
     for (; next_entry_ < entries_.size() && entries_[next_entry_].frame < end; ++next_entry_) {
       if (is_halt(next_entry_))
-        host_.guarded.finish({in_.data(), out.data(), 1});
+        while (!host_.guarded.finish({in_.data(), out.data(), 1})) continue;
       else if (!host_.guarded.post(entries_[next_entry_]))
         return fail(Errc::OutOfRange, "", fmt::format("too many guard events at frame {}", now_),
                     "use smaller blocks");

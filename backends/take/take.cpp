@@ -13,9 +13,9 @@ namespace tactus {
 namespace fs = std::filesystem;
 using Kind = JournalEntry::Kind;
 
-constexpr int kTakeVersion = 2;  // 1: without fades
-constexpr std::array kKinds = {"control",   "arm",       "mute",        "system_delay", "lost_frames",
-                               "coil_heat", "body_heat", "replacement", "halt",         "fade"};
+constexpr int kTakeVersion = 3;  // 1: without fades; 2: without control_set and dead_man
+constexpr std::array kKinds = {"control",   "arm",         "mute", "system_delay", "lost_frames", "coil_heat",
+                               "body_heat", "replacement", "halt", "fade",         "control_set", "dead_man"};
 constexpr std::array kDriveKinds = {"drive", "audio"};
 
 // The keys of each line, for both directions; docs/takes.md describes them.
@@ -143,7 +143,8 @@ Result<TakeHeader> parse_header(const std::string& line, const fs::path& path) {
 }
 
 bool is_of_engine(Kind kind) {
-  return kind == Kind::ControlChange || kind == Kind::SystemDelay || kind == Kind::LostFrames;
+  return kind == Kind::ControlChange || kind == Kind::ControlSet || kind == Kind::SystemDelay ||
+         kind == Kind::LostFrames;
 }
 
 /// Adds the content of a line. False: it is no line of a journal.

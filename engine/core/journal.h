@@ -25,6 +25,9 @@ struct JournalEntry {
     Replacement,    ///< another version of the graph took over; `index`: how many there were so far
     Halt,           ///< the stream was stopped just before `frame`, with zeros, and went on without `prepare`
     Fade,           ///< `index`: kAllChannels; `value`: 1 fades every output out, 0 lets it come back
+    ControlSet,     ///< as ControlChange, but at once, without the control's ramp
+    DeadMan,        ///< `index`: kAllChannels; `value`: 1: the dead man's switch expired, every output fades
+                    ///< out; 0: it is refreshed again
   };
 
   static constexpr int kAllChannels = -1;

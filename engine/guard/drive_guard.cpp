@@ -54,9 +54,11 @@ void DriveGuard::set_open(bool open, std::int64_t frame) noexcept {
   gain_.move_to(open ? 1.0 : 0.0, frame, open ? rise_frames_ : fall_frames_);
 }
 
-void DriveGuard::stop() noexcept {
+bool DriveGuard::stop(double* samples, int frames) noexcept {
   gain_ = {};
-  last_ = 0.0;
+  for (int n = 0; n < frames; ++n)
+    samples[n] = last_ = std::clamp(0.0, last_ - largest_step_, last_ + largest_step_);
+  return last_ == 0.0;
 }
 
 std::optional<std::int64_t> DriveGuard::take_feedback() noexcept {

@@ -69,8 +69,12 @@ class DriveGuard {
   void skip_soft_start() noexcept {
     if (is_open()) gain_ = Ramp::constant(1.0);
   }
-  /// [realtime] Zeros were output outside of `process`: closed at once.
-  void stop() noexcept;
+  /// [realtime] Closed at once; writes the way to zero, within the slew limit. True: it ends at zero.
+  bool stop(double* samples, int frames) noexcept;
+  /// [realtime] Closed, and at zero before `frame`.
+  bool at_rest(std::int64_t frame) const noexcept {
+    return gain_.to == 0.0 && gain_.done(frame) && last_ == 0.0;
+  }
 
   /// [realtime] In place. `first_frame`: number of samples[0] since the start; frames come one after another.
   void process(double* samples, int frames, std::int64_t first_frame) noexcept TACTUS_NONBLOCKING;

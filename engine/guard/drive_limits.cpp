@@ -14,6 +14,7 @@ bool within(double x, double low, double high) { return x >= low && x <= high; }
 
 constexpr double kShortestTime_s = 0.01;
 constexpr double kLongestTime_s = 1e6;
+constexpr double kLongestFall_s = 60.0;
 
 struct Rule {
   bool satisfied;
@@ -69,6 +70,8 @@ Status check(const DriveLimits& limits, Hertz sample_rate) {
         "give it as a fraction of the converter's full scale"},
        {limits.slew_per_second > 0.0, "the slew limit of a drive must be positive",
         "omit it for no limit, or give it in full scale per second"},
+       {!(limits.ceiling / limits.slew_per_second > kLongestFall_s),
+        "a drive must be able to fall from its ceiling to zero within 60 s", "raise its slew limit"},
        {within(limits.soft_start.value, 0.0, 60.0),
         "the soft-start time of a drive must be between 0 s and 60 s"},
        {within(limits.fade_out.value, 0.0, 1.0), "the fade-out time of a drive must be between 0 s and 1 s"},

@@ -48,6 +48,11 @@ struct DriveLimits {
   DcLimits dc = {};
 };
 
+/// [any] How long fading out takes at most: the ramp, and what the slew limit needs from the ceiling to zero.
+inline Seconds closing_time(const DriveLimits& limits) noexcept {
+  return limits.fade_out + Seconds{limits.ceiling / limits.slew_per_second};
+}
+
 /// [any] For a drive whose actuator is unknown. Why these: docs/decisions.md.
 DriveLimits conservative_limits();
 

@@ -24,6 +24,8 @@ Status Guarded::prepare(const StreamFormat& format) {
 
   frame_ = 0;
   stopped_ = false;
+  silent_ = true;
+  dead_mans_watch_.start(dead_man_, format.sample_rate, format.max_frames, expired_);
   sensors_.assign(index(format.in_channels), SensorWatch{format.sample_rate});
   inbox_.drop_posted();
   std::deque<Channel> before;
@@ -61,6 +63,7 @@ bool Guarded::apply_command(const JournalEntry& command) noexcept {
   using Kind = JournalEntry::Kind;
   const bool all = command.index == JournalEntry::kAllChannels;
   if (command.kind == Kind::Fade) faded_ = command.value > 0.5;
+  if (command.kind == Kind::DeadMan) expired_ = command.value > 0.5;
   bool known = all;
   for (std::size_t c = 0; c < channels_.size(); ++c) {
     if (!all && command.index != static_cast<int>(c)) continue;
@@ -75,7 +78,7 @@ bool Guarded::apply_command(const JournalEntry& command) noexcept {
 }
 
 void Guarded::open_guards(std::int64_t frame) noexcept {
-  for (auto& channel : channels_) channel.guard.set_open(!faded_ && channel.is_enabled(), frame);
+  for (auto& channel : channels_) channel.guard.set_open(!faded_ && !expired_ && channel.is_enabled(), frame);
 }
 
 void Guarded::skip_soft_start() noexcept {
@@ -93,26 +96,58 @@ void Guarded::process(const BlockIo& io) noexcept {
     inner_.process(io);
     guard_block(io, first_frame);
     frame_.store(first_frame + io.frames, std::memory_order_relaxed);
+    silent_.store(at_rest(first_frame + io.frames), std::memory_order_relaxed);
   }
   // A tap turns samples into floats, and must not lose those that are no denormals as doubles.
   if (tap_ != nullptr) tap_->observe(io, first_frame);
 }
 
-void Guarded::finish(const BlockIo& io) noexcept {
-  for (std::size_t c = 0; c < channels_.size(); ++c) {
-    std::fill_n(io.out[c], io.frames, 0.0);
-    channels_[c].guard.stop();
-  }
+bool Guarded::finish(const BlockIo& io) noexcept {
+  bool silent = true;
+  for (std::size_t c = 0; c < channels_.size(); ++c)
+    silent = channels_[c].guard.stop(io.out[c], io.frames) && silent;
   stopped_ = true;
+  silent_.store(silent, std::memory_order_relaxed);
+  return silent;
+}
+
+bool Guarded::at_rest(std::int64_t frame) const noexcept {
+  return std::all_of(channels_.begin(), channels_.end(),
+                     [frame](const Channel& channel) { return channel.guard.at_rest(frame); });
+}
+
+Seconds Guarded::closing_time() const noexcept {
+  Seconds longest = channels_.size() > config_.size() ? tactus::closing_time(conservative_limits()) : 0_s;
+  for (const auto& channel : config_) longest = std::max(longest, tactus::closing_time(channel.limits));
+  return longest;
+}
+
+void Guarded::observe_dead_man(std::int64_t frame) noexcept {
+  act_on_dead_man(dead_mans_watch_.observe(frame), frame);
+  const auto* source = dead_mans_watch_.source();
+  if (source != nullptr && source->stopped() && !faded_)
+    apply({frame, JournalEntry::Kind::Fade, JournalEntry::kAllChannels, 1.0}, frame);
+}
+
+void Guarded::act_on_dead_man(DeadMansWatch::Action action, std::int64_t frame) noexcept {
+  using Action = DeadMansWatch::Action;
+  if (action == Action::None) return;
+  const bool disarms = action == Action::Disarm;
+  const auto kind = disarms ? JournalEntry::Kind::Arm : JournalEntry::Kind::DeadMan;
+  apply({frame, kind, JournalEntry::kAllChannels, action == Action::Expire ? 1.0 : 0.0}, frame);
+  if (action == Action::Resume) return;
+  (void)events_.push({frame, disarms ? GuardEvent::Kind::DeadManDisarmed : GuardEvent::Kind::DeadMan, 0});
 }
 
 void Guarded::guard_block(const BlockIo& io, std::int64_t first) noexcept {
   take_pending([&](const JournalEntry& entry) { apply(entry, first); });
+  observe_dead_man(first);
   for (int done = 0; done < io.frames;) {
     const auto now = first + done;
-    const int next =
-        done + static_cast<int>(inbox_.take_due(now, io.frames - done,
-                                                [&](const JournalEntry& entry) { apply(entry, now); }));
+    act_on_dead_man(dead_mans_watch_.take(now), now);
+    const auto until = std::min<std::int64_t>(io.frames - done, dead_mans_watch_.next() - now);
+    const int next = done + static_cast<int>(inbox_.take_due(
+                                now, until, [&](const JournalEntry& entry) { apply(entry, now); }));
     guard_frames(io, done, next, first);
     done = next;
   }
@@ -167,6 +202,7 @@ std::vector<JournalEntry> Guarded::state() const {
   using Kind = JournalEntry::Kind;
   std::vector<JournalEntry> entries;
   if (faded_) entries.push_back({0, Kind::Fade, JournalEntry::kAllChannels, 1.0});
+  if (expired_) entries.push_back({0, Kind::DeadMan, JournalEntry::kAllChannels, 1.0});
   for (int c = 0; c < static_cast<int>(channels_.size()); ++c) {
     const auto& channel = channels_[index(c)];
     const auto heat = channel.guard.thermal_state();
@@ -181,7 +217,8 @@ std::vector<JournalEntry> Guarded::state() const {
 bool Guarded::post(const JournalEntry& entry) noexcept {
   using Kind = JournalEntry::Kind;
   const bool ours = entry.kind == Kind::Arm || entry.kind == Kind::Mute || entry.kind == Kind::Fade ||
-                    entry.kind == Kind::CoilHeat || entry.kind == Kind::BodyHeat;
+                    entry.kind == Kind::DeadMan || entry.kind == Kind::CoilHeat ||
+                    entry.kind == Kind::BodyHeat;
   return ours && (entry.frame == JournalEntry::kNow ? at_once_.push(entry) : inbox_.post(entry));
 }
 

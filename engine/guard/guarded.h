@@ -9,6 +9,7 @@
 #include "engine/core/block_io.h"
 #include "engine/core/journal.h"
 #include "engine/core/spsc_queue.h"
+#include "engine/guard/dead_mans_switch.h"
 #include "engine/guard/drive_guard.h"
 #include "engine/guard/sensor_watch.h"
 
@@ -20,12 +21,14 @@ struct GuardedChannel {
   DriveLimits limits;
 };
 
-/// Why drives faded out. They come back only when the user arms them again.
+/// Why drives faded out. They come back only when the user arms them again, but for DeadMan.
 struct GuardEvent {
   enum class Kind : std::uint8_t {
-    Feedback,      ///< `channel`: the output that was limited for more than half of 200 ms
-    SensorRailed,  ///< `channel`: the input; all drives fade out
-    SensorStuck,   ///< the same
+    Feedback,         ///< `channel`: the output that was limited for more than half of 200 ms
+    SensorRailed,     ///< `channel`: the input; all drives fade out
+    SensorStuck,      ///< the same
+    DeadMan,          ///< the dead man's switch is 500 ms old: every output fades out until it is refreshed
+    DeadManDisarmed,  ///< it is 5 s old: the drives are disarmed
   };
   std::int64_t frame = 0;
   Kind kind = Kind::Feedback;
@@ -64,7 +67,8 @@ class GuardSwitch {
 /// `process`: processors inside need not.
 ///
 /// A drive is open while it is armed, not muted and not faded; an audio output while it is neither muted nor
-/// faded. A user mutes; `fade` is for the program, which stops or has lost its user.
+/// faded. A user mutes; `fade` is for the program, which stops. Where the dead man's switch is not refreshed,
+/// everything is faded as well.
 class Guarded final : public BlockProcessor {
  public:
   /// [control] `inner` must outlive this. Channels beyond the list are drives with the conservative limits.
@@ -80,21 +84,25 @@ class Guarded final : public BlockProcessor {
   /// [control & stopped] Drives that sound at frame 0 do so without a soft start. For files and simulated
   /// worlds alone, where nothing is there to be thrown.
   void skip_soft_start() noexcept;
-  /// [realtime & prepared] The last block before a stop: zeros on every output. The processor inside does not
-  /// run and time does not advance; if `process` is called again, every guard starts softly.
-  void finish(const BlockIo& io) noexcept TACTUS_NONBLOCKING;
+  /// [realtime & prepared] The blocks before a stop: every output comes to zero, at once or as fast as its
+  /// slew limit allows. The processor inside does not run and time does not advance. True: all are at zero,
+  /// and this was the last block; if `process` is called again, every guard starts softly.
+  bool finish(const BlockIo& io) noexcept TACTUS_NONBLOCKING;
 
   /// [control & stopped] The sensors are recordings, which may hold silence: none is ever found at fault.
   void disable_sensor_watch() noexcept { watch_sensors_ = false; }
+  /// [control & stopped] From the next `prepare` on the outputs depend on it. It outlives this; nullptr:
+  /// none, for files and simulations.
+  void set_dead_mans_switch(const DeadMansSwitch* dead_man) noexcept { dead_man_ = dead_man; }
   /// [control & stopped] `tap` outlives this, or is taken away with nullptr.
   void set_tap(BlockTap* tap) noexcept { tap_ = tap; }
   /// [any] For all channels from the next block on, whatever waits in a queue, and journalled with its frame.
   void arm(bool on) noexcept { arm_.set(on); }
   void mute(bool on) noexcept { mute_.set(on); }
   void fade(bool on) noexcept { fade_.set(on); }
-  /// [control, one thread] Kinds Arm, Mute, Fade, CoilHeat and BodyHeat, in frame order; a late entry is
-  /// applied at once, and one for kNow before all that wait for their frame. A heat can only make warmer.
-  /// False: the queue is full, try again after a block; or it is another kind.
+  /// [control, one thread] Kinds Arm, Mute, Fade, DeadMan, CoilHeat and BodyHeat, in frame order; a late
+  /// entry is applied at once, and one for kNow before all that wait for their frame. A heat can only make
+  /// warmer. False: the queue is full, try again after a block; or it is another kind.
   [[nodiscard]] bool post(const JournalEntry& entry) noexcept;
   /// [control, one thread] What made drives fade out, oldest first. False: nothing new.
   [[nodiscard]] bool take_event(GuardEvent& event) noexcept { return events_.pop(event); }
@@ -102,6 +110,10 @@ class Guarded final : public BlockProcessor {
   /// [any] What it was made with.
   const std::vector<GuardedChannel>& channels() const noexcept { return config_; }
   bool armed_at_start() const noexcept { return armed_at_start_; }
+  /// [any] The longest time that fading out takes, of all channels.
+  Seconds closing_time() const noexcept;
+  /// [any] Every output ended the last block closed and at zero.
+  bool silent() const noexcept { return silent_.load(std::memory_order_relaxed); }
   /// [control & stopped] What brings a new Guarded of the same channels to the state of this one, as entries
   /// for frame 0: arms, mutes, fades and heats that are not those of a fresh one.
   std::vector<JournalEntry> state() const;
@@ -125,6 +137,9 @@ class Guarded final : public BlockProcessor {
     bool armed, muted = false;
   };
 
+  void observe_dead_man(std::int64_t frame) noexcept;
+  void act_on_dead_man(DeadMansWatch::Action action, std::int64_t frame) noexcept;
+  bool at_rest(std::int64_t frame) const noexcept;
   void guard_block(const BlockIo& io, std::int64_t first_frame) noexcept;
   void guard_frames(const BlockIo& io, int from, int to, std::int64_t first_frame) noexcept;
   void guard_outputs(const BlockIo& io, int from, int to, std::int64_t first_frame) noexcept;
@@ -139,11 +154,15 @@ class Guarded final : public BlockProcessor {
   std::vector<GuardedChannel> config_;
   bool armed_at_start_;
   bool stopped_ = false, faded_ = false;
+  bool expired_ = false;  ///< the dead man's switch
+  const DeadMansSwitch* dead_man_ = nullptr;
+  DeadMansWatch dead_mans_watch_;
   bool watch_sensors_ = true;
   BlockTap* tap_ = nullptr;
   std::deque<Channel> channels_;
   std::vector<SensorWatch> sensors_;
   std::atomic<std::int64_t> frame_{0};
+  std::atomic<bool> silent_{false};
   GuardSwitch arm_, mute_, fade_;
   ControlInbox inbox_;
   SpscQueue<JournalEntry> at_once_{256};

@@ -77,11 +77,13 @@ void Player::apply(const JournalEntry& entry) noexcept {
   // Where it is no longer known, the last known value is the best guess.
   if (entry.kind == JournalEntry::Kind::SystemDelay && plan.system_delay != nullptr && entry.value >= 0)
     std::fill_n(plan.system_delay, kVectorWidth, entry.value / plan.sample_rate.value);
-  if (entry.kind != JournalEntry::Kind::ControlChange) return;
+  const bool at_once = entry.kind == JournalEntry::Kind::ControlSet;
+  if (entry.kind != JournalEntry::Kind::ControlChange && !at_once) return;
   if (entry.index < 0 || entry.index >= static_cast<int>(running_->control_of.size())) return;
   const int control = running_->control_of[index(entry.index)];
   if (control < 0 || !std::isfinite(entry.value)) return;
-  running_->move_control(index(control), now_, entry.value);
+  at_once ? running_->set_control(index(control), entry.value)
+          : running_->move_control(index(control), now_, entry.value);
 }
 
 int Player::control_index(std::string_view control) const {

@@ -39,6 +39,8 @@ class Player final : public BlockProcessor, private Outside {
   /// [control & stopped] Entries known beforehand (rendering, replay), sorted by frame. Applies from the next
   /// process on.
   void set_journal(std::vector<JournalEntry> entries) { inbox_.set_journal(std::move(entries)); }
+  /// [control & stopped] Drops the posted entries that were not applied yet.
+  void drop_posted() noexcept { inbox_.drop_posted(); }
   /// [control, one thread] An entry for the running player. False: the queue is full, try again after a
   /// block.
   [[nodiscard]] bool post(const JournalEntry& entry) noexcept { return inbox_.post(entry); }

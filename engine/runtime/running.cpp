@@ -69,6 +69,14 @@ void Running::move_control(std::size_t control, std::int64_t now, double target,
   settle(smoothed, false);
 }
 
+void Running::set_control(std::size_t control, double value) noexcept {
+  const auto& planned = plan->controls[control];
+  if (planned.frozen) return;
+  const auto& range = planned.control.range;
+  controls[control].value = Ramp::constant(std::clamp(value, range.low, range.high));
+  settle(controls[control], true);
+}
+
 void Running::take_over(Running& before, std::int64_t now, std::int64_t fade_frames) noexcept {
   auto &nodes = plan->nodes, &old = before.plan->nodes;
   for (const auto [from, to] : handover.remade) nodes[index(to)]->adopt(*old[index(from)]);

@@ -61,6 +61,8 @@ struct Running {
   /// or more). Does nothing if it is frozen.
   void move_control(std::size_t control, std::int64_t now, double target,
                     std::int64_t least_frames = 0) noexcept;
+  /// [realtime] Puts a control at `value`, within its range, without a ramp. Does nothing if it is frozen.
+  void set_control(std::size_t control, double value) noexcept;
   /// [realtime] Continues from the version before as in `handover`: nodes, controls and ramps.
   void take_over(Running& before, std::int64_t now, std::int64_t fade_frames) noexcept;
   /// [realtime] From here on the signal is one number, or a sample a frame.

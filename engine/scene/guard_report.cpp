@@ -23,7 +23,7 @@ constexpr std::array<NamedText, kGuardStages> kStages = {{
     {"slew", "the slew rate limit smoothed it"},
 }};
 
-constexpr std::array<NamedText, 3> kEvents = {{
+constexpr std::array<NamedText, 5> kEvents = {{
     {"howl",
      "feedback at {:.3f} s: the guard limited this drive for more than half of 200 ms and faded it out; "
      "lower the loop gain, and arm it again"},
@@ -33,14 +33,25 @@ constexpr std::array<NamedText, 3> kEvents = {{
     {"sensor stuck",
      "the sensor repeated the same value for 40 ms at {:.3f} s, and all drives were faded out; check its "
      "converter and driver, and arm the drives again"},
+    {"stop inputs blocked",
+     "keys and signals were not handled for 500 ms at {:.3f} s, and every output was faded out; it starts "
+     "again softly when they are handled; close other programs if the computer is overloaded"},
+    {"stop inputs blocked for 5 s",
+     "keys and signals were not handled for 5 s at {:.3f} s, and all drives were disarmed; arm them again"},
 }};
 
-std::string describe(const GuardReport& report, const GuardEvent& event, Hertz sample_rate) {
+/// What an event is about.
+std::string subject_of(const GuardReport& report, const GuardEvent& event) {
+  using Kind = GuardEvent::Kind;
   const auto channel = static_cast<std::size_t>(event.channel);
-  const auto name = event.kind == GuardEvent::Kind::Feedback ? report.outputs[channel].name
-                    : channel < report.input_names.size()    ? report.input_names[channel]
-                                                             : fmt::format("input {}", channel + 1);
-  return name + ": " +
+  if (event.kind == Kind::DeadMan || event.kind == Kind::DeadManDisarmed) return "dead man's switch";
+  if (event.kind == Kind::Feedback) return report.outputs[channel].name;
+  return channel < report.input_names.size() ? report.input_names[channel]
+                                             : fmt::format("input {}", channel + 1);
+}
+
+std::string describe(const GuardReport& report, const GuardEvent& event, Hertz sample_rate) {
+  return subject_of(report, event) + ": " +
          fmt::format(fmt::runtime(kEvents[static_cast<std::size_t>(event.kind)].text),
                      static_cast<double>(event.frame) / sample_rate.value);
 }

@@ -7,6 +7,8 @@
 #include <limits>
 #include <thread>
 
+#include "tests/support/wait_until.h"
+
 // What every sound library calls, called by the test instead.
 
 using namespace tactus;
@@ -35,9 +37,9 @@ class Adder final : public BlockProcessor {
 
 /// A callback on a device of some planes, behind guards that let everything through.
 struct Card {
-  Card(int inputs, int outputs, int max_frames, StreamRequest request = {})
-      : guarded(adder, std::vector<GuardedChannel>(static_cast<std::size_t>(outputs),
-                                                   {DriveGuard::Kind::Audio, DriveLimits{}})) {
+  Card(int inputs, int outputs, int max_frames, StreamRequest request = {},
+       GuardedChannel guard = {DriveGuard::Kind::Audio, DriveLimits{}})
+      : guarded(adder, std::vector<GuardedChannel>(static_cast<std::size_t>(outputs), guard)) {
     StreamGranted granted;
     granted.format = {48_kHz, inputs, outputs, max_frames};
     REQUIRE(guarded.prepare(granted.format));
@@ -159,6 +161,37 @@ TEST_CASE("card callback: whoever waits for the last block of a dead device is n
   card.callback->abandon();
   CHECK(card.block({plane(8, 0.5)}, 1, 8) == std::vector<Plane>{plane(8, 0)});
   CHECK(card.adder.lengths.empty());
+}
+
+TEST_CASE("card callback: a stop, and a stall that is over, come to zero within the slew limit",
+          "[backends]") {
+  const bool stall = GENERATE(false, true);
+  // 0.125 at 100 full scales a second: 60 frames.
+  Card card{1, 1, 16, {}, {DriveGuard::Kind::Drive, {.slew_per_second = 100.0}}};
+  card.callback->play();
+  Plane played;
+  const auto play = [&](int blocks) {
+    for (int block = 0; block < blocks; ++block) {
+      const auto out = card.block({plane(16, 0.0)}, 1, 16);
+      played.insert(played.end(), out[0].begin(), out[0].end());
+    }
+  };
+  play(10);
+  REQUIRE(played.back() == 0.125f);
+  if (stall) {
+    REQUIRE(test::wait_until([&] { return card.callback->stalled(); }));
+    play(10);
+  } else {
+    std::atomic<bool> done{false};
+    std::thread library{[&] {
+      while (!done) play(1);
+    }};
+    CHECK(card.callback->finish());
+    done = true;
+    library.join();
+  }
+  for (std::size_t n = 1; n < played.size(); ++n) CHECK(std::abs(played[n] - played[n - 1]) < 100.1f / 48000);
+  CHECK(std::count(played.begin() + 160, played.end(), 0.0f) > 0);
 }
 
 TEST_CASE("card callback: an abandoned one never touches the processor again", "[backends]") {

@@ -28,7 +28,7 @@ int nameless_file() {
 
 }  // namespace
 
-ChildProcess::ChildProcess(const std::vector<std::string>& command, Stdout out) {
+ChildProcess::ChildProcess(const std::vector<std::string>& command, Stdout out, int stderr_to) {
   std::vector<char*> arguments;
   for (const auto& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
@@ -44,7 +44,7 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command, Stdout out) 
 #endif
     ::dup2(ends[1], STDIN_FILENO);
     ::dup2(out == Stdout::Read ? ends[1] : log_, STDOUT_FILENO);
-    ::dup2(log_, STDERR_FILENO);
+    ::dup2(stderr_to < 0 ? log_ : stderr_to, STDERR_FILENO);
     ::execvp(arguments[0], arguments.data());
     ::_exit(kCannotRun);
   }
@@ -96,9 +96,8 @@ void ChildProcess::kill() {
   wait(std::chrono::seconds{10});
 }
 
-bool ChildProcess::say(const std::string& line) const {
-  const auto text = line + "\n";
-  return ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(text.size());
+bool ChildProcess::type(const std::string& bytes) const {
+  return ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(bytes.size());
 }
 
 std::string ChildProcess::hear(std::chrono::milliseconds patience) {

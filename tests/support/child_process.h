@@ -15,7 +15,9 @@ class ChildProcess {
   static constexpr int kCannotRun = 127;  ///< the exit code of a program that is not there
 
   /// `command[0]` is looked for in PATH. Where its stdout is read, `say` and `hear` exchange lines with it.
-  explicit ChildProcess(const std::vector<std::string>& command, Stdout out = Stdout::Read);
+  /// `stderr_to`: an open file for its stderr instead of the log.
+  explicit ChildProcess(const std::vector<std::string>& command, Stdout out = Stdout::Read,
+                        int stderr_to = -1);
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
@@ -34,7 +36,9 @@ class ChildProcess {
   void kill();
 
   /// Sends a line. False: nobody reads it.
-  bool say(const std::string& line) const;
+  bool say(const std::string& line) const { return type(line + "\n"); }
+  /// Sends bytes.
+  bool type(const std::string& bytes) const;
   /// The next line it says; empty: none came within `patience`, or it is gone.
   std::string hear(std::chrono::milliseconds patience = std::chrono::seconds{10});
   /// What it wrote that is not read, until now.

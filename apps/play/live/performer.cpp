@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <exception>
 #include <utility>
 
 #include "apps/cli/console.h"
@@ -26,10 +27,34 @@ void add_files(const GraphSpec& graph, std::vector<std::filesystem::path>& files
     if (part != nullptr) add_files(*part, files);
 }
 
+std::vector<std::filesystem::path> files_of(const LoadedGraph& loaded) {
+  std::vector<std::filesystem::path> files;
+  add_files(*loaded.spec, files);
+  return files;
+}
+
+/// What `fill` puts into an edit; what it throws are the errors of the edit.
+template <class Fill>
+Edit edit_by(Fill fill) {
+  Edit edit;
+  try {
+    fill(edit);
+  } catch (const CommandError& error) {
+    edit.errors = error.errors;
+  } catch (const std::exception& error) {
+    edit.errors = {{Errc::BadFile, "", error.what(), "check the files"}};
+  }
+  return edit;
+}
+
 class LiveInstrument final : public Performer {
  public:
   explicit LiveInstrument(PerformerSetup setup) : setup_(std::move(setup)) {
-    auto plan = compile_files();
+    loaded_ = load();
+    name = loaded_.spec->name;
+    files = files_of(loaded_);
+    if (const auto text = warning(loaded_); !text.empty()) print_note(text);
+    auto plan = compile_files(loaded_);
     if (setup_.rig) wiring_ = or_exit(wire_rig(*setup_.rig, *plan));
     inputs = plan->input_names;
     outputs = output_names(*plan);
@@ -40,7 +65,6 @@ class LiveInstrument final : public Performer {
       if (!setup_.rig && guard.kind == DriveGuard::Kind::Audio)
         guard = {DriveGuard::Kind::Drive, conservative_limits()};
     engine_ = std::make_unique<Player>(std::move(plan));
-    loaded_ = std::move(read_);
     if (RigInputs::needed(wiring_.input_scales, setup_.padding_frames))
       rig_inputs_.emplace(*engine_, wiring_.input_scales, setup_.padding_frames);
   }
@@ -57,35 +81,54 @@ class LiveInstrument final : public Performer {
     if (setup_.rig) add_rig(*setup_.rig, to_text(*setup_.rig), header);
   }
 
-  void edit() override {
-    or_exit(engine_->replace(compile_files()));
-    loaded_ = std::move(read_);
+  Edit read_edit() override {
+    return edit_by([this](Edit& edit) {
+      const auto loaded = std::make_shared<LoadedGraph>(load());
+      edit.files = files_of(*loaded);
+      edit.warning = warning(*loaded);
+      const auto plan = std::make_shared<std::unique_ptr<Plan>>(compile_files(*loaded));
+      edit.take_over = [this, loaded, plan] { take_over(std::move(*loaded), std::move(*plan)); };
+    });
   }
 
  private:
-  std::unique_ptr<Plan> compile_files() {
+  LoadedGraph load() const {
     auto loaded = load_graph_leniently(setup_.file, setup_.root);
     if (loaded.spec == nullptr) throw CommandError{loaded.errors};
-    read_ = loaded;
-    files.clear();
-    add_files(*loaded.spec, files);
-    name = loaded.spec->name;
+    return loaded;
+  }
+
+  std::unique_ptr<Plan> compile_files(LoadedGraph loaded) const {
     if (setup_.rig) {
       for (auto& error : check_rig(*setup_.rig, *loaded.spec)) loaded.errors.push_back(std::move(error));
       loaded.spec = without_left_out(*setup_.rig, loaded.spec);
     }
     CompileOptions options;
     options.sample_rate = setup_.rate;
-    options.system_delay =
-        Seconds{setup_.delay.value_or(0_s).value + setup_.padding_frames / setup_.rate.value};
-    if (options.system_delay.value > 0) announce_delay(*loaded.spec, options.system_delay.value);
+    options.system_delay = system_delay();
     options.controls = setup_.controls;
     return or_exit(compile(loaded, standard_nodes(), options));
   }
 
+  Seconds system_delay() const {
+    return Seconds{setup_.delay.value_or(0_s).value + setup_.padding_frames / setup_.rate.value};
+  }
+
+  /// Empty: none.
+  std::string warning(const LoadedGraph& loaded) const {
+    const double delay_s = system_delay().value;
+    return delay_s > 0 ? delay_warning(*loaded.spec, delay_s) : "";
+  }
+
+  void take_over(LoadedGraph loaded, std::unique_ptr<Plan> plan) {
+    or_exit(engine_->replace(std::move(plan)));
+    name = loaded.spec->name;
+    loaded_ = std::move(loaded);
+  }
+
   PerformerSetup setup_;
   RigWiring wiring_;
-  LoadedGraph loaded_, read_;  ///< that plays; that was read last
+  LoadedGraph loaded_;  ///< that plays
   std::unique_ptr<Player> engine_;
   std::optional<RigInputs> rig_inputs_;
 };
@@ -118,7 +161,7 @@ class LiveWorld final : public Performer, private BlockProcessor {
               scene_.converters),
         listener_([this](const ClosedLoop::Block& block) { copy_monitor(block); }) {
     name = scene_.name;
-    read_files(scene_);
+    files = files_of(scene_);
     const auto& plan = built_.instrument->plan();
     auto sounds = sound_names(plan, scene_.roles);
     plays_sensors_ = sounds.empty();
@@ -135,15 +178,15 @@ class LiveWorld final : public Performer, private BlockProcessor {
   BlockProcessor& processor() override { return *this; }
   Player& instrument() override { return *built_.instrument; }
 
-  void edit() override {
-    auto read = read_scene(setup_);
-    if (read.compiled.delay_frames != built_.delay_frames)
-      exit_with({Errc::BadArgument, setup_.file.string(), "the delay cannot be changed during playback",
-                 "start again"});
-    read_files(read.scene);
-    if (names_of(read.compiled.plant_taps) != names_of(built_.plant_taps)) watching_ = false;
-    or_exit(built_.instrument->replace(std::move(read.compiled.instrument)));
-    or_exit(built_.plant->replace(std::move(read.compiled.plant)));
+  Edit read_edit() override {
+    return edit_by([this](Edit& edit) {
+      const auto read = std::make_shared<Read>(read_scene(setup_));
+      edit.files = files_of(read->scene);
+      if (read->compiled.delay_frames != built_.delay_frames)
+        exit_with({Errc::BadArgument, setup_.file.string(), "the delay cannot be changed during playback",
+                   "start again"});
+      edit.take_over = [this, read] { take_over(read->compiled); };
+    });
   }
 
   std::vector<PortEnergy> ports() const override { return ports_.energies(setup_.rate); }
@@ -160,10 +203,17 @@ class LiveWorld final : public Performer, private BlockProcessor {
   }
 
  private:
-  void read_files(const SceneSpec& scene) {
-    files = {setup_.file};
+  std::vector<std::filesystem::path> files_of(const SceneSpec& scene) const {
+    std::vector<std::filesystem::path> all = {setup_.file};
     for (const auto& part : scene.parts)
-      if (part.graph != nullptr) add_files(*part.graph, files);
+      if (part.graph != nullptr) add_files(*part.graph, all);
+    return all;
+  }
+
+  void take_over(CompiledScene& compiled) {
+    if (names_of(compiled.plant_taps) != names_of(built_.plant_taps)) watching_ = false;
+    or_exit(built_.instrument->replace(std::move(compiled.instrument)));
+    or_exit(built_.plant->replace(std::move(compiled.plant)));
   }
 
   Status prepare(const StreamFormat& format) override {

@@ -2,6 +2,7 @@
 // Thread: [control]
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -18,6 +19,16 @@
 
 namespace tactus::app {
 
+/// The files of a performer, read again.
+struct Edit {
+  std::vector<std::filesystem::path> files;  ///< that were read; empty: not known
+  std::vector<Error> errors;                 ///< why they cannot be played
+  std::string warning;                       ///< or empty
+  /// [control, while it plays] Replaces what plays. Throws a CommandError; the previous version then keeps
+  /// playing.
+  std::function<void()> take_over;
+};
+
 /// What a live session plays: an instrument, or an instrument in its simulated world.
 class Performer {
  public:
@@ -33,9 +44,8 @@ class Performer {
   virtual BlockProcessor& processor() = 0;
   /// Whose controls, faults and edits are shown.
   virtual Player& instrument() = 0;
-  /// [control, while it plays] Reads its files again and replaces what plays. Throws a CommandError with the
-  /// errors of the files; the previous version keeps playing.
-  virtual void edit() = 0;
+  /// [any, one thread; while it plays] Reads and compiles its files again. What plays is not touched.
+  virtual Edit read_edit() = 0;
   /// Puts its files and what the rig does to its inputs into the header of a take.
   virtual void describe(TakeHeader&) const {}
   /// [control & stopped] The energy that passed the ports of a scene.

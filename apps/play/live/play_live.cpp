@@ -1,9 +1,14 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <set>
+#include <system_error>
 
 #include "apps/cli/console.h"
-#include "apps/play/live/controls/keyboard.h"
+#include "apps/cli/printer.h"
+#include "apps/cli/stop_loop.h"
+#include "apps/cli/terminal.h"
+#include "apps/play/live/controls/drive_keys.h"
 #include "apps/play/live/controls/status_line.h"
 #include "apps/play/live/plan.h"
 #include "apps/play/live/session.h"
@@ -16,24 +21,29 @@ namespace tactus::app {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+using Ending = StopLoop::Ending;
 
 constexpr const char* kHelp =
-    "keys: a arm or disarm | m mute | space strike | up, down select a control | left, right change it | l "
-    "MIDI learn | s save the rig | q quit";
+    "keys: a twice arm, a disarm | m mute | space strike | up, down select a control | left, right change it "
+    "| "
+    "l MIDI learn | s save the rig | q quit";
 
 std::string source_text(const RigMidi& binding) {
   if (binding.kind == RigMidi::Kind::PitchBend) return "the pitch wheel";
   return fmt::format("{} {}", binding.kind == RigMidi::Kind::Note ? "note" : "controller", binding.number);
 }
 
-/// The control loop of a session: keys, MIDI controllers, the status line, and the control that the keys have
-/// selected.
+/// The control loop of a session: MIDI controllers, the status line, the control that the keys have selected,
+/// and the keys that the stop loop leaves to it.
 class LivePlay {
  public:
-  LivePlay(Session& session, LivePlan& plan, const std::string& midi_api)
+  LivePlay(Session& session, LivePlan& plan, StopLoop& stop_loop, Printer& printer,
+           const std::string& midi_api)
       : session_(session),
         controls_(session.controls()),
         plan_(plan),
+        stop_loop_(stop_loop),
+        printer_(printer),
         midi_api_(midi_api),
         midi_map_(plan.rig ? plan.rig->midi : std::vector<RigMidi>{}) {
     if (!midi_map_.bindings().empty() || !midi_api.empty()) open_midi();
@@ -42,50 +52,67 @@ class LivePlay {
   /// `duration`: 0: until it is ended. Returns the exit code.
   int run(Seconds duration) {
     using namespace std::chrono_literals;
-    if (keyboard_.is_terminal()) help();
+    if (stop_loop_.reads_terminal()) help();
     const auto begin = Clock::now();
     auto drawn = begin - 1s;
     while (true) {
-      if (interrupted()) return kInterrupted;
+      if (const auto ending = stop_loop_.ending(); ending != Ending::None)
+        return ending == Ending::Quit ? kDone : kInterrupted;
       if (session_.over()) return kDevice;
       const std::chrono::duration<double> played = Clock::now() - begin;
       if (duration.value > 0 && played.count() >= duration.value) return kDone;
-      if (const auto key = keyboard_.wait(20ms); key && !press(*key)) return kDone;
+      if (const auto key = stop_loop_.wait_key(20ms)) press(*key);
       tick();
       if (Clock::now() - drawn < 100ms) continue;
       drawn = Clock::now();
-      line_.draw(session_.view(), any() ? controls_.text(selected_) : "");
+      draw();
     }
   }
 
  private:
-  /// What happens without keys: edits, MIDI, device and guard events.
+  /// What happens without keys: MIDI, edits, device and guard events.
   void tick() {
+    if (midi_ != nullptr) follow_midi();
     session_.tick();
-    for (const auto& message : session_.take_messages()) line_.print(message);
-    if (midi_ == nullptr) return;
-    for (const auto& message : midi_->news()) line_.print(message);
+    for (const auto& message : session_.take_messages()) print(message);
+  }
+
+  void follow_midi() {
+    for (const auto& message : midi_->news()) print(message);
     for (const auto& event : midi_->poll()) {
-      for (const auto& move : midi_map_.handle(event)) (void)controls_.turn(move.control, move.position);
+      for (const auto& move : midi_map_.handle(event))
+        if (!controls_.turn(move.control, move.position) && refused_.insert(move.control).second)
+          print(move.control + " cannot be changed during playback");
       if (const auto learnt = midi_map_.take_learnt())
-        line_.print(fmt::format("{} of {} now controls {}; s saves this in the rig", source_text(*learnt),
-                                event.port, learnt->control));
+        print(fmt::format("{} of {} now controls {}; s saves this in the rig", source_text(*learnt),
+                          event.port, learnt->control));
     }
   }
 
-  /// False: the user wants to end it.
-  bool press(char pressed) {
-    for (const auto& [key, act] : {std::pair{'a', &LivePlay::arm},
-                                   {'m', &LivePlay::mute},
-                                   {' ', &LivePlay::strike},
-                                   {'l', &LivePlay::learn},
-                                   {'s', &LivePlay::save},
-                                   {'?', &LivePlay::help},
-                                   {'h', &LivePlay::help}})
+  void draw() {
+    if (const int columns = terminal_columns(); columns > 0)
+      printer_.status(status_line(session_.view(), any() ? controls_.text(selected_) : "", columns - 1));
+    else
+      session_.view();  // levels are those since the last view
+  }
+  void print(const std::string& message) { printer_.print(message); }
+
+  void press(Key pressed) {
+    for (const auto& [key, text] :
+         {std::pair{kFirstArmKey, "press a again within a second to arm the drives"},
+          {kDisarmedKey, "drives disarmed"},
+          {kMutedKey, "muted"},
+          {kUnmutedKey, "unmuted"}})
+      if (key == pressed) print(text);
+    for (const auto& [key, act] : {std::pair{kArmKey, &LivePlay::arm},
+                                   {Key{' '}, &LivePlay::strike},
+                                   {Key{'l'}, &LivePlay::learn},
+                                   {Key{'s'}, &LivePlay::save},
+                                   {Key{'?'}, &LivePlay::help},
+                                   {Key{'h'}, &LivePlay::help}})
       if (key == pressed) (this->*act)();
     if (pressed == kUpKey || pressed == kDownKey) select(pressed == kUpKey ? -1 : 1);
     if (pressed == kLeftKey || pressed == kRightKey) turn(pressed == kLeftKey ? -0.05 : 0.05);
-    return pressed != 'q';
   }
 
   bool any() const { return selected_ < controls_.all().size(); }
@@ -97,66 +124,88 @@ class LivePlay {
   }
 
   void arm() {
-    if (!session_.has_drives()) return line_.print("there is no drive to arm");
-    session_.arm(!session_.armed());
-    line_.print(session_.armed() ? "drives armed" : "drives disarmed");
-  }
-  void mute() {
-    session_.mute(!session_.muted());
-    line_.print(session_.muted() ? "muted" : "unmuted");
+    if (!session_.has_drives()) return print("there is no drive to arm");
+    session_.arm(true);
+    if (session_.armed()) print("drives armed");
   }
   void strike() {
-    if (!plan_.performer->strike()) line_.print("this scene has no strike gesture; m mutes, a arms");
+    if (!plan_.performer->strike()) print("this scene has no strike gesture; m mutes, a arms");
   }
-  void help() { line_.print(kHelp); }
+  void help() { print(kHelp); }
   void select(int step) {
     const auto count = static_cast<int>(controls_.all().size());
     if (count > 0) selected_ = index((static_cast<int>(selected_) + step + count) % count);
   }
   void turn(double share) {
-    if (any() && !controls_.nudge(selected_, share))
-      line_.print(name() + " cannot be changed during playback");
+    if (any() && !controls_.nudge(selected_, share)) print(name() + " cannot be changed during playback");
   }
   void learn() {
     if (!any()) return;
-    if (!open_midi()) return line_.print("this program was built without MIDI");
+    if (!open_midi()) return print("this program was built without MIDI");
     midi_map_.learn(name());
-    line_.print("move the MIDI controller for " + name());
+    print("move the MIDI controller for " + name());
   }
   void save() {
-    if (!plan_.rig) return line_.print("there is no rig file: start with --save-rig FILE");
+    if (!plan_.rig) return print("there is no rig file: start with --save-rig FILE");
     plan_.rig->midi = midi_map_.bindings();
     plan_.rig->controls.clear();
     for (const auto& live : controls_.all())
       plan_.rig->controls.push_back({live.control.name, {}, {live.control.value, live.control.unit, false}});
     const auto& file = plan_.rig_file;
     const auto saved = replace_rig(*plan_.rig, file);
-    line_.print(saved ? file + ": controls and MIDI bindings saved; the previous file is " + file + "~"
-                      : to_string(saved.error()));
+    print(saved ? file + ": controls and MIDI bindings saved; the previous file is " + file + "~"
+                : to_string(saved.error()));
   }
 
   Session& session_;
   LiveControls& controls_;
   LivePlan& plan_;
-  StatusLine line_;
-  Keyboard keyboard_;
+  StopLoop& stop_loop_;
+  Printer& printer_;
   std::string midi_api_;
   MidiMap midi_map_;
   std::shared_ptr<MidiInputs> midi_;  ///< opened when something is bound or MIDI learn is on
+  std::set<std::string> refused_;     ///< controls that MIDI cannot turn, once reported
   std::size_t selected_ = 0;
 };
 
 /// What plays where, and the state of the drives.
-void announce(const Session& session, const LivePlan& plan, const LiveOptions& options) {
-  fmt::print(stderr, "{}\n{}\n", plan.performer->name, granted_text(plan, session.granted()));
-  if (options.listen)
-    fmt::print(stderr,
-               "the sound is played on the first channels of {}: connect speakers there, not actuators\n",
-               session.granted().device);
-  else
-    fmt::print(stderr, "{}\n", delay_text(plan));
+std::string announcement(const Session& session, const LivePlan& plan, const LiveOptions& options) {
+  const auto& granted = session.granted();
+  auto text = plan.performer->name + "\n" + granted_text(plan, granted) + "\n";
+  text += options.listen ? "the sound is played on the first channels of " + granted.device +
+                               ": connect speakers there, not actuators"
+                         : delay_text(plan);
   if (!options.arm && session.has_drives())
-    fmt::print(stderr, "the drives are disarmed: press a, or start with --arm\n");
+    text += "\nthe drives are disarmed: press a twice, or start with --arm";
+  return text;
+}
+
+/// The report, as far as somebody reads it.
+void report(Session& session, const SessionView& view, const LivePlan& plan, bool as_json) {
+  try {
+    print_report(session, view, *plan.performer, as_json);
+    std::fflush(stdout);
+  } catch (const std::system_error&) {
+    // The reader of standard output is gone, and with it whom it would be reported to.
+  }
+}
+
+/// Plays on an open session to its end. The exit code.
+int play(Session& session, LivePlan& plan, StopLoop& stop_loop, const LiveOptions& options,
+         Seconds duration) {
+  const bool terminal = stop_loop.reads_terminal() && terminal_columns() > 0;
+  Printer printer{terminal ? kMarkPastedText : "", terminal ? kDoNotMarkPastedText : ""};
+  or_exit(session.start(), kDevice);
+  printer.print(announcement(session, plan, options));
+  const int ended = LivePlay{session, plan, stop_loop, printer, options.midi}.run(duration);
+  const auto& view = session.view();
+  const auto stopped = session.stop();
+  for (const auto& message : session.take_messages()) printer.print(message);
+  printer.finish();
+  report(session, view, plan, options.json);
+  or_exit(stopped, kDevice);
+  return ended;
 }
 
 }  // namespace
@@ -164,23 +213,19 @@ void announce(const Session& session, const LivePlan& plan, const LiveOptions& o
 int play_live(const LiveOptions& options) {
   const auto duration = options.duration.empty() ? 0_s : parse_duration(options.duration);
   auto plan = make_plan(options);
-  if (const auto locked = lock_memory(); !locked) fmt::print(stderr, "note: {}\n", to_string(locked.error()));
-  Session session{*plan.performer, *plan.devices.backend, plan.request, options.arm};
-  install_signal_handlers(/*also_hangup=*/true);
+  if (const auto locked = lock_memory(); !locked) print_note("note: " + to_string(locked.error()));
+  DeadMansSwitch dead_man;
+  Session session{*plan.performer, *plan.devices.backend, plan.request, options.arm, &dead_man};
+  DriveKeys keys{session.switches()};
+  StopLoop stop_loop{dead_man,
+                     {.act = [&](Key key, Clock::time_point now) { return keys.act(key, now); },
+                      .inputs = {},
+                      .fade = session.closing_time()}};
   if (const auto opened = session.open(options.record); !opened)
     exit_with(opened.error(), exit_of(opened.error()));
   check_delay(plan, session.granted());
   session.set_delay_known(plan.delay.has_value());
-  or_exit(session.start(), kDevice);
-  announce(session, plan, options);
-
-  const int ended = LivePlay{session, plan, options.midi}.run(duration);
-  const auto& view = session.view();
-  const auto stopped = session.stop();
-  for (const auto& message : session.take_messages()) fmt::print(stderr, "{}\n", message);
-  print_report(session, view, *plan.performer, options.json);
-  or_exit(stopped, kDevice);
-  return ended;
+  return play(session, plan, stop_loop, options, duration);
 }
 
 }  // namespace tactus::app

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <system_error>
 #include <thread>
 
 #include "apps/cli/console.h"
@@ -57,20 +58,22 @@ Json report_json(Session& session, const SessionView& view, const Performer& per
 
 }  // namespace
 
-Session::Session(Performer& performer, Backend& backend, StreamRequest request, bool armed)
+Session::Session(Performer& performer, Backend& backend, StreamRequest request, bool armed,
+                 const DeadMansSwitch* dead_man)
     : performer_(performer),
       backend_(backend),
       request_(std::move(request)),
       guarded_(performer.processor(), performer.guards, armed),
+      switches_(guarded_, armed),
       meter_(request_.in_channels, request_.out_channels),
       controls_(performer.instrument()),
       seen_guards_(performer.guards.size()) {
   view_.drives = std::any_of(performer.guards.begin(), performer.guards.end(),
                              [](const auto& channel) { return channel.kind == DriveGuard::Kind::Drive; });
-  view_.armed = armed;
   for (const auto& input : performer.inputs) view_.inputs.push_back({input});
   for (const auto& output : performer.outputs) view_.outputs.push_back({output});
   guarded_.set_tap(&meter_);
+  guarded_.set_dead_mans_switch(dead_man);
   files_.watch(performer_.files);
 }
 
@@ -98,29 +101,17 @@ Status Session::stop() {
   return stopped;
 }
 
-/// Returns when the frames of the fade are over, or when no more blocks come.
+/// Returns when every output is at zero, or when no more blocks come.
 void Session::fade_out() {
   using State = StreamState;
   if (stream_->state() != State::Running && stream_->state() != State::Stalled) return;
   guarded_.fade(true);
-  const double rate = granted().format.sample_rate.value, block_s = granted().format.max_frames / rate;
-  double fade_s = 0;
-  for (const auto& guard : performer_.guards) fade_s = std::max(fade_s, guard.limits.fade_out.value);
-  const auto until = guarded_.frame() + std::llround(fade_s * rate) + 2 * granted().format.max_frames;
-  const auto deadline =
-      std::chrono::steady_clock::now() + std::chrono::duration<double>{fade_s + 4 * block_s + 0.5};
-  while (guarded_.frame() < until && std::chrono::steady_clock::now() < deadline)
+  const auto& format = granted().format;
+  const double block_s = format.max_frames / format.sample_rate.value;
+  const auto deadline = std::chrono::steady_clock::now() +
+                        std::chrono::duration<double>{closing_time().value + 4 * block_s + 0.5};
+  while (!guarded_.silent() && std::chrono::steady_clock::now() < deadline)
     std::this_thread::sleep_for(std::chrono::milliseconds{2});
-}
-
-void Session::arm(bool on) {
-  guarded_.arm(on);
-  view_.armed = on;
-}
-
-void Session::mute(bool on) {
-  guarded_.mute(on);
-  view_.muted = on;
 }
 
 void Session::tick() {
@@ -131,6 +122,8 @@ void Session::tick() {
   report_faults();
   check_delay_after_gap();
   follow_edits();
+  // A value posted before an edit takes over would be applied to the version after it.
+  if (stream_->state() == StreamState::Running && !performer_.instrument().replacing()) controls_.send();
 }
 
 void Session::set_delay_known(bool known) {
@@ -150,17 +143,30 @@ void Session::check_delay_after_gap() {
 /// An edit waits until the one before it has taken over.
 void Session::follow_edits() {
   edit_pending_ = files_.changed() || edit_pending_;
-  if (!edit_pending_ || performer_.instrument().replacing()) return;
-  edit_pending_ = false;
+  if (reading_.valid()) {
+    if (reading_.wait_for(std::chrono::seconds{0}) == std::future_status::ready) take_over(reading_.get());
+  } else if (edit_pending_ && !performer_.instrument().replacing()) {
+    edit_pending_ = false;
+    try {
+      reading_ = std::async(std::launch::async, [this] { return performer_.read_edit(); });
+    } catch (const std::system_error& error) {
+      messages_.push_back(std::string{"the edit cannot be compiled: "} + error.what());
+    }
+  }
+}
+
+void Session::take_over(const Edit& edit) {
+  if (!edit.files.empty()) files_.watch(performer_.files = edit.files);
+  if (!edit.warning.empty()) messages_.push_back(edit.warning);
   try {
-    performer_.edit();
+    if (!edit.errors.empty()) exit_with(edit.errors);
+    edit.take_over();
     controls_.renew();
     note_edit();
     messages_.push_back(performer_.name + ": edit applied");
   } catch (const CommandError& error) {
     messages_.push_back(to_string(error.errors) + "\nthe previous version keeps playing");
   }
-  files_.watch(performer_.files);
 }
 
 void Session::report_guard_events() {
@@ -169,7 +175,8 @@ void Session::report_guard_events() {
   for (const auto& output : performer_.outputs) names.outputs.push_back({output, {}, {}, 0.0});
   GuardEvent event;
   while (guarded_.take_event(event)) {
-    arm(false);  // one of several drives may still be armed: what is shown is true for all
+    // One of several drives may still be armed: what is shown is true for all.
+    if (event.kind != GuardEvent::Kind::DeadMan) arm(false);
     events_.push_back(event);
     names.events = {event};
     for (auto& line : describe(names, granted().format.sample_rate)) messages_.push_back(std::move(line));
@@ -194,8 +201,7 @@ Status Session::begin_take() {
   if (!begun) return tl::unexpected(begun.error());
   recorder_ = std::move(*begun);
   takes_.push_back(file);
-  reported_dropped_ = 0;
-  reported_error_ = false;
+  recording_ = {};
   meter_.set_next(&recorder_->tap());
   performer_.instrument().set_tap(&recorder_->tap());
   return {};
@@ -218,14 +224,19 @@ void Session::note_edit() {
       {0, std::move(now.files), take_settings(instrument.plan()), instrument.control_names()});
 }
 
+std::vector<std::string> RecordingMonitor::update(const TakeStatus& status) {
+  if (!status.error.empty()) {
+    if (std::exchange(reported_error_, true)) return {};
+    return {"recording stopped: " + status.error + "; the instrument keeps playing"};
+  }
+  if (std::exchange(reported_dropped_, status.dropped_frames) >= status.dropped_frames) return {};
+  return {fmt::format("the disk is too slow: {} frames dropped from the recording so far",
+                      status.dropped_frames)};
+}
+
 void Session::report_recording() {
   if (recorder_ == nullptr) return;
-  const auto status = recorder_->status();
-  if (!status.error.empty() && !std::exchange(reported_error_, true))
-    messages_.push_back("recording stopped: " + status.error + "; the instrument keeps playing");
-  if (std::exchange(reported_dropped_, status.dropped_frames) < status.dropped_frames)
-    messages_.push_back(fmt::format("the disk is too slow: {} frames dropped from the recording so far",
-                                    status.dropped_frames));
+  for (auto& message : recording_.update(recorder_->status())) messages_.push_back(std::move(message));
 }
 
 const SessionView& Session::view() {
@@ -233,6 +244,8 @@ const SessionView& Session::view() {
     view_.state = stream_->state();
     view_.health = stream_->health();
   }
+  view_.armed = armed();
+  view_.muted = muted();
   update(view_.inputs, meter_.take_inputs());
   update(view_.outputs, meter_.take_outputs());
   view_.guard.clear();

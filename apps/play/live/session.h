@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 #include <filesystem>
+#include <future>
 #include <map>
 #include <memory>
 #include <optional>
@@ -12,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/play/live/controls/drive_keys.h"
 #include "apps/play/live/controls/live_controls.h"
 #include "apps/play/live/performer.h"
 #include "backends/reconnecting_stream.h"
@@ -107,12 +109,23 @@ struct SessionView {
   std::optional<double> recorded_s;
 };
 
+/// [control] What to report of a recording, each once: that it stopped, or that frames were dropped.
+class RecordingMonitor {
+ public:
+  std::vector<std::string> update(const TakeStatus& status);
+
+ private:
+  std::int64_t reported_dropped_ = 0;
+  bool reported_error_ = false;
+};
+
 /// [control, one thread] Plays an instrument on a device: opens it, follows edits of its files, and stops
 /// without a click.
 class Session {
  public:
   /// All must outlive it.
-  Session(Performer& performer, Backend& backend, StreamRequest request, bool armed);
+  Session(Performer& performer, Backend& backend, StreamRequest request, bool armed,
+          const DeadMansSwitch* dead_man = nullptr);
   ~Session();
 
   /// Opens the device; nothing flows yet. `record`: records takes into this WAV file, empty: into none. A
@@ -128,12 +141,17 @@ class Session {
   /// Messages for the user since the last call.
   std::vector<std::string> take_messages() { return std::exchange(messages_, {}); }
 
-  void arm(bool on);
-  void mute(bool on);
+  /// true: obeys the order to arm that the stop loop gave, unless it was taken back meanwhile.
+  void arm(bool on) { on ? switches_.arm() : switches_.disarm(); }
+  void mute(bool on) { switches_.mute(on); }
+  /// [any] For the stop loop.
+  DriveSwitches& switches() { return switches_; }
+  /// The longest time that fading out takes.
+  Seconds closing_time() const { return guarded_.closing_time(); }
   /// Is there an actuator drive? Audio outputs need no arming.
   bool has_drives() const { return view_.drives; }
-  bool armed() const { return view_.armed; }
-  bool muted() const { return view_.muted; }
+  bool armed() const { return switches_.armed(); }
+  bool muted() const { return switches_.muted(); }
   LiveControls& controls() { return controls_; }
   const StreamGranted& granted() const { return stream_->granted(); }
   /// The device cannot come back in this process.
@@ -154,6 +172,7 @@ class Session {
  private:
   void fade_out();
   void follow_edits();
+  void take_over(const Edit& edit);
   void report_guard_events();
   void report_faults();
   void report_recording();
@@ -166,12 +185,14 @@ class Session {
   Backend& backend_;
   StreamRequest request_;
   Guarded guarded_;
+  DriveSwitches switches_;
   LevelMeter meter_;
   LiveControls controls_;
   WatchedFiles files_;
   std::unique_ptr<ReconnectingStream> stream_;
   SessionView view_;
   bool edit_pending_ = false;
+  std::future<Edit> reading_;  ///< compiles on a thread of its own
   bool delay_known_ = false;
   std::vector<GuardCounts> seen_guards_;
   std::map<std::string, std::int64_t> fault_counts_;  ///< by node
@@ -180,8 +201,7 @@ class Session {
   std::filesystem::path record_;
   std::vector<std::filesystem::path> takes_;
   std::unique_ptr<TakeRecorder> recorder_;
-  std::int64_t reported_dropped_ = 0;
-  bool reported_error_ = false;
+  RecordingMonitor recording_;
 };
 
 /// Prints what a session that has stopped did; `view`: its last one. For people, or all of it as one object.

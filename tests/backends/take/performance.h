@@ -40,6 +40,7 @@ class Performance {
         drives_(static_cast<std::size_t>(engine_.out_channels()), std::vector<double>(kLongest)) {
     for (auto& channel : sensors_) in_.push_back(channel.data());
     for (auto& channel : drives_) out_.push_back(channel.data());
+    guarded_.set_dead_mans_switch(&dead_man_);
     must(guarded_.prepare({kRate, engine_.in_channels(), engine_.out_channels(), kLongest}));
     recorder_ = must(TakeRecorder::start(wav, header()));
     guarded_.set_tap(&recorder_->tap());
@@ -53,13 +54,15 @@ class Performance {
     for (const auto end = guarded_.frame() + frames; guarded_.frame() < end;) {
       if (pick(5) == 0) move_a_control();
       if (pick(11) == 0) touch_the_guard();
-      if (pick(29) == 0) guarded_.finish({in_.data(), out_.data(), 1});
+      if (pick(29) == 0)
+        while (!guarded_.finish({in_.data(), out_.data(), 1})) continue;
       if (edit && pick(13) == 0 && !engine_.replacing()) replace(edit(++versions_));
       block(1 + pick(std::min<int>(kLongest, static_cast<int>(end - guarded_.frame()))));
     }
   }
   /// One block, of `sensors` where they are given.
   void block(int frames) {
+    if (refreshes) dead_man_.refresh();
     for (auto& channel : sensors_)
       for (int n = 0; n < frames; ++n) channel[static_cast<std::size_t>(n)] = sample(guarded_.frame() + n);
     guarded_.process({in_.data(), out_.data(), frames});
@@ -79,6 +82,8 @@ class Performance {
   Player& engine() { return engine_; }
   Guarded& guarded() { return guarded_; }
   TakeRecorder& recorder() { return *recorder_; }
+
+  bool refreshes = true;  ///< the dead man's switch
 
  private:
   static constexpr int kLongest = 300;
@@ -139,6 +144,7 @@ class Performance {
   std::vector<double> scales_;
   int padding_;
   RigInputs rig_;
+  DeadMansSwitch dead_man_;
   Guarded guarded_;
   std::unique_ptr<TakeRecorder> recorder_;
   std::vector<std::vector<double>> sensors_, drives_;

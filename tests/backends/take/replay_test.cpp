@@ -99,7 +99,7 @@ double old_gain(int frame) {
 }  // namespace
 
 TEST_CASE("takes: one of format 1 plays to its end, and is input times control times ramps", "[take]") {
-  const auto format = GENERATE(1, 2);
+  const auto format = GENERATE(1, 2, 3);
   CAPTURE(format);
   std::vector<double> x, y;
   for (int n = 0; n < 5000; ++n) {
@@ -164,6 +164,32 @@ TEST_CASE("takes: sensors that fall out, stops and guards that heat are in it", 
   CHECK(again.take.edits.size() > 10);
   CHECK(again.replayed.frames == 60000);
   INFO(again.verdict());
+  CHECK(again.same());
+}
+
+TEST_CASE("takes: a dead man's switch that expired, resumed and disarmed is in it", "[take]") {
+  const TemporaryFolder folder;
+  const auto wav = folder.path() / "take.wav";
+  Performance performance{
+      folder.write("test.toml", kBusyGraph + kOutputs), wav, 4, {{DriveGuard::Kind::Drive, woofer()}}};
+  using Kind = GuardEvent::Kind;
+  std::vector<Kind> kinds;
+  const auto play = [&](int frames, bool refreshes) {
+    performance.refreshes = refreshes;
+    performance.play(frames);
+    for (GuardEvent event; performance.guarded().take_event(event);)
+      if (event.kind == Kind::DeadMan || event.kind == Kind::DeadManDisarmed) kinds.push_back(event.kind);
+  };
+  play(20'000, true);
+  play(30'000, false);
+  play(20'000, true);
+  play(260'000, false);
+  play(10'000, true);
+  CHECK(performance.finish().empty());
+  CHECK(kinds == std::vector{Kind::DeadMan, Kind::DeadMan, Kind::DeadManDisarmed});
+  const auto again = replay_of(wav, {GENERATE(1, 64, 997)});
+  INFO(again.verdict());
+  CHECK(again.replayed.frames == 340'000);
   CHECK(again.same());
 }
 

@@ -1,61 +1,11 @@
 // The program itself, played by keys on a real server.
-#include <catch2/catch.hpp>
-#include <csignal>
-#include <nlohmann/json.hpp>
-
-#include "tests/support/sound_server.h"
-#include "tests/support/temporary_folder.h"
-#include "tests/support/wait_until.h"
+#include "tests/cards/jack/playing.h"
 
 using namespace tactus;
 using namespace std::chrono_literals;
-
-namespace {
-
-/// Gives out a constant, and hears what comes back.
-std::string constant(const std::string& level) {
-  return "format = 1\nname = \"constant\"\n[inputs]\nheard = {}\n[nodes]\nsame = \"0 * heard + " + level +
-         "\"\n[outputs]\ntone = { from = \"same\" }\n";
-}
-
-/// `tactus play` with keys for stdin and one log for what it says.
-class Playing {
- public:
-  explicit Playing(const std::vector<std::string>& arguments) : process_(command(arguments), Logged) {}
-
-  void press(const std::string& key) { REQUIRE(process_.say(key)); }
-  /// Waits until it prints this.
-  bool says(const std::string& words) {
-    return test::wait_until([&] { return process_.log().find(words) != std::string::npos; });
-  }
-  int ends() { return process_.wait(60s).value_or(-1000); }
-  /// The object that --json prints at the end.
-  nlohmann::json report() const {
-    const auto log = process_.log();
-    return nlohmann::json::parse(log.substr(log.find("\n{\n") + 1), nullptr, false);
-  }
-  std::string log() const { return process_.log(); }
-  test::ChildProcess& process() { return process_; }
-
- private:
-  static constexpr auto Logged = test::ChildProcess::Stdout::Logged;
-  static std::vector<std::string> command(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), {TACTUS_PROGRAM, "play"});
-    return arguments;
-  }
-  test::ChildProcess process_;
-};
-
-/// A server, if there can be one here, and a file that plays 0.2.
-struct OnServer {
-  std::string in_folder(const std::string& name) const { return (folder.path() / name).string(); }
-
-  std::unique_ptr<test::SoundServer> server = test::start_sound_server();
-  test::TemporaryFolder folder;
-  std::string tone = folder.write("tone.toml", constant("0.2")).string();
-};
-
-}  // namespace
+using test::constant;
+using test::OnServer;
+using test::Playing;
 
 TEST_CASE_METHOD(OnServer, "play: drives are silent until a key arms them", "[cards]") {
   const test::DelayClient card;
@@ -63,10 +13,7 @@ TEST_CASE_METHOD(OnServer, "play: drives are silent until a key arms them", "[ca
     CAPTURE(armed);
     Playing play{{tone, "--device", card.name(), "--json", "--duration", "2 s"}};
     REQUIRE(play.says("the drives are disarmed"));
-    if (armed) {
-      play.press("a");
-      CHECK(play.says("drives armed"));
-    }
+    if (armed) play.arm();
     REQUIRE(play.ends() == 0);
     const auto report = play.report();
     INFO(play.log());
@@ -149,8 +96,7 @@ TEST_CASE_METHOD(
   folder.write("tone.toml", constant("0.1"));
   Playing play{{tone, "--device", "loopback", "--backend", "jack", "--record", wav}};
   REQUIRE(play.says("delay "));
-  play.press("a");
-  CHECK(play.says("drives armed"));
+  play.arm();
   folder.write("tone.toml", constant("0.2"));
   CHECK(play.says("constant: edit applied"));
   server->kill();

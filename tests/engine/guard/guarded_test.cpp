@@ -198,6 +198,30 @@ TEST_CASE("guarded: the last block before a stop is zeros, and what follows star
   CHECK(again[99] == 1.0);
 }
 
+TEST_CASE("guarded: a stop comes to zero within the slew limit, in as many blocks as that takes", "[core]") {
+  Level level{0.4505};
+  Guarded guarded{level, {{DriveGuard::Kind::Drive, {.slew_per_second = 48.0}}, kDrive}};
+  REQUIRE(guarded.prepare({.out_channels = 2}));
+  CHECK(guarded.closing_time() == Seconds{0.005 + 1.0 / 48.0});
+  CHECK(play(guarded, 2, 1000)[0].back() == 0.4505);
+  CHECK_FALSE(guarded.silent());
+  double before = 0.4505;
+  for (int block = 0; block < 5; ++block) {
+    std::vector<double> slow(100, -99.0), fast(100, -99.0);
+    double* out[] = {slow.data(), fast.data()};
+    const bool silent = guarded.finish({nullptr, out, 100});
+    CHECK(silent == (block == 4));  // after 451 steps of 0.001
+    CHECK(guarded.silent() == silent);
+    CHECK(fast == std::vector<double>(100, 0.0));
+    for (const double sample : slow) {
+      CHECK(sample >= before - 0.001 - 1e-12);
+      CHECK(sample <= before);
+      before = sample;
+    }
+  }
+  CHECK(before == 0.0);
+}
+
 TEST_CASE("guarded: a restart is never cooler than the run before, and keeps that as its state", "[core]") {
   const HeatLimits heat{.watts_at_full_scale = 10, .watts_for_ever = 5, .coil_time = 100_ms};
   const std::vector<GuardedChannel> guards = {kAudio, {DriveGuard::Kind::Drive, {.heat = heat}}};

@@ -8,7 +8,7 @@
 namespace tactus::app {
 namespace {
 
-auto named(std::vector<PlannedControl>& controls, const std::string& name) {
+auto named(std::vector<LiveControl>& controls, const std::string& name) {
   return std::find_if(controls.begin(), controls.end(),
                       [&](const auto& live) { return live.control.name == name; });
 }
@@ -16,10 +16,16 @@ auto named(std::vector<PlannedControl>& controls, const std::string& name) {
 }  // namespace
 
 void LiveControls::renew() {
-  auto now = player_.plan().controls;
-  for (auto& live : now)
-    if (const auto before = named(controls_, live.control.name); before != controls_.end() && !live.frozen)
-      live.control.value = before->control.value;
+  std::vector<LiveControl> now;
+  for (const auto& planned : player_.plan().controls) {
+    auto& live = now.emplace_back(LiveControl{planned, planned.control.value});
+    const auto before = named(controls_, planned.control.name);
+    if (before == controls_.end() || live.frozen) continue;
+    const bool kept = before->value_in_file == live.value_in_file;
+    const auto& range = live.control.range;
+    if (kept) live.control.value = std::clamp(before->control.value, range.low, range.high);
+    live.sent = kept && before->sent;  // a value posted before the edit would be applied after it
+  }
   controls_ = std::move(now);
 }
 
@@ -32,20 +38,38 @@ double LiveControls::position(std::size_t index) const {
 }
 
 bool LiveControls::turn(std::size_t index, double position) {
-  auto& control = controls_[index].control;
-  const int number = player_.control_index(control.name);
-  if (controls_[index].frozen || number < 0 || !control.range.bounded()) return false;
+  auto& live = controls_[index];
+  auto& control = live.control;
+  if (live.frozen || !control.range.bounded()) return false;
   const double low = control.range.low, high = control.range.high, at = std::clamp(position, 0.0, 1.0);
-  const double value =
-      control.unit.decibel && low > 0 ? low * std::pow(high / low, at) : low + (high - low) * at;
-  if (!player_.post({JournalEntry::kNow, JournalEntry::Kind::ControlChange, number, value})) return false;
-  control.value = value;
+  control.value = control.unit.decibel && low > 0 ? low * std::pow(high / low, at) : low + (high - low) * at;
+  live.sent = false;
   return true;
 }
 
 bool LiveControls::turn(const std::string& name, double position) {
   const auto live = named(controls_, name);
   return live != controls_.end() && turn(static_cast<std::size_t>(live - controls_.begin()), position);
+}
+
+void LiveControls::send() {
+  for (auto& live : controls_)
+    if (!live.sent)
+      live.sent = player_.post({JournalEntry::kNow, JournalEntry::Kind::ControlChange,
+                                player_.control_index(live.control.name), live.control.value});
+}
+
+bool LiveControls::post_all() {
+  std::vector<JournalEntry> start;
+  for (auto& live : controls_) {
+    if (live.frozen) continue;
+    start.push_back(
+        {0, JournalEntry::Kind::ControlSet, player_.control_index(live.control.name), live.control.value});
+    live.sent = true;
+  }
+  player_.drop_posted();
+  player_.set_journal(std::move(start));
+  return true;
 }
 
 std::string LiveControls::text(std::size_t index) const {

@@ -2,10 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <vector>
 
-#include "apps/play/live/controls/keyboard.h"
 #include "engine/core/decibels.h"
 
 namespace tactus::app {
@@ -65,28 +63,6 @@ std::string status_line(const SessionView& view, const std::string& control, int
   if (!control.empty()) second += " | " + control;
   if (view.recorded_s) second += fmt::format(" | recorded {:.0f} s", *view.recorded_s);
   return cut(first, columns) + "\n" + cut(second, columns);
-}
-
-StatusLine::StatusLine() : columns_(terminal_columns()) {}
-
-StatusLine::~StatusLine() { clear(); }
-
-void StatusLine::clear() {
-  if (drawn_) fmt::print(stderr, "\r\x1b[J");
-  drawn_ = false;
-}
-
-void StatusLine::draw(const SessionView& view, const std::string& control) {
-  if (columns_ == 0) return;
-  columns_ = terminal_columns();
-  fmt::print(stderr, "\r\x1b[J{}\x1b[A\r", status_line(view, control, columns_ - 1));
-  std::fflush(stderr);
-  drawn_ = true;
-}
-
-void StatusLine::print(const std::string& message) {
-  clear();
-  fmt::print(stderr, "{}\n", message);
 }
 
 }  // namespace tactus::app

@@ -20,22 +20,4 @@ std::string xrun_text(const Health& health);
 /// "1.2 % of a block (p99.9 3.4 %, worst 12 %)".
 std::string load_text(const Health& health);
 
-/// A line on standard error that is drawn again and again, below the printed messages. Where standard error
-/// is no terminal only messages are printed.
-class StatusLine {
- public:
-  StatusLine();
-  ~StatusLine();
-  StatusLine(const StatusLine&) = delete;
-  StatusLine& operator=(const StatusLine&) = delete;
-
-  void draw(const SessionView& view, const std::string& control);
-  void print(const std::string& message);
-
- private:
-  void clear();
-  int columns_;
-  bool drawn_ = false;
-};
-
 }  // namespace tactus::app

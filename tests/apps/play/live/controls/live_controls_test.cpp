@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <vector>
 
 #include "tests/support/graphs/graph_runner.h"
 
@@ -19,6 +20,24 @@ loud  = { value = "-30 dB", range = ["-60 dB", "0 dB"] }
 y = { from = "plain" }
 z = { from = "loud" }
 )";
+
+/// A player of two outputs and no inputs, prepared.
+class Playback {
+ public:
+  explicit Playback(Player& player) : player_(player) {
+    REQUIRE(player_.prepare({player_.plan().sample_rate, 0, 2, 4096}));
+  }
+  /// The next frames.
+  test::Channels run(int frames) {
+    test::Channels out(2, std::vector<double>(static_cast<std::size_t>(frames)));
+    double* to[] = {out[0].data(), out[1].data()};
+    player_.process({nullptr, to, frames});
+    return out;
+  }
+
+ private:
+  Player& player_;
+};
 
 }  // namespace
 
@@ -44,10 +63,60 @@ TEST_CASE("live controls: one stops at its ends", "[live]") {
   CHECK(controls.all()[0].control.value == -1.0);
 }
 
-TEST_CASE("live controls: the engine receives the value", "[live]") {
-  const auto engine = test::engine_of(kGraph);
-  LiveControls controls{*engine};
+TEST_CASE("live controls: the player receives the last value", "[live]") {
+  const auto player = test::engine_of(kGraph);
+  LiveControls controls{*player};
+  REQUIRE(controls.turn(0, 0.5));
   REQUIRE(controls.turn(0, 1.0));
-  const auto out = test::run(*engine, {}, 1000, {64});
-  CHECK(out[0][999] == 3.0);
+  controls.send();
+  CHECK(Playback{*player}.run(1000)[0][999] == 3.0);
+}
+
+TEST_CASE("live controls: no number of changes is too many while no block is processed", "[live]") {
+  const auto player = test::engine_of(kGraph);
+  LiveControls controls{*player};
+  for (int change = 0; change <= 1000; ++change) {
+    REQUIRE(controls.turn(0, change / 1000.0));
+    controls.send();  // the queue of the player is full after 256
+  }
+  Playback playback{*player};
+  CHECK(playback.run(1000)[0][999] < 3.0);
+  controls.send();
+  CHECK(playback.run(1000)[0][999] == 3.0);
+}
+
+TEST_CASE("live controls: after a return of the device the player starts at the shown values, without a ramp",
+          "[live]") {
+  const auto player = test::engine_of(kGraph);
+  LiveControls controls{*player};
+  REQUIRE(controls.turn(0, 0.75));
+  controls.send();
+  REQUIRE(controls.turn(0, 0.0));
+  REQUIRE(controls.turn(1, 1.0));
+  Playback back{*player};
+  REQUIRE(controls.post_all());
+  const auto out = back.run(1000);
+  CHECK(out[0] == std::vector<double>(1000, -1.0));
+  CHECK(out[1] == std::vector<double>(1000, 1.0));
+}
+
+TEST_CASE("live controls: an edit moves a control only if its value in the file changed", "[live]") {
+  const auto player = test::engine_of(kGraph);
+  LiveControls controls{*player};
+  Playback playback{*player};
+  REQUIRE(controls.turn(0, 0.75));  // 2
+  REQUIRE(controls.turn(1, 1.0));   // 0 dB
+  controls.send();
+  playback.run(1000);
+  // The range of the first is smaller now, the second has another value.
+  auto edited = kGraph;
+  edited.replace(edited.find("3]"), 2, "1.5]");
+  edited.replace(edited.find("-30"), 3, "-40");
+  REQUIRE(player->replace(*compile(parse_graph_leniently(edited, "test.toml"), standard_nodes(), {})));
+  controls.renew();
+  const auto out = playback.run(2000);
+  CHECK(out[0][1999] == 1.5);
+  CHECK(out[1][1999] == Approx(0.01));
+  CHECK(controls.all()[0].control.value == out[0][1999]);
+  CHECK(controls.all()[1].control.value == out[1][1999]);
 }

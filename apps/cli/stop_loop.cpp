@@ -1,0 +1,72 @@
+#include "apps/cli/stop_loop.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "apps/cli/console.h"
+
+namespace tactus::app {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kTurn{20};
+constexpr std::chrono::seconds kGrace{1};  // for what follows the fade: the end of a take, the report
+
+}  // namespace
+
+StopLoop::StopLoop(DeadMansSwitch& dead_man, Settings settings)
+    : dead_man_(dead_man), settings_(std::move(settings)), thread_([this] { run(); }) {}
+
+StopLoop::~StopLoop() {
+  done_ = true;
+  thread_.join();
+}
+
+void StopLoop::run() {
+  while (!done_) turn();
+}
+
+void StopLoop::turn() {
+  dead_man_.refresh();
+  const auto arrived = inputs_.wait(kTurn);
+  const auto now = Clock::now();
+  if (ending() != Ending::None) stops_ += arrived.stops;
+  if (arrived.stops > 0 || arrived.hung_up) end(Ending::Interrupted);
+  for (const char byte : arrived.bytes)
+    handle_key(decoder_.decode(static_cast<unsigned char>(byte), now), now);
+  if (std::ranges::any_of(settings_.inputs, [](const auto& input) { return input(); }))
+    end(Ending::Interrupted);
+  exit_if_hung(now);
+}
+
+void StopLoop::end(Ending ending) {
+  if (this->ending() != Ending::None) return;
+  dead_man_.stop();
+  ended_at_ = Clock::now();
+  ending_ = ending;
+}
+
+void StopLoop::handle_key(Key key, Clock::time_point now) {
+  if (key == 'q') return end(Ending::Quit);
+  if (settings_.act) key = settings_.act(key, now);
+  if (key != kNoKey) (void)keys_.push(key);
+}
+
+void StopLoop::exit_if_hung(Clock::time_point now) {
+  if (stops_ == 0) return;
+  const std::chrono::duration<double> fade{settings_.fade.value};
+  if (now - ended_at_ > kGrace + fade) inputs_.exit_now(kInterrupted);
+}
+
+std::optional<Key> StopLoop::wait_key(milliseconds timeout) {
+  const auto deadline = Clock::now() + timeout;
+  Key key = kNoKey;
+  while (!keys_.pop(key)) {
+    if (ending() != Ending::None || Clock::now() >= deadline) return std::nullopt;
+    std::this_thread::sleep_for(milliseconds{2});
+  }
+  return key;
+}
+
+}  // namespace tactus::app

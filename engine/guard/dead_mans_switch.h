@@ -1,0 +1,84 @@
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <limits>
+#include <utility>
+
+#include "engine/core/units.h"
+
+namespace tactus {
+
+/// [any] Between the loop that handles the stop inputs of a program (keys, signals) and the guards of its
+/// outputs. The loop refreshes it many times a second; a guard fades every output out when it is older than
+/// 500 ms, or when it is stopped. It outlives the guards that observe it.
+class DeadMansSwitch {
+ public:
+  void refresh() noexcept { refreshes_.fetch_add(1, std::memory_order_relaxed); }
+  /// Every output fades out, for good.
+  void stop() noexcept { stopped_.store(true, std::memory_order_relaxed); }
+
+  std::uint32_t refreshes() const noexcept { return refreshes_.load(std::memory_order_relaxed); }
+  bool stopped() const noexcept { return stopped_.load(std::memory_order_relaxed); }
+
+ private:
+  std::atomic<std::uint32_t> refreshes_{0};
+  std::atomic<bool> stopped_{false};
+};
+
+/// The age of a DeadMansSwitch, counted in frames at the sample rate, so that it needs no clock and does not
+/// advance where no block is processed. A refresh counts from the first frame of the block that observes it:
+///   age >= 500 ms (or two of the longest blocks)  Expire
+///   age >= 5 s                                    Disarm
+///   refreshed after Expire                        Resume
+class DeadMansWatch {
+ public:
+  enum class Action { None, Expire, Disarm, Resume };
+  static constexpr Seconds kPatience{0.5}, kDisarm{5.0};
+
+  /// [control & stopped] From frame 0 on, where its age is 0. nullptr: none, and nothing expires.
+  void start(const DeadMansSwitch* source, Hertz sample_rate, int max_frames, bool expired) noexcept {
+    source_ = source;
+    const auto frames = [&](Seconds time) { return static_cast<std::int64_t>(frames_in(time, sample_rate)); };
+    patience_ = std::max(frames(kPatience), 2 * std::int64_t{max_frames});
+    disarm_ = std::max(frames(kDisarm), patience_);
+    seen_ = source == nullptr ? 0 : source->refreshes();
+    refreshed_ = 0;
+    expired_ = expired;
+    disarmed_ = false;
+  }
+  /// [realtime] At the first frame of a block: Resume or None.
+  Action observe(std::int64_t frame) noexcept {
+    if (source_ == nullptr) return Action::None;
+    const auto refreshes = source_->refreshes();
+    if (std::exchange(seen_, refreshes) == refreshes) return Action::None;
+    refreshed_ = frame;
+    disarmed_ = false;
+    return std::exchange(expired_, false) ? Action::Resume : Action::None;
+  }
+  /// [realtime] The frame of the next Expire or Disarm.
+  std::int64_t next() const noexcept {
+    if (source_ == nullptr || disarmed_) return std::numeric_limits<std::int64_t>::max();
+    return refreshed_ + (expired_ ? disarm_ : patience_);
+  }
+  /// [realtime] What happens at `frame`. Once each.
+  Action take(std::int64_t frame) noexcept {
+    if (frame < next()) return Action::None;
+    if (!std::exchange(expired_, true)) return Action::Expire;
+    disarmed_ = true;
+    return Action::Disarm;
+  }
+
+  /// [any]
+  const DeadMansSwitch* source() const noexcept { return source_; }
+
+ private:
+  const DeadMansSwitch* source_ = nullptr;
+  std::int64_t patience_ = 0, disarm_ = 0;  ///< frames
+  std::int64_t refreshed_ = 0;              ///< the frame
+  std::uint32_t seen_ = 0;
+  bool expired_ = false, disarmed_ = false;
+};
+
+}  // namespace tactus

@@ -1,0 +1,83 @@
+#if defined(__unix__) || defined(__APPLE__)
+#include "apps/cli/stop_loop.h"
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <csignal>
+#include <vector>
+
+#include "engine/guard/guarded.h"
+#include "tests/support/wait_until.h"
+
+using namespace tactus;
+using namespace tactus::app;
+using test::wait_until;
+using Ending = StopLoop::Ending;
+
+namespace {
+
+class One final : public BlockProcessor {
+ public:
+  Status prepare(const StreamFormat&) override { return {}; }
+  void process(const BlockIo& io) noexcept override {
+    for (int n = 0; n < io.frames; ++n) io.out[0][n] = 1.0;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("stop loop: a signal stops the dead man's switch, whatever the control thread does", "[live]") {
+  const auto signal = GENERATE(SIGINT, SIGTERM, SIGHUP, SIGQUIT);
+  DeadMansSwitch dead_man;
+  {
+    StopLoop loop{dead_man};
+    CHECK(loop.ending() == Ending::None);
+    std::raise(signal);
+    REQUIRE(wait_until([&] { return dead_man.stopped(); }));
+    REQUIRE(wait_until([&] { return loop.ending() == Ending::Interrupted; }));
+    CHECK_FALSE(loop.wait_key(std::chrono::seconds{60}).has_value());
+  }
+}
+
+TEST_CASE("stop loop: it refreshes the dead man's switch, and other stop inputs end the program too",
+          "[live]") {
+  DeadMansSwitch dead_man;
+  std::atomic<bool> pressed{false};
+  StopLoop loop{dead_man, {.act = {}, .inputs = {[&] { return pressed.load(); }}, .fade = {}}};
+  const auto before = dead_man.refreshes();
+  REQUIRE(wait_until([&] { return dead_man.refreshes() > before + 10; }));
+  CHECK_FALSE(dead_man.stopped());
+  pressed = true;
+  CHECK(wait_until([&] { return dead_man.stopped(); }));
+}
+
+TEST_CASE("stop loop: where it is blocked every output fades, and starts softly when it continues",
+          "[live]") {
+  DeadMansSwitch dead_man;
+  std::atomic<bool> block{false}, blocked{false};
+  const auto hang = [&] {
+    blocked = block.load();
+    return blocked && !wait_until([&] { return !block; });
+  };
+  StopLoop loop{dead_man, {.act = {}, .inputs = {hang}, .fade = {}}};
+  One one;
+  Guarded guarded{one, {{DriveGuard::Kind::Drive, {.soft_start = 10_ms, .fade_out = 10_ms}}}};
+  guarded.set_dead_mans_switch(&dead_man);
+  REQUIRE(guarded.prepare({.out_channels = 1}));
+  std::vector<double> samples(480);
+  double* out[] = {samples.data()};
+  const auto play = [&](int blocks) {
+    for (int n = 0; n < blocks; ++n) guarded.process({nullptr, out, 480});
+    return samples.back();
+  };
+  block = true;
+  REQUIRE(wait_until([&] { return blocked.load(); }));
+  CHECK(play(50) == 1.0);  // 500 ms, the first block with the last refresh
+  CHECK(play(2) == 0.0);
+  block = false;
+  const auto before = dead_man.refreshes();
+  REQUIRE(wait_until([&] { return dead_man.refreshes() > before; }));
+  CHECK(play(1) < 1.0);
+  CHECK(play(1) == 1.0);
+}
+#endif

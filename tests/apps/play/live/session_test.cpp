@@ -1,0 +1,96 @@
+#include "apps/play/live/session.h"
+
+#include <atomic>
+#include <catch2/catch.hpp>
+
+#include "backends/loop/loop.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/wait_until.h"
+
+using namespace tactus;
+using namespace tactus::app;
+using test::wait_until;
+
+namespace {
+
+std::string constant(const std::string& level) {
+  return "format = 1\nname = \"constant\"\n[outputs]\ntone = { from = \"" + level + "\" }\n";
+}
+
+/// An instrument that is compiled again when the test allows it.
+class SlowToCompile final : public Performer {
+ public:
+  explicit SlowToCompile(std::unique_ptr<Performer> inner) : Performer(*inner), inner_(std::move(inner)) {}
+  BlockProcessor& processor() override { return inner_->processor(); }
+  Player& instrument() override { return inner_->instrument(); }
+  Edit read_edit() override {
+    reading = true;
+    (void)wait_until([&] { return allowed.load(); });
+    return inner_->read_edit();
+  }
+
+  std::atomic<bool> reading{false}, allowed{false};
+
+ private:
+  std::unique_ptr<Performer> inner_;
+};
+
+struct Stage {
+  Stage() { request.out_channels = 1; }
+  bool says(Session& session, const std::string& words) {
+    return wait_until([&] {
+      session.tick();
+      for (const auto& message : session.take_messages())
+        if (message.find(words) != std::string::npos) return true;
+      return false;
+    });
+  }
+
+  test::TemporaryFolder folder;
+  SlowToCompile performer{make_instrument({folder.write("tone.toml", constant("0.1")), folder.path()})};
+  LoopBackend backend;
+  StreamRequest request;
+};
+
+}  // namespace
+
+TEST_CASE("session: it ticks, fades and stops while a file is compiled, however long that takes", "[live]") {
+  Stage stage;
+  Session session{stage.performer, stage.backend, stage.request, true};
+  REQUIRE(session.open({}));
+  REQUIRE(session.start());
+  stage.folder.write("tone.toml", constant("0.25"));
+  REQUIRE(wait_until([&] { return session.tick(), stage.performer.reading.load(); }));
+  const auto before = session.view().health.blocks;
+  REQUIRE(wait_until([&] { return session.tick(), session.view().health.blocks > before + 10; }));
+  CHECK(session.stop());
+  CHECK(session.view().state == StreamState::Stopped);
+  stage.performer.allowed = true;
+}
+
+TEST_CASE("session: a compiled edit takes over, and a broken one changes nothing", "[live]") {
+  Stage stage;
+  stage.performer.allowed = true;
+  Session session{stage.performer, stage.backend, stage.request, true};
+  REQUIRE(session.open({}));
+  REQUIRE(session.start());
+  stage.folder.write("tone.toml", constant("0.25 + nothing"));
+  CHECK(stage.says(session, "the previous version keeps playing"));
+  stage.folder.write("tone.toml", constant("0.25"));
+  CHECK(stage.says(session, "edit applied"));
+  CHECK(wait_until([&] { return session.view().outputs[0].peak == Approx(0.25); }));
+}
+
+TEST_CASE("recording monitor: each message once, and none about a disk that is full already", "[live]") {
+  RecordingMonitor monitor;
+  CHECK(monitor.update({.recorded = {}, .dropped_frames = 0, .error = {}, .messages = {}}).empty());
+  CHECK(monitor.update({.recorded = {}, .dropped_frames = 64, .error = {}, .messages = {}}).size() == 1);
+  CHECK(monitor.update({.recorded = {}, .dropped_frames = 64, .error = {}, .messages = {}}).empty());
+  const auto stopped =
+      monitor.update({.recorded = {}, .dropped_frames = 64, .error = "full", .messages = {}});
+  REQUIRE(stopped.size() == 1);
+  CHECK(stopped[0].starts_with("recording stopped: full"));
+  for (int dropped = 100; dropped < 200; ++dropped)
+    CHECK(
+        monitor.update({.recorded = {}, .dropped_frames = dropped, .error = "full", .messages = {}}).empty());
+}

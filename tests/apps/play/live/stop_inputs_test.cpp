@@ -1,0 +1,203 @@
+// The program itself, on a simulated card: however it is stopped, its drive fades out.
+#if defined(__unix__) || defined(__APPLE__)
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <csignal>
+#include <string>
+#include <vector>
+
+#include "backends/take/take.h"
+#include "backends/wav_file.h"
+#include "tests/support/child_process.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/terminal_process.h"
+#include "tests/support/wait_until.h"
+
+using namespace tactus;
+using test::wait_until;
+
+namespace {
+
+using Arguments = std::vector<std::string>;
+
+/// An instrument that gives out 0.2, and a take of it.
+struct Stage {
+  Arguments command(const Arguments& more = {}) const {
+    Arguments all = {TACTUS_PROGRAM, "play", tone, "--backend", "loop", "--arm", "--record", wav.string()};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+  /// It is recorded for longer than the soft start takes.
+  bool sounds() const {
+    return wait_until([&] {
+      std::error_code missing;
+      const auto bytes = std::filesystem::file_size(wav, missing);
+      return !missing && bytes > 48'000 * sizeof(float);
+    });
+  }
+  /// The take was ended, and before that the drive came to zero within the fade of 10 ms.
+  void check_fade() const {
+    const auto take = read_take(wav);
+    REQUIRE(take);
+    CHECK(take->finished);
+    const auto fade = std::find_if(take->guard.begin(), take->guard.end(), [](const JournalEntry& entry) {
+      return entry.kind == JournalEntry::Kind::Fade;
+    });
+    REQUIRE(fade != take->guard.end());
+    const auto samples = read_wav(wav);
+    REQUIRE(samples);
+    const auto& drive = samples->channels.front();
+    const auto faded = drive.begin() + fade->frame;
+    CHECK(*(faded - 1) == Approx(0.2));
+    REQUIRE(drive.end() - faded >= 480);
+    CHECK(std::all_of(faded + 480, drive.end(), [](double sample) { return sample == 0.0; }));
+  }
+
+  test::TemporaryFolder folder;
+  std::filesystem::path wav = folder.path() / "take.wav";
+  std::string tone =
+      folder.write("tone.toml", "format = 1\nname = \"tone\"\n[outputs]\ntone = { from = \"0.2\" }\n")
+          .string();
+};
+
+/// A pipe that is full, and whose reader reads nothing or is gone.
+class Pipe {
+ public:
+  Pipe() {
+    REQUIRE(::pipe2(ends_, O_CLOEXEC) == 0);
+    ::fcntl(ends_[1], F_SETFL, O_NONBLOCK);
+    const std::string bytes(4096, 'x');
+    while (::write(ends_[1], bytes.data(), bytes.size()) > 0) continue;
+    ::fcntl(ends_[1], F_SETFL, 0);
+  }
+  ~Pipe() {
+    close_reader();
+    ::close(ends_[1]);
+  }
+  void close_reader() {
+    if (ends_[0] >= 0) ::close(ends_[0]);
+    ends_[0] = -1;
+  }
+  int writer() const { return ends_[1]; }
+
+ private:
+  int ends_[2] = {-1, -1};
+};
+
+constexpr auto kLogged = test::ChildProcess::Stdout::Logged;
+constexpr std::chrono::seconds kPatience{60};
+
+}  // namespace
+
+TEST_CASE("play: a terminal that is closed fades the drive, and the take ends", "[live]") {
+  const Stage stage;
+  test::TerminalProcess play{stage.command()};
+  REQUIRE(stage.sounds());
+  play.close();
+  CHECK(play.wait() == 5);
+  stage.check_fade();
+}
+
+TEST_CASE("play: Ctrl-S stops nothing; keys, SIGINT, SIGTERM and SIGHUP do as before", "[live]") {
+  const Stage stage;
+  const auto signal = GENERATE(SIGINT, SIGTERM, SIGHUP);
+  test::TerminalProcess play{stage.command()};
+  REQUIRE(stage.sounds());
+  play.type("\x13m");
+  CHECK(play.shows("muted"));
+  play.type("m");
+  CHECK(play.shows("unmuted"));
+  play.type("a");
+  CHECK(play.shows("drives disarmed"));
+  play.send(signal);
+  CHECK(play.wait() == 5);
+  CHECK(read_take(stage.wav)->finished);
+}
+
+TEST_CASE("play: it takes two presses to arm; a paste and a stray escape sequence do not", "[live]") {
+  const Stage stage;
+  test::TerminalProcess play{{TACTUS_PROGRAM, "play", stage.tone, "--backend", "loop"}};
+  REQUIRE(play.shows("the drives are disarmed"));
+  play.type("\x1bOa\x1b[200~a a\x1b[201~");
+  play.type("aa");
+  REQUIRE(play.shows("press a again"));
+  REQUIRE(play.shows("press a again"));
+  CHECK(play.output().find("drives armed") == std::string::npos);
+  play.type("q");
+  CHECK(play.wait() == 0);
+  CHECK(play.output().find("\x1b[?2004l") != std::string::npos);
+}
+
+TEST_CASE("play: standard error that takes nothing holds up neither the fade nor the end", "[live]") {
+  const Stage stage;
+  const auto signal = GENERATE(SIGINT, SIGTERM);
+  const Pipe full;
+  test::ChildProcess play{stage.command(), kLogged, full.writer()};
+  REQUIRE(stage.sounds());
+  for (const char* keys : {"m", "m", "?", "?"}) play.type(keys);
+  play.send(signal);
+  CHECK(play.wait(kPatience) == 5);
+  stage.check_fade();
+}
+
+TEST_CASE("play: a reader of standard error that is gone does not end it", "[live]") {
+  const Stage stage;
+  Pipe closed;
+  closed.close_reader();
+  test::ChildProcess play{stage.command(), kLogged, closed.writer()};
+  REQUIRE(stage.sounds());
+  play.type("??");
+  const auto frames = std::filesystem::file_size(stage.wav);
+  REQUIRE(wait_until([&] { return std::filesystem::file_size(stage.wav) > frames + 48'000; }));
+  play.type("q");
+  CHECK(play.wait(kPatience) == 0);
+  stage.check_fade();
+}
+
+TEST_CASE("play: a second signal ends a program that hangs, once its drive has faded", "[live]") {
+  const Stage stage;
+  const Pipe full;  // nobody reads the report
+  const auto log = (stage.folder.path() / "log").string();
+  Arguments command = {"sh", "-c", "exec \"$0\" \"$@\" >&2 2>" + log};
+  const auto play_command = stage.command();
+  command.insert(command.end(), play_command.begin(), play_command.end());
+  test::ChildProcess play{command, kLogged, full.writer()};
+  REQUIRE(stage.sounds());
+  play.send(SIGINT);
+  REQUIRE(wait_until([&] { return read_take(stage.wav)->finished; }));
+  CHECK(play.running());
+  play.send(SIGINT);
+  CHECK(play.wait(kPatience) == 5);
+  stage.check_fade();
+}
+
+TEST_CASE("play: a stop waits for the slew limit", "[live]") {
+  const Stage stage;
+  const auto profile = stage.folder.write("slow.toml", R"(format = 1
+name   = "slow"
+source = "a test"
+[drive]
+resistance = "8 ohm"
+peak       = "10 V"
+slew       = "30 V/s"
+soft_start = "10 ms"
+fade_out   = "10 ms"
+)");
+  test::ChildProcess play{stage.command({"--profile", profile.string(), "--volts-per-full-scale", "10"}),
+                          kLogged};
+  REQUIRE(stage.sounds());
+  play.type("q");
+  CHECK(play.wait(kPatience) == 0);
+  const auto samples = read_wav(stage.wav);
+  REQUIRE(samples);
+  const auto& drive = samples->channels.front();
+  CHECK(drive.back() == 0.0);
+  CHECK(*std::max_element(drive.begin(), drive.end()) == Approx(0.2));
+  for (std::size_t n = 1; n < drive.size(); ++n)
+    if (std::abs(drive[n] - drive[n - 1]) > 3.0 / 48'000 + 1e-7) FAIL("a step at frame " << n);
+}
+#endif

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <catch2/catch.hpp>
+#include <csignal>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/support/sound_server.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/wait_until.h"
+
+namespace tactus::test {
+
+using namespace std::chrono_literals;
+
+/// Gives out a constant, and hears what comes back.
+inline std::string constant(const std::string& level) {
+  return "format = 1\nname = \"constant\"\n[inputs]\nheard = {}\n[nodes]\nsame = \"0 * heard + " + level +
+         "\"\n[outputs]\ntone = { from = \"same\" }\n";
+}
+
+/// `tactus play` with keys for stdin and one log for what it says.
+class Playing {
+ public:
+  explicit Playing(const std::vector<std::string>& arguments) : process_(command(arguments), Logged) {}
+
+  void press(const std::string& key) { REQUIRE(process_.type(key)); }
+  /// Presses a twice, at a distance that arms; again where a busy machine made it too long.
+  void arm() {
+    for (std::size_t seen = 0; process_.log().find("drives armed") == std::string::npos;) {
+      press("a");
+      REQUIRE(wait_until([&] { return answers() > seen; }));
+      seen = answers();
+      std::this_thread::sleep_for(150ms);  // part of what is pressed
+    }
+  }
+  /// Waits until it prints this.
+  bool says(const std::string& words) {
+    return wait_until([&] { return process_.log().find(words) != std::string::npos; });
+  }
+  int ends() { return process_.wait(60s).value_or(-1000); }
+  /// The object that --json prints at the end.
+  nlohmann::json report() const {
+    const auto log = process_.log();
+    return nlohmann::json::parse(log.substr(log.find("\n{\n") + 1), nullptr, false);
+  }
+  std::string log() const { return process_.log(); }
+  ChildProcess& process() { return process_; }
+
+ private:
+  /// To presses of a.
+  std::size_t answers() const {
+    const auto log = process_.log();
+    std::size_t count = log.find("drives armed") == std::string::npos ? 0 : 1;
+    for (auto at = log.find("press a again"); at != std::string::npos; at = log.find("press a again", at + 1))
+      ++count;
+    return count;
+  }
+  static constexpr auto Logged = ChildProcess::Stdout::Logged;
+  static std::vector<std::string> command(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {TACTUS_PROGRAM, "play"});
+    return arguments;
+  }
+  ChildProcess process_;
+};
+
+/// A server, if there can be one here, and a file that plays 0.2.
+struct OnServer {
+  std::string in_folder(const std::string& name) const { return (folder.path() / name).string(); }
+
+  std::unique_ptr<SoundServer> server = start_sound_server();
+  TemporaryFolder folder;
+  std::string tone = folder.write("tone.toml", constant("0.2")).string();
+};
+
+}  // namespace tactus::test

@@ -1,0 +1,157 @@
+#include "engine/guard/dead_mans_switch.h"
+
+#include <catch2/catch.hpp>
+#include <vector>
+
+#include "engine/guard/guarded.h"
+
+using namespace tactus;
+using Kind = JournalEntry::Kind;
+
+namespace {
+
+constexpr int kAll = JournalEntry::kAllChannels;
+constexpr DriveLimits kAtOnce{.soft_start = Seconds{0}, .fade_out = Seconds{0}};
+
+/// 1 on both outputs.
+class One final : public BlockProcessor {
+ public:
+  Status prepare(const StreamFormat&) override { return {}; }
+  void process(const BlockIo& io) noexcept override {
+    for (int c = 0; c < 2; ++c)
+      for (int n = 0; n < io.frames; ++n) io.out[c][n] = 1.0;
+  }
+};
+
+/// A drive and an audio output that observe a dead man's switch, at 48 kHz.
+class Watched final : private BlockTap {
+ public:
+  explicit Watched(DriveLimits limits = kAtOnce)
+      : guarded(one_, {{DriveGuard::Kind::Drive, limits}, {DriveGuard::Kind::Audio, limits}}) {
+    guarded.set_tap(this);
+    guarded.set_dead_mans_switch(&dead_man);
+    REQUIRE(guarded.prepare({.out_channels = 2, .max_frames = 4800}));
+  }
+  /// Up to `frame`, in blocks of this length.
+  void play_until(std::int64_t frame, int block = 4800) {
+    std::vector<double> out[2] = {std::vector<double>(4800), std::vector<double>(4800)};
+    double* to[] = {out[0].data(), out[1].data()};
+    while (guarded.frame() < frame) {
+      const auto frames = static_cast<int>(std::min<std::int64_t>(block, frame - guarded.frame()));
+      guarded.process({nullptr, to, frames});
+      drive.insert(drive.end(), out[0].begin(), out[0].begin() + frames);
+      audio.insert(audio.end(), out[1].begin(), out[1].begin() + frames);
+    }
+  }
+  std::vector<GuardEvent> events() {
+    std::vector<GuardEvent> all;
+    for (GuardEvent event; guarded.take_event(event);) all.push_back(event);
+    return all;
+  }
+
+  DeadMansSwitch dead_man;
+  std::vector<JournalEntry> journal;
+  std::vector<double> drive, audio;
+
+ private:
+  void applied(const JournalEntry& entry) noexcept override { journal.push_back(entry); }
+  void observe(const BlockIo&, std::int64_t) noexcept override {}
+  One one_;
+
+ public:
+  Guarded guarded;
+};
+
+/// So many frames of each value.
+std::vector<double> frames_of(std::initializer_list<std::pair<int, double>> spans) {
+  std::vector<double> all;
+  for (const auto& [frames, value] : spans) all.insert(all.end(), static_cast<std::size_t>(frames), value);
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("dead man's switch: 500 ms of frames after the last refresh every output fades, whatever the block",
+          "[core]") {
+  Watched watched;
+  const int block = GENERATE(1, 48, 480, 4800);
+  watched.play_until(4800, block);
+  watched.dead_man.refresh();
+  watched.play_until(33'600, block);
+  CHECK(watched.drive == frames_of({{28'800, 1.0}, {4'800, 0.0}}));
+  CHECK(watched.audio == watched.drive);
+  CHECK(watched.journal == std::vector<JournalEntry>{{28'800, Kind::DeadMan, kAll, 1.0}});
+  CHECK(watched.events() == std::vector<GuardEvent>{{28'800, GuardEvent::Kind::DeadMan, 0}});
+}
+
+TEST_CASE("dead man's switch: refreshed within 5 s, the outputs start softly", "[core]") {
+  Watched watched{{.soft_start = 1_ms, .fade_out = 1_ms}};
+  watched.play_until(240'000 - 4'800);
+  CHECK(watched.drive[24'000 + 24] == 0.5);
+  CHECK(watched.drive[24'000 + 48] == 0.0);
+  watched.dead_man.refresh();
+  watched.play_until(240'000);
+  const auto resumed = 240'000u - 4'800u;
+  CHECK(watched.drive[resumed] == 0.0);
+  CHECK(watched.drive[resumed + 24] == 0.5);
+  CHECK(watched.drive[resumed + 48] == 1.0);
+  CHECK(watched.journal.back() == JournalEntry{235'200, Kind::DeadMan, kAll, 0.0});
+}
+
+TEST_CASE("dead man's switch: after 5 s the drives are disarmed, and audio alone comes back", "[core]") {
+  Watched watched;
+  watched.play_until(300'000);
+  watched.dead_man.refresh();
+  watched.play_until(304'800);
+  CHECK(watched.drive == frames_of({{24'000, 1.0}, {280'800, 0.0}}));
+  CHECK(watched.audio == frames_of({{24'000, 1.0}, {276'000, 0.0}, {4'800, 1.0}}));
+  CHECK(watched.journal == std::vector<JournalEntry>{{24'000, Kind::DeadMan, kAll, 1.0},
+                                                     {240'000, Kind::Arm, kAll, 0.0},
+                                                     {300'000, Kind::DeadMan, kAll, 0.0}});
+  CHECK(watched.events() == std::vector<GuardEvent>{{24'000, GuardEvent::Kind::DeadMan, 0},
+                                                    {240'000, GuardEvent::Kind::DeadManDisarmed, 0}});
+  watched.guarded.arm(true);
+  watched.play_until(309'600);
+  CHECK(watched.drive.back() == 1.0);
+}
+
+TEST_CASE("dead man's switch: refreshed in time nothing happens, and without one nothing ever does",
+          "[core]") {
+  Watched watched;
+  const bool used = GENERATE(true, false);
+  if (!used) {
+    watched.guarded.set_dead_mans_switch(nullptr);
+    REQUIRE(watched.guarded.prepare({.out_channels = 2, .max_frames = 4800}));
+  }
+  for (std::int64_t frame = 19'200; frame < 480'000; frame += 19'200) {
+    watched.play_until(frame);
+    if (used) watched.dead_man.refresh();
+  }
+  CHECK(watched.drive == std::vector<double>(watched.drive.size(), 1.0));
+  CHECK(watched.journal.empty());
+}
+
+TEST_CASE("dead man's switch: stopped, every output fades in the next block, for good", "[core]") {
+  Watched watched;
+  watched.play_until(4'800);
+  watched.dead_man.stop();
+  watched.play_until(9'600);
+  watched.guarded.fade(false);
+  watched.dead_man.refresh();
+  watched.play_until(14'400);
+  CHECK(watched.drive == frames_of({{4'800, 1.0}, {9'600, 0.0}}));
+  CHECK(watched.journal.front() == JournalEntry{4'800, Kind::Fade, kAll, 1.0});
+  CHECK(watched.guarded.silent());
+}
+
+TEST_CASE("dead man's switch: what expired stays so when the stream begins again", "[core]") {
+  Watched watched;
+  watched.play_until(28'800);
+  REQUIRE(watched.guarded.prepare({.out_channels = 2, .max_frames = 4800}));
+  CHECK(watched.guarded.state() == std::vector<JournalEntry>{{0, Kind::DeadMan, kAll, 1.0}});
+  watched.drive.clear();
+  watched.play_until(4'800);
+  watched.dead_man.refresh();
+  watched.play_until(9'600);
+  CHECK(watched.drive == frames_of({{4'800, 0.0}, {4'800, 1.0}}));
+}
