@@ -91,6 +91,7 @@ class LiveInstrument final : public Performer {
 };
 
 constexpr double kStrikeSeconds = 0.01;  // that the key is down
+constexpr int kStrikeControl = 0;        // the only one: see SceneOptions::by_hand
 
 struct Read {
   SceneSpec scene;
@@ -150,13 +151,12 @@ class LiveWorld final : public Performer, private BlockProcessor {
 
   bool strike() override {
     auto& plant = *built_.plant;
-    constexpr int control = 0;  // the only one: see SceneOptions::by_hand
     if (plant.plan().controls.empty()) return false;
     const auto down = std::llround(frames_in(Seconds{kStrikeSeconds}, setup_.rate));
     const std::int64_t up = plant.frame() + max_frames_ + down;
     using Kind = JournalEntry::Kind;
-    return plant.post({JournalEntry::kNow, Kind::ControlChange, control, 1.0}) &&
-           plant.post({up, Kind::ControlChange, control, 0.0});
+    return plant.post({JournalEntry::kNow, Kind::ControlChange, kStrikeControl, 1.0}) &&
+           plant.post({up, Kind::ControlChange, kStrikeControl, 0.0});
   }
 
  private:
@@ -169,6 +169,9 @@ class LiveWorld final : public Performer, private BlockProcessor {
   Status prepare(const StreamFormat& format) override {
     max_frames_ = format.max_frames;
     if (auto status = loop_.prepare(format.sample_rate, format.max_frames); !status) return status;
+    // The stick of a strike before a reconnection would never be released.
+    if (!built_.plant->plan().controls.empty())
+      (void)built_.plant->post({JournalEntry::kNow, JournalEntry::Kind::ControlChange, kStrikeControl, 0.0});
     // The simulated card is on from the first frame, as when the scene is rendered; the real one starts
     // softly.
     guarded_.skip_soft_start();
