@@ -1,21 +1,14 @@
 // The program itself, on files and on simulated cards.
 #if defined(__unix__)
-#include <sys/wait.h>
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <csignal>
-#include <cstdlib>
-#include <fstream>
-#include <iterator>
-#include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "apps/render/render.h"
 #include "engine/dsp/generators/counter_noise.h"
 #include "engine/rig/rig.h"
 #include "tests/support/child_process.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/desk.h"
 #include "tests/support/wait_until.h"
 #include "tests/support/well_formed.h"
 
@@ -24,29 +17,12 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string text_of(const fs::path& file) {
-  std::ifstream in{file};
-  return {std::istreambuf_iterator<char>{in}, {}};
-}
+using test::check_exit;
+using test::text_of;
 
-struct Ran {
-  int exit = -1;
-  std::string out, err;
-  nlohmann::json json() const { return nlohmann::json::parse(out, nullptr, false); }
-};
-
-/// A folder with the files of a test, where the program runs and keeps what it measures.
-class Desk {
+/// With what probes need.
+class Desk : public test::Desk {
  public:
-  Ran run(const std::string& arguments) const {
-    const auto command = "cd " + folder.path().string() + " && XDG_STATE_HOME=" + state().string() + " " +
-                         TACTUS_PROGRAM + " " + arguments + " > out.txt 2> err.txt < /dev/null";
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(file("out.txt")), text_of(file("err.txt"))};
-  }
-  fs::path file(const std::string& name) const { return folder.path() / name; }
-  fs::path state() const { return folder.path() / "state"; }
-
   /// What `tactus latency probe` writes, and a recording of it: later, with another gain, with noise.
   Samples probe(const std::string& rate = "48 kHz") const {
     REQUIRE(run("latency probe --out probe.wav --rate '" + rate + "'").exit == 0);
@@ -55,8 +31,6 @@ class Desk {
   void capture(const std::string& name, const Samples& samples) const {
     REQUIRE(write_wav(file(name), samples));
   }
-
-  test::TemporaryFolder folder;
 };
 
 /// As a cable of so many frames brings it, and silence behind.
@@ -70,19 +44,6 @@ Samples later(const Samples& probe, int frames, double gain) {
   for (std::size_t n = 0; n < channel.size(); ++n)
     channel[n] += 1e-4 * noise.gaussian(static_cast<std::int64_t>(n));
   return captured;
-}
-
-/// `names`: all of them stand in the output, in this order.
-void check_exit(const Ran& ran, int exit, const std::string& names) {
-  INFO(ran.out << ran.err);
-  CHECK(ran.exit == exit);
-  std::size_t at = 0;
-  std::istringstream words{names};
-  for (std::string word; words >> word;) {
-    CAPTURE(word);
-    at = (ran.out + ran.err).find(word, at);
-    CHECK(at != std::string::npos);
-  }
 }
 
 }  // namespace
