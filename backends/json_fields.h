@@ -60,6 +60,11 @@ struct JsonWriter {
   void operator()(const char* key, const std::optional<T>& value) {
     if (value) json[key] = written(*value);
   }
+  /// A key that earlier versions did not write.
+  template <class T>
+  void later(const char* key, const T& value) {
+    (*this)(key, value);
+  }
   /// A key that is always the same, and not read.
   void constant(const char* key, const auto& value) { json[key] = value; }
   /// An enumerator by its place in `names`.
@@ -100,6 +105,10 @@ struct JsonReader {
   template <class T>
   void operator()(const char* key, std::optional<T>& value) const {
     if (json.contains(key)) read_key(key, value.emplace());
+  }
+  template <class T>
+  void later(const char* key, T& value) const {
+    if (json.contains(key)) read_key(key, value);
   }
   void constant(const char*, const auto&) const {}
   template <class T>

@@ -48,12 +48,9 @@ int first_channel(const Ports& ports) {
 
 /// What the rig has on the output, from 1; else a cable, with the level as its ceiling.
 GuardedChannel guard_of(const std::optional<Rig>& rig, int output, double loudest_dbfs) {
-  if (rig) {
-    if (const auto* actuator = rig->actuator_on(output))
-      return {DriveGuard::Kind::Drive, actuator->drive.limits};
-    for (const auto& port : rig->outputs)
-      if (port.uses(output)) return {DriveGuard::Kind::Drive, port.drive.limits};
-  }
+  const auto uses = [output](const RigPort& port) { return port.uses(output); };
+  if (rig && (std::ranges::any_of(rig->actuators, uses) || std::ranges::any_of(rig->outputs, uses)))
+    return combine_limits(OutputTarget::Drive, rig->limit_sources(output));
   GuardedChannel guard{DriveGuard::Kind::Audio, {}};
   guard.limits.ceiling = amplitude_from_db(loudest_dbfs);
   return guard;

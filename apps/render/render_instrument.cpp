@@ -102,7 +102,7 @@ struct Rendered {
 
 /// Nothing of the signals is kept: the memory needed does not grow with the duration.
 Rendered run(Player& engine, const OfflineInput& input, const std::vector<std::string>& taps,
-             const DriveBook& limits, const RenderOptions& options) {
+             const LimitBook& limits, const RenderOptions& options) {
   const auto& plan = engine.plan();
   Guarded guarded{engine, guarded_channels(plan, limits)};
   Rendered rendered{output_names(plan), sound_names(plan), {}, {}};
@@ -141,7 +141,7 @@ void print(const RenderOptions& options, const std::string& name, const OfflineI
     fmt::print("{} non-finite input samples replaced by zero\n", engine.bad_input_samples());
   for (const auto& fault : engine.faults())
     fmt::print("fault: {} produced non-finite values {} times\n", fault.path, fault.count);
-  if (!rendered.guard.idle()) print_guard(rendered.guard, rate);
+  if (!rendered.guard.idle() || rendered.guard.any_raised()) print_guard(rendered.guard, rate);
 }
 
 }  // namespace
@@ -157,6 +157,7 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
   compiling.taps = event_taps(*loaded.spec, standard_nodes());
   const auto limits = apply(options.guard, {}, root_of(file));
   Player engine{or_exit(compile(loaded, standard_nodes(), compiling))};
+  announce_raises(limits, engine.plan());
   const auto& name = loaded.spec->name;
   if (!options.delay.empty()) announce_delay(*loaded.spec, compiling.system_delay.value);
   const auto rendered = run(engine, input, compiling.taps, limits, options);

@@ -46,6 +46,14 @@ void fields(Io& io, T& excursion) {
   io("q", excursion.q);
 }
 
+template <class Io, Of<LimitOrigin> T>
+void fields(Io& io, T& origin) {
+  io("limit", origin.limit);
+  io("value", origin.value);
+  io("source", origin.source);
+  io("raised_from", origin.raised_from);
+}
+
 template <class Io, Of<GuardedChannel> T>
 void fields(Io& io, T& channel) {
   auto& limits = channel.limits;
@@ -57,6 +65,7 @@ void fields(Io& io, T& channel) {
   io("heat", limits.heat);
   io("travel", limits.excursion);
   io.name("kind", channel.kind, kDriveKinds);
+  io.later("origins", channel.origins);
 }
 
 template <class Io, Of<JournalEntry> T>

@@ -35,10 +35,10 @@ class LiveInstrument final : public Performer {
     outputs = output_names(*plan);
     in_map = wiring_.in_map;
     out_map = wiring_.out_map;
-    guards = guarded_channels(*plan, apply(setup_.guard, std::move(wiring_.drives), setup_.root));
-    for (auto& guard : guards)
-      if (!setup_.rig && guard.kind == DriveGuard::Kind::Audio)
-        guard = {DriveGuard::Kind::Drive, conservative_limits()};
+    auto limits = apply(setup_.guard, std::move(wiring_.limits), setup_.root);
+    limits.sound_known = setup_.rig.has_value();
+    announce_raises(limits, *plan);
+    guards = guarded_channels(*plan, limits);
     engine_ = std::make_unique<Player>(std::move(plan));
     loaded_ = std::move(read_);
     if (RigInputs::needed(wiring_.input_scales, setup_.padding_frames))
@@ -130,7 +130,7 @@ class LiveWorld final : public Performer, private BlockProcessor {
       outputs.push_back(sounds[c % sounds.size()]);
       monitor_.push_back(static_cast<int>(std::ranges::find(all, outputs.back()) - all.begin()));
     }
-    guards.resize(outputs.size(), {DriveGuard::Kind::Audio, {}});
+    guards.resize(outputs.size(), combine_limits(OutputTarget::Sound, {}));
   }
 
   BlockProcessor& processor() override { return *this; }
@@ -215,6 +215,7 @@ std::unique_ptr<Performer> make_instrument(PerformerSetup setup) {
 
 std::unique_ptr<Performer> make_world(PerformerSetup setup) {
   auto read = read_scene(setup);
+  announce_raises(read.scene.drives, *read.compiled.instrument);
   return std::make_unique<LiveWorld>(std::move(setup), std::move(read));
 }
 

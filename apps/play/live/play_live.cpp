@@ -155,6 +155,8 @@ void announce(const Session& session, const LivePlan& plan, const LiveOptions& o
                session.granted().device);
   else
     fmt::print(stderr, "{}\n", delay_text(plan));
+  for (const auto& line : describe_limits(plan.performer->outputs, plan.performer->guards))
+    fmt::print(stderr, "limits    {}\n", line);
   if (!options.arm && session.has_drives())
     fmt::print(stderr, "the drives are disarmed: press a, or start with --arm\n");
 }

@@ -97,6 +97,21 @@ TEST_CASE("take: a number that no recording has is refused with its key", "[take
         "take.jsonl:1 BadFile 'system_delay_s' 0 20");
 }
 
+TEST_CASE("take: limits are recorded with their sources, which earlier takes do not have", "[take]") {
+  const TemporaryFolder folder;
+  auto header = full_header();
+  header.guard[0].origins = {{"ceiling", 0.8, "woofer", 0.5}, {"slew", 1000, "the built-in limits"}};
+  auto line = journal_line(header);
+  folder.write("take.wav", "");
+  folder.write("take.jsonl", line);
+  const auto take = read_take(folder.path() / "take.wav");
+  REQUIRE(take);
+  CHECK(take->header.guard[0].origins == header.guard[0].origins);
+  const auto from = line.find(",\"origins\":["), to = line.find(']', from);
+  REQUIRE(to != std::string::npos);
+  CHECK(message(folder, line.erase(from, to + 1 - from)).empty());
+}
+
 TEST_CASE("take: a journal that breaks off in the middle of a line holds up to there", "[take]") {
   const TemporaryFolder folder;
   folder.write("take.wav", "");
