@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <concepts>
+#include <cstdint>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "engine/core/units.h"
@@ -58,6 +60,11 @@ struct JsonWriter {
   void operator()(const char* key, const std::optional<T>& value) {
     if (value) json[key] = written(*value);
   }
+  /// A key that earlier versions did not write.
+  template <class T>
+  void later(const char* key, const T& value) {
+    (*this)(key, value);
+  }
   /// A key that is always the same, and not read.
   void constant(const char* key, const auto& value) { json[key] = value; }
   /// An enumerator by its place in `names`.
@@ -81,17 +88,27 @@ struct JsonWriter {
   }
 };
 
-/// Reads from the object `json`. Throws std::exception for a key that is missing or of another type.
+/// A key that is missing, of another type, or a number that its type cannot hold.
+struct JsonKeyError : std::invalid_argument {
+  explicit JsonKeyError(const std::string& key)
+      : std::invalid_argument{"'" + key + "' is missing or wrong"} {}
+};
+
+/// Reads from the object `json`. Throws JsonKeyError, and std::exception where it is no object.
 struct JsonReader {
   const json_fields::Json& json;
 
   template <class T>
   void operator()(const char* key, T& value) const {
-    read(json.at(key), value);
+    read_key(key, value);
   }
   template <class T>
   void operator()(const char* key, std::optional<T>& value) const {
-    if (json.contains(key)) read(json.at(key), value.emplace());
+    if (json.contains(key)) read_key(key, value.emplace());
+  }
+  template <class T>
+  void later(const char* key, T& value) const {
+    if (json.contains(key)) read_key(key, value);
   }
   void constant(const char*, const auto&) const {}
   template <class T>
@@ -111,11 +128,31 @@ struct JsonReader {
     } else if constexpr (json_fields::is_vector<T>) {
       value.clear();
       for (const auto& each : json) read(each, value.emplace_back());
+    } else if constexpr (std::integral<T> && !std::same_as<T, bool>) {
+      value = whole<T>(json);
     } else if constexpr (std::same_as<T, double>) {
       value = json.is_null() ? std::numeric_limits<double>::infinity() : json.template get<double>();
     } else {
       json.get_to(value);
     }
+  }
+
+ private:
+  template <class T>
+  void read_key(const char* key, T& value) const try {
+    read(json.at(key), value);
+  } catch (const JsonKeyError&) {
+    throw;
+  } catch (const std::exception&) {
+    throw JsonKeyError{key};
+  }
+  template <class T>
+  static T whole(const json_fields::Json& json) {
+    const bool fits = json.is_number_unsigned()
+                          ? std::in_range<T>(json.get<std::uint64_t>())
+                          : json.is_number_integer() && std::in_range<T>(json.get<std::int64_t>());
+    if (!fits) throw std::out_of_range{"no whole number that fits"};
+    return json.get<T>();
   }
 };
 

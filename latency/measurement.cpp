@@ -50,6 +50,14 @@ void add_result(Findings& findings, const ProbePlayer& player) {
       "reduce the gain of the input or of the amplifier");
 }
 
+/// Whether anything came back cannot be told where noise hides it.
+void explain_noise(Finding& finding, const PathLevel& level) {
+  if (finding.verdict != Verdict::NoSignal || !level.hidden_by_noise()) return;
+  finding = {Verdict::LowSnr,
+             fmt::format("no probe is detected in the noise of {:.0f} dBFS", power_to_db(level.noise_power)),
+             "find the source of the noise, raise the input's gain, and check the cable"};
+}
+
 void add_event(Findings& findings, const GuardEvent& event, int input, bool drive) {
   switch (event.kind) {
     case GuardEvent::Kind::Feedback:
@@ -220,6 +228,7 @@ class Session {
       : backend_(backend), settings_(settings), progress_(progress), guarded_(player_, {settings.guard}) {
     guarded_.set_tap(&player_);
     guarded_.set_dead_mans_switch(settings.dead_mans_switch);
+    if (!settings.watch_sensors) guarded_.disable_sensor_watch();
   }
 
   Result<Measurement> run() {
@@ -317,6 +326,7 @@ class Session {
       if (!analysis && findings.empty()) return tl::unexpected(analysis.error());
       if (analysis) {
         opening.analysis = std::move(*analysis);
+        explain_noise(opening.analysis.finding, player_.level());
         findings.push_back(opening.analysis.finding);
         remember(opening.analysis);
       }

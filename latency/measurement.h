@@ -16,6 +16,7 @@ struct MeasureSettings {
   StreamRequest request;        ///< device, rate, block, periods; its channels and maps are not used
   int input = 0, output = 0;    ///< channels of the device, from 0 on; all inputs are listened to
   GuardedChannel guard;         ///< what hangs on the output
+  bool watch_sensors = true;    ///< false: an input may be silent or repeat itself, as a digital cable does
   double softest_dbfs = -50.0;  ///< where the level begins
   double loudest_dbfs = -6.0;   ///< and where it may end, however little is captured
   int openings = 5;             ///< of the stream, one after another

@@ -30,7 +30,7 @@ struct Exception {
   std::string file, name, reason;
 };
 const std::vector<Exception> kExceptions = {
-    {"engine/rig/profile.cpp", "slew", "a limit of an actuator"},
+    {"engine/rig/limits.cpp", "slew", "a limit of an actuator"},
     {"engine/graph/semantics/bind.cpp", "curve", "a key of a spread over voices"},
     {"apps/play/live/performer.cpp", "strike", "the control of strikes by hand, as the documents say"},
 };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <fstream>
 #include <iterator>
 #include <system_error>
@@ -22,12 +23,27 @@ std::string from_root(const fs::path& file, const fs::path& root) {
       .generic_string();
 }
 
+constexpr std::uint64_t kMostSoundBytes = 1u << 30;
+
+/// A device or a pipe might never end.
+bool is_readable_sound(const fs::path& file) {
+  std::error_code missing;
+  return fs::is_regular_file(file, missing) && fs::file_size(file, missing) <= kMostSoundBytes;
+}
+
 /// Empty if the file cannot be read.
 std::string print_of(const fs::path& file) {
+  if (!is_readable_sound(file)) return {};
   std::ifstream stream{file, std::ios::binary};
-  if (!stream) return {};
-  const std::string bytes{std::istreambuf_iterator<char>{stream}, {}};
-  return fmt::format("{:016x}", Fingerprint{}.add(bytes).value());
+  Fingerprint print;
+  std::uint64_t bytes = 0;
+  std::string part(1 << 16, '\0');
+  while (stream.read(part.data(), std::ssize(part)), stream.gcount() > 0) {
+    const auto read = static_cast<std::size_t>(stream.gcount());
+    print.add_part({part.data(), read});
+    bytes += read;
+  }
+  return fmt::format("{:016x}", print.add(bytes).value());
 }
 
 /// A graph names sound files in settings of the kind File.
@@ -106,6 +122,9 @@ Result<fs::path> unpack(const TakeFiles& files, const fs::path& folder) {
   for (const auto& [name, print] : files.sounds) {
     const auto path = inside(folder, name), source = inside(files.root, name);
     if (!path) return path;
+    if (fs::exists(*source, error) && !is_readable_sound(*source))
+      return fail(Errc::BadFile, source->string(), "this sound is no regular file of at most 1 GiB",
+                  "do not trust this take");
     if (print_of(*source) != print)
       return fail(Errc::BadFile, source->string(),
                   "this sound file is missing or has changed since the take was recorded",

@@ -117,6 +117,7 @@ Plot picture_of(const SweepReport& report);
 struct LoopOptions : DeviceOptions {
   std::optional<int> input, output;  ///< channels of the device, from 1
   std::string rate, level;
+  bool cable = false;  ///< nothing but a loopback cable is connected to the output
   std::optional<int> block;
   int openings = 5, probes = 8;
   std::string profile;  ///< of what is in the loop, a file; empty: a cable
@@ -133,7 +134,9 @@ struct Loop {
   std::optional<Rig> rig;  ///< where one was named
 };
 
-/// Chooses the devices and looks up what is connected to the output. Opens nothing. Throws a CommandError.
+/// Chooses the devices and looks up what is connected to the output; where neither a rig nor --cable says,
+/// it is guarded as a drive of which nothing is known, with a note on stderr. Opens nothing. Throws a
+/// CommandError.
 Loop make_loop(const LoopOptions& options);
 
 /// Measures with a bar on stderr, beside a StopLoop. Errors: of `measure`. Throws a CommandError when the

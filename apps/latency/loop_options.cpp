@@ -17,7 +17,8 @@ namespace fs = std::filesystem;
 
 /// Options that the rig sets and the command line may not override.
 void check_against_rig(const LoopOptions& options) {
-  for (const auto& [given, option] : {std::pair{!options.device.empty(), "--device"},
+  for (const auto& [given, option] : {std::pair{!options.backend.empty(), "--backend"},
+                                      {!options.device.empty(), "--device"},
                                       {!options.input_device.empty(), "--input-device"},
                                       {!options.rate.empty(), "--rate"},
                                       {options.block.has_value(), "--block"},
@@ -47,17 +48,29 @@ int first_channel(const Ports& ports) {
   return 1;
 }
 
-/// What the rig has on the output, from 1; else a cable, with the level as its ceiling.
-GuardedChannel guard_of(const std::optional<Rig>& rig, int output, double loudest_dbfs) {
-  if (rig) {
-    if (const auto* actuator = rig->actuator_on(output))
-      return {DriveGuard::Kind::Drive, actuator->drive.limits};
-    for (const auto& port : rig->outputs)
-      if (port.uses(output)) return {DriveGuard::Kind::Drive, port.drive.limits};
-  }
-  GuardedChannel guard{DriveGuard::Kind::Audio, {}};
-  guard.limits.ceiling = amplitude_from_db(loudest_dbfs);
-  return guard;
+/// Does the rig say what is connected to this output, from 1?
+bool is_known(const std::optional<Rig>& rig, int output) {
+  const auto uses = [output](const RigPort& port) { return port.uses(output); };
+  return rig && (std::ranges::any_of(rig->actuators, uses) || std::ranges::any_of(rig->outputs, uses));
+}
+
+/// A drive, whatever it is, unless the user says that only a cable is there.
+GuardedChannel guard_of(const LoopOptions& options, const std::optional<Rig>& rig, int output,
+                        double loudest_dbfs) {
+  const bool known = is_known(rig, output);
+  if (known && options.cable)
+    exit_with({Errc::BadArgument, "--cable",
+               fmt::format("the rig says what is connected to output {}, and its limits hold", output),
+               "omit --cable, or measure with --device instead of --rig"});
+  if (!known && !options.cable)
+    fmt::print(stderr,
+               "note: it is not known what is connected to output {}: it is guarded as a drive with the "
+               "conservative limits; give --cable if it is a loopback cable only, or --rig\n",
+               output);
+  auto sources = rig ? rig->limit_sources(output) : std::vector<LimitSource>{};
+  sources.push_back(
+      {LimitSource::Kind::Ceiling, "--level", DriveLimits{.ceiling = amplitude_from_db(loudest_dbfs)}});
+  return combine_limits(options.cable ? OutputTarget::Sound : OutputTarget::Drive, sources);
 }
 
 void check_channel(int channel, int there, const Device& device, const char* option) {
@@ -83,7 +96,8 @@ void set_channels(const LoopOptions& options, Loop& loop) {
 void set_level(const LoopOptions& options, Loop& loop) {
   auto& settings = loop.settings;
   if (!options.level.empty()) settings.loudest_dbfs = parse_level(options.level);
-  settings.guard = guard_of(loop.rig, settings.output + 1, settings.loudest_dbfs);
+  settings.guard = guard_of(options, loop.rig, settings.output + 1, settings.loudest_dbfs);
+  settings.watch_sensors = is_known(loop.rig, settings.output + 1);
   settings.loudest_dbfs = std::min(settings.loudest_dbfs, amplitude_to_db(settings.guard.limits.ceiling));
   settings.softest_dbfs = std::min(settings.softest_dbfs, settings.loudest_dbfs);
 }
@@ -99,6 +113,9 @@ void add_loop_options(CLI::App& command, LoopOptions& options, bool setting, boo
              1024);
   command.add_option("--level", options.level,
                      "highest peak level to play, such as \"-20 dBFS\"; default: -6 dBFS");
+  command.add_flag("--cable", options.cable,
+                   "nothing but a loopback cable is connected to the output: play up to --level, without the "
+                   "conservative limits of a drive");
   if (setting) {
     command.add_option("--rate", options.rate, "sample rate; default: the device's");
     add_number(command, "--block", options.block, "block size in frames; default: the device's", 1, 8192);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iterator>
 #include <utility>
 
 #include "apps/cli/console.h"
@@ -77,27 +78,36 @@ DriveLimits limits_of(const GuardOptions& options, const std::filesystem::path& 
   return limits;
 }
 
-void raise(DriveBook& drives, const std::string& text, bool silent) {
-  const auto [name, value] =
-      parse_assignment(text, "--raise-limit", "NAME=VALUE", "--raise-limit ceiling=0.8");
-  for (auto& [drive, limits] : drives.named) or_exit(raise_limit(limits, name, value, "--raise-limit"));
-  // Where every drive has limits of its own, the conservative ones need not have what is raised.
-  const auto others = raise_limit(drives.others, name, value, "--raise-limit");
-  if (drives.named.empty()) or_exit(others);
-  if (!silent)
-    fmt::print(stderr,
-               "warning: the limit '{}' of the drive guard is raised to {}, above the limit of the profile "
-               "or the conservative default; keep hands away until its effect is known\n",
-               name, value);
+/// "woofer.ceiling=0.8" or "ceiling=0.8"
+LimitRaise parse_raise(const std::string& text) {
+  auto [name, value] = parse_assignment(text, "--raise-limit", "NAME=VALUE", "--raise-limit ceiling=0.8");
+  const auto dot = name.rfind('.');
+  if (dot == std::string::npos) return {{}, name, value};
+  return {name.substr(0, dot), name.substr(dot + 1), value};
+}
+
+Json limit_json(const LimitOrigin& limit) {
+  Json json{{"limit", limit.limit}, {"value", limit.value}, {"source", limit.source}};
+  if (limit.raised_from) json["raised_from"] = *limit.raised_from;
+  return json;
 }
 
 }  // namespace
 
-DriveBook apply(const GuardOptions& options, DriveBook drives, const std::filesystem::path& root,
-                bool silent) {
-  if (!options.profile.empty() || !options.volts.empty()) drives = DriveBook{{}, limits_of(options, root)};
-  for (const auto& text : options.raise) raise(drives, text, silent);
-  return drives;
+LimitBook apply(const GuardOptions& options, LimitBook limits, const std::filesystem::path& root) {
+  if (!options.profile.empty() || !options.volts.empty())
+    limits.drives.push_back(
+        {LimitSource::Kind::Profile, "--profile " + options.profile, limits_of(options, root)});
+  for (const auto& text : options.raise) limits.raises.push_back(parse_raise(text));
+  return limits;
+}
+
+void announce_raises(const LimitBook& limits, const Plan& plan) {
+  const auto outputs = limited_outputs(plan);
+  or_exit(limits.check_raises(outputs));
+  for (const auto& output : outputs)
+    for (const auto& line : describe_raises(output.name, limits.of(output).origins))
+      fmt::print(stderr, "warning: {}; keep hands away until its effect is known\n", line);
 }
 
 Json guard_json(const GuardReport& report, Hertz sample_rate) {
@@ -111,11 +121,14 @@ Json guard_json(const GuardReport& report, Hertz sample_rate) {
           {"seconds", static_cast<double>(count.frames) / sample_rate.value},
           {"most_full_scale", count.most}};
     }
-    return Json{{"output", output.name},
-                {"limited", stages},
-                {"coil_heat", output.heat.coil},
-                {"body_heat", output.heat.body},
-                {"coil_rise_kelvin", output.rise_kelvin}};
+    Json json{{"output", output.name},
+              {"limited", stages},
+              {"coil_heat", output.heat.coil},
+              {"body_heat", output.heat.body},
+              {"coil_rise_kelvin", output.rise_kelvin}};
+    for (const auto& limit : output.limits)
+      if (limit.raised_from) json["raised"].push_back(limit_json(limit));
+    return json;
   };
   const auto event_json = [](const GuardEvent& event) {
     return Json{{"frame", event.frame}, {"kind", name_of(event.kind)}, {"channel", event.channel}};
@@ -126,9 +139,17 @@ Json guard_json(const GuardReport& report, Hertz sample_rate) {
           {"in_words", describe(report, sample_rate)}};
 }
 
+Json limits_json(const GuardReport& report) {
+  return list_of(report.outputs, [](const GuardedOutput& output) {
+    return Json{{"output", output.name}, {"limits", list_of(output.limits, limit_json)}};
+  });
+}
+
 void print_guard(const GuardReport& report, Hertz sample_rate) {
   auto lines = describe(report, sample_rate);
   if (lines.empty()) lines.push_back("no intervention");
+  for (const auto& output : report.outputs)
+    std::ranges::copy(describe_raises(output.name, output.limits), std::back_inserter(lines));
   const char* heading = "drive guard";
   for (const auto& line : lines) fmt::print("  {:<18}  {}\n", std::exchange(heading, ""), line);
 }
@@ -144,13 +165,14 @@ void add_player_options(CLI::App& command, PlayerOptions& options) {
              "block size in frames; the computed signals do not depend on it", 1, 8192);
   command.add_option("--profile", options.guard.profile,
                      "actuator profile for all drives (outputs to actuators): woofer, bass_shaker, "
-                     "tactor_lra, voice_coil, … or a file");
+                     "tactor_lra, voice_coil, … or a file; lower limits of the scene hold as well");
   command.add_option("--volts-per-full-scale", options.guard.volts,
                      "voltage at the actuator for a sample value of 1, such as 8 or \"8 V\"");
   command.add_option(
       "--raise-limit", options.guard.raise,
-      "NAME=VALUE: raises a limit of the drive guard above the profile's, such as ceiling=0.8; NAME: "
-      "ceiling, slew, power, travel (excursion), direct_level (DC level) or direct_time (time above it)");
+      "LIMIT=VALUE: raises a limit of all drives above every other source, such as ceiling=0.8; "
+      "OUTPUT.LIMIT=VALUE: of one output; LIMIT: ceiling, slew, power, travel (excursion), direct_level (DC "
+      "level) or direct_time (time above it)");
   command.add_flag("--json", options.json, "print the report as JSON");
 }
 
@@ -167,8 +189,9 @@ PlayedScene play_file(const std::filesystem::path& file, const PlayerOptions& op
     for (const auto& [name, value] : *compared) changes.set[name] = value;
   if (!options.delay.empty()) changes.delay = parse_delay(options.delay);
   if (!options.rate.empty()) changes.rate = parse_rate(options.rate);
-  scene.drives = apply(options.guard, std::move(scene.drives), root_of(file), !first);
+  scene.drives = apply(options.guard, std::move(scene.drives), root_of(file));
   auto built = or_exit(build_scene(loaded, standard_nodes(), changes));
+  if (first) announce_raises(scene.drives, built.instrument->plan());
   const auto* instrument = scene.part("instrument");
   if (first && changes.delay && instrument != nullptr && instrument->graph != nullptr)
     announce_delay(*instrument->graph, changes.delay->value);

@@ -20,17 +20,19 @@ namespace tactus::app {
 
 /// Options of the drive guard.
 struct GuardOptions {
-  std::string profile;             ///< "woofer", or a file; empty: as the scene says, else cautious
+  std::string profile;             ///< "woofer", or a file; lowers the limits of every drive
   std::string volts;               ///< volts per full scale
-  std::vector<std::string> raise;  ///< NAME=VALUE
+  std::vector<std::string> raise;  ///< LIMIT=VALUE, OUTPUT.LIMIT=VALUE
 };
 
-/// Changes `drives` as the command line wants, and warns on stderr of what was raised, unless `silent`.
-/// `root`: the folder with the profiles. Throws a CommandError.
-DriveBook apply(const GuardOptions& options, DriveBook drives, const std::filesystem::path& root,
-                bool silent = false);
+/// `limits` with those of the command line. `root`: the folder with the profiles. Throws a CommandError.
+LimitBook apply(const GuardOptions& options, LimitBook limits, const std::filesystem::path& root);
+/// Warns on stderr of every limit that was raised. Throws a CommandError for a raise without effect.
+void announce_raises(const LimitBook& limits, const Plan& plan);
 
-/// What the guards did, for machines.
+/// The limits of all outputs with their sources, for machines.
+Json limits_json(const GuardReport& report);
+/// What the guards did, and which limits were raised, for machines.
 Json guard_json(const GuardReport& report, Hertz sample_rate);
 /// And for people.
 void print_guard(const GuardReport& report, Hertz sample_rate);

@@ -3,36 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <iterator>
 
 #include "apps/cli/console.h"
+#include "apps/render/render_events.h"
 #include "apps/study/study.h"
-#include "backends/take/replay.h"
-#include "engine/core/decibels.h"
-#include "engine/core/index.h"
-#include "engine/dsp/delays/resample.h"
 #include "engine/nodes/table.h"
-#include "engine/scene/measures/events.h"
 
 namespace tactus::app {
 namespace {
-
-/// The input file at the rate asked for, cut off or followed by silence; without one only silence.
-Samples read_input(const RenderOptions& options) {
-  const bool file = !options.in.empty();
-  auto samples = file ? or_exit(read_wav(options.in)) : Samples{48_kHz, {{}}};
-  if (!options.rate.empty()) samples = resample(samples, parse_rate(options.rate));
-  if (!(samples.sample_rate.value >= 1e3 && samples.sample_rate.value <= 768e3))
-    exit_with({Errc::OutOfRange, options.in, fmt::format("cannot run at {} Hz", samples.sample_rate.value),
-               "choose 1 kHz to 768 kHz"});
-  if (options.duration.empty() && file) return samples;
-  const auto duration =
-      options.duration.empty() ? 10_s : parse_duration(options.duration, Seconds{kLongestTime_s});
-  if (samples.channels.empty()) samples.channels.emplace_back();
-  for (auto& channel : samples.channels)
-    channel.resize(static_cast<std::size_t>(frames_in(duration, samples.sample_rate)), 0.0);
-  return samples;
-}
 
 /// A recording must not be lost to its own rendering.
 void check_overwriting(const RenderOptions& options) {
@@ -45,157 +24,52 @@ void check_overwriting(const RenderOptions& options) {
           {Errc::BadArgument, option + *written, "would overwrite the input file", "choose another name"});
 }
 
-/// Levels count the highest envelope of a hit's first 5 ms.
-constexpr double kLevelAfter_s = 5e-3;
-
-/// {"events": [{"time_s", "node", "level_db"}]} from taps "node.output" and "node.level".
-Json events_json(const std::vector<std::string>& names, const std::vector<std::vector<double>>& taps,
-                 Hertz sample_rate) {
-  std::vector<std::pair<double, Json>> events;  // with their times
-  for (std::size_t t = 0; t < names.size(); ++t) {
-    const auto node = names[t].substr(0, names[t].rfind('.'));
-    if (names[t] == node + ".level") continue;
-    const auto level = std::find(names.begin(), names.end(), node + ".level");
-    const auto times = trigger_times(taps[t], sample_rate);
-    for (std::size_t i = 0; i < times.size(); ++i) {
-      events.push_back({times[i], {{"time_s", times[i]}, {"node", node}}});
-      if (level == names.end()) continue;
-      const auto& levels = taps[index(level - names.begin())];
-      const double next_s = i + 1 < times.size() ? times[i + 1] : times[i] + kLevelAfter_s;
-      const double until_s = std::min(times[i] + kLevelAfter_s, next_s);
-      const double highest =
-          levels[std::min(levels.size() - 1, static_cast<std::size_t>(until_s * sample_rate.value))];
-      if (highest > 0) events.back().second["level_db"] = amplitude_to_db(highest);
-    }
-  }
-  std::stable_sort(events.begin(), events.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  return {{"events", list_of(events, [](const auto& event) { return event.second; })}};
-}
-
-Json events_of(const SceneRecording& recording) {
-  std::vector<std::string> names;
-  std::vector<std::vector<double>> taps;
+EventCollector events_of(const SceneRecording& recording) {
   const std::string prefix = "instrument.";
+  std::vector<std::string> names;
+  std::vector<const double*> taps;
   for (const auto& signal : recording.signals) {
     if (!signal.name.starts_with(prefix) || signal.name.find('.', prefix.size()) == std::string::npos)
       continue;
     names.push_back(signal.name.substr(prefix.size()));
-    taps.push_back(signal.samples);
+    taps.push_back(signal.samples.data());
   }
-  return events_json(names, taps, recording.sample_rate);
+  EventCollector events{names, recording.sample_rate};
+  const auto frames = recording.signals.empty() ? 0 : std::ssize(recording.signals.front().samples);
+  if (frames > 0) events.add(taps, static_cast<int>(frames));
+  return events;
 }
 
-struct Rendered {
-  Samples output;                            ///< a channel for each of `outputs`
-  std::vector<std::string> outputs, sounds;  ///< names; of the monitor output
-  Json events;
-  GuardReport guard;
-
-  std::size_t event_count() const { return events["events"].size(); }
-};
-
-Rendered run(Player& engine, const Samples& input, const std::vector<std::string>& taps,
-             const DriveBook& drives, int block) {
-  const auto& plan = engine.plan();
-  Guarded guarded{engine, guarded_channels(plan, drives)};
-  Rendered rendered{{input.sample_rate, {}}, output_names(plan), sound_names(plan), {}, {}};
-  rendered.output.channels.resize(rendered.outputs.size());
-  std::vector<std::vector<double>> tapped(taps.size());
-  Progress progress{"rendering"};
-  const auto take = [&](const double* const* channels, int count) -> Status {
-    for (std::size_t t = 0; t < tapped.size(); ++t)
-      tapped[t].insert(tapped[t].end(), engine.tap(static_cast<int>(t)),
-                       engine.tap(static_cast<int>(t)) + count);
-    for (std::size_t c = 0; c < rendered.outputs.size(); ++c)
-      rendered.output.channels[c].insert(rendered.output.channels[c].end(), channels[c], channels[c] + count);
-    progress(static_cast<double>(rendered.output.frames()) / static_cast<double>(input.frames()));
-    return {};
-  };
-  or_exit(run_offline(guarded, input, static_cast<int>(rendered.outputs.size()), {block}, take));
-  rendered.events = events_json(taps, tapped, input.sample_rate);
-  rendered.guard = report_of(guarded, plan, drives);
-  return rendered;
-}
-
-void write_files(const RenderOptions& options, const Rendered& rendered) {
-  const auto& [output, outputs, sounds, events, guard] = rendered;
-  if (!options.out.empty()) or_exit(write_wav(options.out, output, options.encoding()));
-  if (!options.sound.empty() && sounds.empty())
-    exit_with({Errc::BadArgument, "--sound", "this instrument has no monitor output",
-               "omit --sound, or give an output the kind \"audio\""});
-  Samples monitor{output.sample_rate, {}};
-  for (const auto& sound : sounds) {
-    const auto place = std::find(outputs.begin(), outputs.end(), sound) - outputs.begin();
-    monitor.channels.push_back(output.channels[index(place)]);
+void write_signals(RenderFiles& files, const SceneRecording& recording) {
+  constexpr std::int64_t kBlock = 1 << 14;
+  std::vector<const double*> at;
+  for (const auto& name : recording.outputs)
+    at.push_back(recording.find("instrument." + name)->samples.data());
+  const auto frames = recording.signals.empty() ? 0 : std::ssize(recording.signals.front().samples);
+  for (std::int64_t done = 0; done < frames; done += kBlock) {
+    const auto count = std::min(kBlock, frames - done);
+    or_exit(files.write(at.data(), static_cast<int>(count)));
+    for (auto& channel : at) channel += count;
   }
-  if (!options.sound.empty()) or_exit(write_wav(options.sound, monitor, options.encoding()));
-  if (!options.events.empty()) or_exit(write_json(options.events, events));
-}
-
-void print(const RenderOptions& options, const std::string& name, const Samples& input, const Player& engine,
-           const Rendered& rendered) {
-  const auto rate = input.sample_rate;
-  const int channels = static_cast<int>(input.channels.size()), inputs = engine.in_channels();
-  fmt::print("{}: {:.3f} s at {:g} Hz, {} events\n", name, static_cast<double>(input.frames()) / rate.value,
-             rate.value, rendered.event_count());
-  if (channels != inputs && !options.in.empty())
-    fmt::print("the file has {} channels, the instrument {} inputs: {}\n", channels, inputs,
-               channels > inputs ? "only the first channels were used" : "the other inputs were silent");
-  if (!options.out.empty()) fmt::print("{}: {}\n", options.out, fmt::join(rendered.outputs, ", "));
-  if (!options.sound.empty()) fmt::print("{}: {}\n", options.sound, fmt::join(rendered.sounds, ", "));
-  if (!options.events.empty()) fmt::print("{}: the events\n", options.events);
-  if (engine.bad_input_samples() > 0)
-    fmt::print("{} non-finite input samples replaced by zero\n", engine.bad_input_samples());
-  for (const auto& fault : engine.faults())
-    fmt::print("fault: {} produced non-finite values {} times\n", fault.path, fault.count);
-  if (!rendered.guard.idle()) print_guard(rendered.guard, rate);
-}
-
-int render_instrument(const RenderOptions& options, const std::filesystem::path& file) {
-  const auto loaded = load_graph_leniently(file, root_of(file));
-  if (loaded.spec == nullptr) throw CommandError{loaded.errors};
-  const auto input = read_input(options);
-  CompileOptions compiling;
-  compiling.sample_rate = input.sample_rate;
-  compiling.controls = parse_settings(options.set);
-  if (!options.delay.empty()) compiling.system_delay = parse_delay(options.delay);
-  compiling.taps = event_taps(*loaded.spec, standard_nodes());
-  const auto drives = apply(options.guard, {}, root_of(file));
-  Player engine{or_exit(compile(loaded, standard_nodes(), compiling))};
-  const auto& name = loaded.spec->name;
-  if (!options.delay.empty()) announce_delay(*loaded.spec, compiling.system_delay.value);
-  const auto rendered = run(engine, input, compiling.taps, drives, options.block.value_or(256));
-  write_files(options, rendered);
-  if (!options.json) return print(options, name, input, engine, rendered), kDone;
-  print_json({{"instrument", name},
-              {"sample_rate_hz", input.sample_rate.value},
-              {"frames", input.frames()},
-              {"outputs", rendered.outputs},
-              {"events", rendered.event_count()},
-              {"bad_input_samples", engine.bad_input_samples()},
-              {"faults", faults_json(engine.faults())},
-              {"guard", guard_json(rendered.guard, input.sample_rate)}});
-  return kDone;
 }
 
 int render_scene(const RenderOptions& options, const std::filesystem::path& file) {
   const auto [scene, recording] = play_file(file, options);
   const auto rate = recording.sample_rate;
-  Rendered rendered{{rate, {}}, recording.outputs, recording.sounds, events_of(recording), recording.guard};
-  for (const auto& name : recording.outputs)
-    rendered.output.channels.push_back(recording.find("instrument." + name)->samples);
-  write_files(options, rendered);
+  RenderFiles files{options, recording.outputs, recording.sounds, rate};
+  write_signals(files, recording);
+  const auto events = events_of(recording).json();
+  files.close(events);
   if (options.json) {
     print_json({{"scene", scene.name},
-                {"events", rendered.event_count()},
+                {"events", count_of(events)},
                 {"run_seconds", recording.run_seconds},
                 {"guard", guard_json(recording.guard, rate)},
                 {"ports", ports_json(recording.ports)}});
     return kDone;
   }
   fmt::print("{}: {:.3f} s, {} events, {:.0f} times real time\n", scene.name, recording.seconds(),
-             rendered.event_count(), recording.seconds() / recording.run_seconds);
+             count_of(events), recording.seconds() / recording.run_seconds);
   print_guard(recording.guard, rate);
   print_ports(recording.ports);
   return kDone;
@@ -245,15 +119,6 @@ int run_render(const RenderOptions& options) {
 }
 
 }  // namespace
-
-Samples resample(const Samples& samples, Hertz to) {
-  if (to == samples.sample_rate) return samples;
-  const auto frames = std::llround(static_cast<double>(samples.frames()) / (samples.sample_rate / to));
-  Samples result{to, {}};
-  for (const auto& channel : samples.channels)
-    result.channels.push_back(tactus::resample(channel, samples.sample_rate, to, 0, frames));
-  return result;
-}
 
 void add_render(CLI::App& app, int& exit_code) {
   auto [command, options] =

@@ -1,11 +1,14 @@
 #pragma once
 // Thread: [control]
 
+#include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "apps/cli/json.h"
 #include "apps/play/play_report.h"
 #include "backends/take/replay.h"
 #include "backends/wav_file.h"
@@ -21,6 +24,28 @@ struct RenderOptions : PlayerOptions {
 
   WavEncoding encoding() const { return format == "24" ? WavEncoding::Pcm24 : WavEncoding::Float32; }
 };
+
+/// The WAV files and the events of a run, written while it goes on.
+class RenderFiles {
+ public:
+  /// Creates the files. `outputs`: names of the channels; `sounds`: those of the monitor output. Throws a
+  /// CommandError: BadFile; BadArgument where --sound finds no monitor output.
+  RenderFiles(const RenderOptions& options, const std::vector<std::string>& outputs,
+              const std::vector<std::string>& sounds, Hertz sample_rate);
+
+  /// Errors: BadFile.
+  [[nodiscard]] Status write(const double* const* outputs, int frames);
+  /// Throws a CommandError: BadFile.
+  void close(const Json& events);
+
+ private:
+  std::string events_;
+  std::vector<std::size_t> sounds_;  ///< in the outputs
+  std::optional<WavWriter> out_, sound_;
+};
+
+/// Runs an instrument on a WAV file or on silence. Gives the exit code, or throws a CommandError.
+int render_instrument(const RenderOptions& options, const std::filesystem::path& file);
 
 /// All channels at another rate: see engine/dsp/delays/resample.h.
 Samples resample(const Samples& samples, Hertz to);

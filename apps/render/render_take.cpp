@@ -171,12 +171,15 @@ int render_recorded(const RenderOptions& options, OpenTake& open) {
 }
 
 /// The limits that were recorded, for outputs of the same name.
-DriveBook recorded_drives(const TakeHeader& header) {
-  DriveBook drives;
-  for (std::size_t c = 0; c < std::min(header.guard.size(), header.outputs.size()); ++c)
-    if (header.guard[c].kind == DriveGuard::Kind::Drive)
-      drives.named[header.outputs[c]] = header.guard[c].limits;
-  return drives;
+LimitBook recorded_limits(const TakeHeader& header) {
+  LimitBook limits;
+  for (std::size_t c = 0; c < std::min(header.guard.size(), header.outputs.size()); ++c) {
+    const auto& guard = header.guard[c];
+    const bool drive = guard.kind == DriveGuard::Kind::Drive;
+    limits.named[header.outputs[c]] = {
+        {drive ? LimitSource::Kind::Take : LimitSource::Kind::Ceiling, "the take", guard.limits}};
+  }
+  return limits;
 }
 
 int render_other(const RenderOptions& options, OpenTake& open) {
@@ -190,11 +193,12 @@ int render_other(const RenderOptions& options, OpenTake& open) {
                                  .controls = parse_settings(options.set),
                                  .taps = {}}))};
   engine.set_journal(journal_for(open.take, engine));
-  const auto drives = apply(options.guard, recorded_drives(header), root_of(file));
+  const auto limits = apply(options.guard, recorded_limits(header), root_of(file));
+  announce_raises(limits, engine.plan());
   const auto& inputs = engine.plan().input_names;
   const auto sensors = sensors_for(header, inputs);
   RigInputs rig{engine, scales_for(header, sensors), header.padding_frames};
-  Guarded guarded{rig, guarded_channels(engine.plan(), drives), header.armed};
+  Guarded guarded{rig, guarded_channels(engine.plan(), limits), header.armed};
   const auto replayed = play_into(options, open, {guarded, sensors, engine.out_channels(), {}, false});
   auto text = fmt::format("rendered with the sensor signals of the take, {:.3f} s",
                           static_cast<double>(replayed.frames) / header.sample_rate.value);

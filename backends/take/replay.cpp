@@ -15,11 +15,10 @@ namespace {
 
 using Kind = JournalEntry::Kind;
 
-/// Copies a block of `input`; non-finite samples become 0.
-void copy_block(const Samples& input, std::int64_t at, int frames, const ChannelBuffers& to) {
-  for (int c = 0; c < to.size(); ++c)
-    std::transform(input.channels[index(c)].data() + at, input.channels[index(c)].data() + at + frames, to[c],
-                   [](double sample) { return std::isfinite(sample) ? sample : 0.0; });
+void clear_non_finite(const ChannelBuffers& channels, int frames) {
+  for (int c = 0; c < channels.size(); ++c)
+    std::replace_if(
+        channels[c], channels[c] + frames, [](double sample) { return !std::isfinite(sample); }, 0.0);
 }
 
 /// Calls play(done, frames) with block sizes in turn until `total` frames are done; it returns how many it
@@ -148,17 +147,27 @@ Status check(const Take& take, const WavReader& wav, const ReplayHost& host) {
 
 }  // namespace
 
-Status run_offline(Guarded& processor, const Samples& input, int out_channels,
+OfflineInput offline_input(const Samples& samples) {
+  const auto read = [&samples, at = std::int64_t{0}](double* const* to, int count) mutable {
+    for (std::size_t c = 0; c < samples.channels.size(); ++c)
+      std::copy_n(samples.channels[c].data() + at, count, to[c]);
+    at += count;
+  };
+  return {samples.sample_rate, static_cast<int>(samples.channels.size()), samples.frames(), read};
+}
+
+Status run_offline(Guarded& processor, const OfflineInput& input, int out_channels,
                    const std::vector<int>& block_frames,
                    const std::function<Status(const double* const*, int)>& sink) {
   const int longest = *std::max_element(block_frames.begin(), block_frames.end());
-  ChannelBuffers in{static_cast<int>(input.channels.size()), longest}, out{out_channels, longest};
+  ChannelBuffers in{input.channels, longest}, out{out_channels, longest};
   if (auto status = processor.prepare({input.sample_rate, in.size(), out_channels, longest}); !status)
     return status;
   processor.skip_soft_start();
   processor.disable_sensor_watch();
-  auto status = play_blocks(input.frames(), block_frames, [&](std::int64_t done, int frames) {
-    copy_block(input, done, frames, in);
+  auto status = play_blocks(input.frames, block_frames, [&](std::int64_t, int frames) {
+    input.read(in.data(), frames);
+    clear_non_finite(in, frames);
     processor.process({in.data(), out.data(), frames});
     return sink(out.data(), frames).map([&] { return frames; });
   });

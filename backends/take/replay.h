@@ -12,11 +12,22 @@
 
 namespace tactus {
 
+/// What is played into a processor, a block after the other, whatever its length.
+struct OfflineInput {
+  Hertz sample_rate = 48_kHz;
+  int channels = 0;
+  std::int64_t frames = 0;
+  /// The next `count` frames into to[channel][0 …].
+  std::function<void(double* const* to, int count)> read;
+};
+/// Samples in memory, which outlive it.
+OfflineInput offline_input(const Samples& samples);
+
 /// Prepares `processor` and runs it on `input`, without hardware and without a clock, as fast as the machine
-/// goes. Block sizes (at least one, >= 1 frame each) are used in turn and over again; the last block is as
-/// long as what is left. `sink` takes each block of outputs. However the run ends, the processor gets one
-/// block more, in `Guarded::finish`. Errors: those of `prepare` and of `sink`.
-[[nodiscard]] Status run_offline(Guarded& processor, const Samples& input, int out_channels,
+/// goes. Non-finite samples become 0. Block sizes (at least one, >= 1 frame each) are used in turn and over
+/// again; the last block is as long as what is left. `sink` takes each block of outputs. However the run
+/// ends, the processor gets one block more, in `Guarded::finish`. Errors: those of `prepare` and of `sink`.
+[[nodiscard]] Status run_offline(Guarded& processor, const OfflineInput& input, int out_channels,
                                  const std::vector<int>& block_frames,
                                  const std::function<Status(const double* const* out, int frames)>& sink);
 

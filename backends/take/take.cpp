@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 #include <fstream>
 #include <system_error>
+#include <tuple>
 
 #include "backends/json_fields.h"
 
@@ -44,6 +46,14 @@ void fields(Io& io, T& excursion) {
   io("q", excursion.q);
 }
 
+template <class Io, Of<LimitOrigin> T>
+void fields(Io& io, T& origin) {
+  io("limit", origin.limit);
+  io("value", origin.value);
+  io("source", origin.source);
+  io("raised_from", origin.raised_from);
+}
+
 template <class Io, Of<GuardedChannel> T>
 void fields(Io& io, T& channel) {
   auto& limits = channel.limits;
@@ -55,6 +65,7 @@ void fields(Io& io, T& channel) {
   io("heat", limits.heat);
   io("travel", limits.excursion);
   io.name("kind", channel.kind, kDriveKinds);
+  io.later("origins", channel.origins);
 }
 
 template <class Io, Of<JournalEntry> T>
@@ -123,6 +134,22 @@ void fields(Io& io, T& take) {
 
 namespace {
 
+/// Errors: BadFile, with the key, for a number that no recording has.
+Status check_numbers(const TakeHeader& header, const fs::path& path) {
+  constexpr double kLongest_s = 10;  // of a delay
+  const double rate = header.sample_rate.value;
+  const auto longest_padding = std::floor(kLongest_s * rate);
+  for (const auto& [key, value, least, most] :
+       {std::tuple{"sample_rate_hz", rate, 1e3, 768e3},
+        {"system_delay_s", header.system_delay.value, 0.0, 2 * kLongest_s},
+        {"padding_frames", static_cast<double>(header.padding_frames), 0.0, longest_padding}})
+    if (!(value >= least && value <= most))
+      return fail(Errc::BadFile, path.string() + ":1",
+                  fmt::format("'{}' cannot be {}: it runs from {} to {}", key, value, least, most),
+                  "restore the file from a copy");
+  return {};
+}
+
 Result<TakeHeader> parse_header(const std::string& line, const fs::path& path) {
   const auto no_take = [&](const std::string& what) {
     return fail(Errc::BadFile, path.string(), what, "give the .jsonl that was recorded with the WAV file");
@@ -137,6 +164,8 @@ Result<TakeHeader> parse_header(const std::string& line, const fs::path& path) {
     return header;
   } catch (const nlohmann::ordered_json::parse_error&) {
     return no_take("its first line is not JSON");
+  } catch (const JsonKeyError& error) {
+    return no_take(std::string{"its first line is not the header of a take: "} + error.what());
   } catch (const std::exception&) {
     return no_take("its first line is not the header of a take");
   }
@@ -188,9 +217,9 @@ fs::path journal_path(const fs::path& wav) { return fs::path{wav}.replace_extens
 Result<Take> read_take(const fs::path& wav) {
   const auto path = journal_path(wav);
   std::error_code ignored;
-  if (!fs::exists(wav, ignored))
+  if (!fs::is_regular_file(wav, ignored))
     return fail(Errc::BadFile, wav.string(), "there is no such file", "check the path");
-  if (!fs::exists(path, ignored))
+  if (!fs::is_regular_file(path, ignored))
     return fail(Errc::BadFile, wav.string(),
                 fmt::format("'{}' is missing in the same folder, so the recorded graph is unknown",
                             path.filename().string()),
@@ -201,6 +230,7 @@ Result<Take> read_take(const fs::path& wav) {
     return fail(Errc::BadFile, path.string(), "it is empty", "the take was cut off before its first frame");
   auto header = parse_header(line, path);
   if (!header) return tl::unexpected(header.error());
+  if (const auto status = check_numbers(*header, path); !status) return tl::unexpected(status.error());
   Take take;
   take.header = std::move(*header);
   for (int number = 2; std::getline(file, line); ++number) {

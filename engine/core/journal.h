@@ -59,8 +59,15 @@ class ControlInbox {
     journal_ = std::move(entries);
     next_ = 0;
   }
-  /// [control & stopped] The journal starts again.
-  void restart() noexcept { next_ = 0; }
+  /// [control & stopped] Frames are counted from 0 again: the journal starts again, posted entries for now
+  /// stay, and those for a frame, which was counted from the former start, are dropped.
+  void restart() {
+    next_ = 0;
+    std::vector<JournalEntry> stay;
+    for (JournalEntry entry; posted_.pop(entry);)
+      if (entry.frame == JournalEntry::kNow) stay.push_back(entry);
+    for (const auto& entry : stay) (void)posted_.push(entry);
+  }
   /// [control & stopped] `tap` observes every entry that is applied, with its true frame. nullptr: none.
   void set_tap(JournalTap* tap) noexcept { tap_ = tap; }
   /// [control, one thread] False: the queue is full.

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "engine/core/block_io.h"
@@ -15,10 +16,21 @@
 
 namespace tactus {
 
+/// Which source decided one limit of an output; for reports and takes.
+struct LimitOrigin {
+  std::string limit;   ///< "ceiling"
+  double value = 0.0;  ///< SI
+  std::string source;  ///< "[outputs] woofer"
+  std::optional<double> raised_from = {};
+
+  bool operator==(const LimitOrigin&) const = default;
+};
+
 /// What is connected to an output channel.
 struct GuardedChannel {
   DriveGuard::Kind kind = DriveGuard::Kind::Drive;
   DriveLimits limits;
+  std::vector<LimitOrigin> origins = {};  ///< of `limits`, as far as they are known
 };
 
 /// Why drives faded out. They come back only when the user arms them again, but for DeadMan.

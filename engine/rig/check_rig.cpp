@@ -37,7 +37,7 @@ class RigCheck {
     check_complete(instrument_.outputs, rig_.outputs, "output");
     for (const auto& input : instrument_.inputs) check_input(input);
     for (const auto& output : instrument_.outputs)
-      if (output.use == OutputUse::Audio) check_audio(output.name);
+      output.use == OutputUse::Audio ? check_audio(output.name) : check_drive(output.name);
     for (const auto& control : rig_.controls) check_control(control);
     for (const auto& midi : rig_.midi) check_midi(midi);
     return errors_.take();
@@ -98,6 +98,16 @@ class RigCheck {
                            "audio outputs have weaker limits than drives; use another channel, or make this "
                            "output a drive in the instrument");
       }
+  }
+
+  void check_drive(const std::string& name) {
+    const auto* output = find_named(rig_.outputs, name);
+    const auto has_profile = [this](int channel) {
+      const auto* actuator = rig_.actuator_on(channel);
+      return actuator != nullptr && actuator->has_actuator();
+    };
+    if (output != nullptr && std::ranges::none_of(output->channels, has_profile))
+      check_ceiling(output->drive, errors_);
   }
 
   void check_control(const Rig::Control& set) {
@@ -198,8 +208,7 @@ Checked<RigWiring> wire_rig(const Rig& rig, const Plan& schedule) {
     const auto* output = find_named(rig.outputs, port_of(channel.name));
     if (channel.use == OutputUse::Tap || output == nullptr) continue;
     wiring.out_map.push_back(next(*output));
-    const auto* actuator = rig.actuator_on(wiring.out_map.back() + 1);
-    wiring.drives.named[channel.name] = (actuator != nullptr ? actuator : output)->drive.limits;
+    wiring.limits.named[channel.name] = rig.limit_sources(wiring.out_map.back() + 1);
   }
   for (const auto& input : rig.inputs) check(input);
   for (const auto& output : rig.outputs) check(output);

@@ -25,7 +25,7 @@ std::shared_ptr<const GraphSpec> without_left_out(const Rig& rig,
 struct RigWiring {
   std::vector<int> in_map, out_map;  ///< channels of the card, from 0 on, in the order of the engine's
   std::vector<double> input_scales;  ///< value = scale * sample, in the order of the engine's inputs
-  DriveBook drives;                  ///< for `guarded_channels`
+  LimitBook limits;                  ///< for `guarded_channels`
 };
 
 /// [control] `schedule`: compiled from `without_left_out`, for a rig that passed `check_rig`.

@@ -69,20 +69,12 @@ std::optional<DriveLimits> read_limits(const DriveEntry& drive, const Source& en
   return limits;
 }
 
-/// What the user can raise; `of` is nullptr where an actuator has no such limit.
-struct RaisableLimit {
-  std::string name;
-  const char* unit;
-  double* (*of)(DriveLimits&);
-};
-const std::vector<RaisableLimit> kRaisable = {
-    {"ceiling", "", [](DriveLimits& l) { return &l.ceiling; }},
-    {"slew", "", [](DriveLimits& l) { return &l.slew_per_second; }},
-    {"power", "W", [](DriveLimits& l) { return l.heat ? &l.heat->watts_for_ever : nullptr; }},
-    {"travel", "m", [](DriveLimits& l) { return l.excursion ? &l.excursion->metres : nullptr; }},
-    {"direct_level", "", [](DriveLimits& l) { return &l.dc.level; }},
-    {"direct_time", "s", [](DriveLimits& l) { return &l.dc.time.value; }},
-};
+void report_raise(const DriveEntry& entry, double limit, ErrorList& errors) {
+  errors.add(
+      Errc::OutOfRange, entry.ceiling_at,
+      "a file cannot raise a limit: the ceiling of " + entry.name + " is " + short_number(limit),
+      "lower it, or use --raise-limit ceiling=" + short_number(*entry.ceiling) + " on the command line");
+}
 
 }  // namespace
 
@@ -168,27 +160,6 @@ DriveLimits limits_for(const ActuatorProfile& profile, double volts) {
   return limits;
 }
 
-Status raise_limit(DriveLimits& limits, const std::string& name, const std::string& text,
-                   const std::string& where) {
-  const auto* type = find_named(kRaisable, name);
-  if (type == nullptr)
-    return fail(Errc::UnknownName, where, "there is no limit '" + name + "'",
-                "there are " + listed(names_of(kRaisable)));
-  const auto value = read_quantity(Value{text, {}}, *parse_unit(type->unit), name);
-  if (!value) return tl::unexpected(value.error().at(where));
-  double* const limit = type->of(limits);
-  if (limit == nullptr || !std::isfinite(*limit))
-    return fail(Errc::OutOfRange, where, "this drive has no limit on '" + name + "' to raise", "remove it");
-  if (!(*value > *limit))
-    return fail(Errc::OutOfRange, where, "'" + name + "' is already " + short_number(*limit),
-                "a limit can only be raised here");
-  const double before = std::exchange(*limit, *value);
-  auto status = check(limits);
-  if (status) return status;
-  *limit = before;
-  return tl::unexpected(status.error().at(where));
-}
-
 std::vector<FieldType> actuator_fields() {
   return {text_field("profile", "woofer, bass_shaker, tactor_lra, voice_coil, …, or a path"),
           quantity_field("volts_per_full_scale", "V", 1e-3, 1000,
@@ -197,27 +168,29 @@ std::vector<FieldType> actuator_fields() {
           about_field()};
 }
 
-DriveEntry read_drive(const EntrySpec& entry, FieldReader& fields, const ProfilePlaces& places,
-                      ErrorList& errors) {
-  DriveEntry drive{fields.text("profile"), fields.number("volts_per_full_scale"), fields.number("ceiling")};
+std::vector<LimitSource> DriveEntry::sources() const {
+  std::vector<LimitSource> sources;
+  if (profile_limits)
+    sources.push_back({LimitSource::Kind::Profile, "profile '" + profile + "' of " + name, *profile_limits});
+  if (ceiling) sources.push_back({LimitSource::Kind::Ceiling, name, DriveLimits{.ceiling = *ceiling}});
+  return sources;
+}
+
+DriveEntry read_drive(const EntrySpec& entry, const std::string& section, FieldReader& fields,
+                      const ProfilePlaces& places, ErrorList& errors) {
+  DriveEntry drive{section + " " + entry.name, fields.text("profile"), fields.number("volts_per_full_scale"),
+                   fields.number("ceiling"), fields.at("ceiling", entry.at)};
   if (!drive.profile.empty() && drive.volts)
-    if (const auto limits = read_limits(drive, entry.at, fields.value("profile")->at, places, errors))
-      drive.limits = *limits;
-  auto& limit = drive.limits.ceiling;
-  if (drive.ceiling && *drive.ceiling > limit)
-    errors.add(
-        Errc::OutOfRange, fields.value("ceiling")->at,
-        "a file cannot raise a limit: the ceiling of '" + entry.name + "' is " + short_number(limit),
-        "lower it, or use --raise-limit ceiling=" + short_number(*drive.ceiling) + " on the command line");
-  else
-    limit = drive.ceiling.value_or(limit);
+    drive.profile_limits = read_limits(drive, entry.at, fields.value("profile")->at, places, errors);
+  if (drive.profile_limits && drive.ceiling && *drive.ceiling > drive.profile_limits->ceiling)
+    report_raise(drive, drive.profile_limits->ceiling, errors);
   return drive;
 }
 
-const DriveLimits& DriveBook::of(const std::string& channel) const {
-  auto found = named.find(channel);
-  if (found == named.end()) found = named.find(channel.substr(0, channel.find('[')));
-  return found == named.end() ? others : found->second;
+void check_ceiling(const DriveEntry& entry, ErrorList& errors) {
+  const double built_in = conservative_limits().ceiling;
+  if (entry.profile.empty() && entry.ceiling && *entry.ceiling > built_in)
+    report_raise(entry, built_in, errors);
 }
 
 }  // namespace tactus

@@ -13,6 +13,7 @@
 #include "engine/graph/file/field.h"
 #include "engine/graph/file/spec.h"
 #include "engine/guard/drive_limits.h"
+#include "engine/rig/limits.h"
 
 namespace tactus {
 
@@ -35,20 +36,6 @@ Result<std::filesystem::path> find_profile(const std::string& name, const std::f
 /// [any] The limits at a converter whose full scale puts `volts_per_full_scale` on the terminals.
 DriveLimits limits_for(const ActuatorProfile& profile, double volts_per_full_scale);
 
-/// What the user can raise on the command line and nowhere else: "ceiling", "slew", "power", "travel",
-/// "direct_level", "direct_time". Errors, at `where`: UnknownName; OutOfRange if `text` is no raise.
-Status raise_limit(DriveLimits& limits, const std::string& name, const std::string& text,
-                   const std::string& where);
-
-/// Limits of the drives of an instrument, by the name of the output or of one of its lanes.
-struct DriveBook {
-  std::map<std::string, DriveLimits> named;
-  DriveLimits others = conservative_limits();
-
-  /// `channel`: an output, or one of its lanes, as in "strings[2]".
-  const DriveLimits& of(const std::string& channel) const;
-};
-
 /// The folders of the profiles of a file.
 struct ProfilePlaces {
   std::filesystem::path folder;  ///< of the file: paths ("my_woofer.toml") start here
@@ -59,16 +46,26 @@ struct ProfilePlaces {
 /// What a file says of one actuator, as written:
 ///   { profile = "woofer", volts_per_full_scale = "10 V", ceiling = 0.8 }
 struct DriveEntry {
-  std::string profile;          ///< empty: conservative limits
-  std::optional<double> volts;  ///< per full scale
-  std::optional<double> ceiling;
-  DriveLimits limits = conservative_limits();  ///< that result from all this
+  std::string name = {};  ///< for messages: "[outputs] woofer"
+  std::string profile = {};
+  std::optional<double> volts = {};  ///< per full scale
+  std::optional<double> ceiling = {};
+  Source ceiling_at = {};
+  std::optional<DriveLimits> profile_limits = {};  ///< of `profile` at `volts`
+
+  std::vector<LimitSource> sources() const;
+  /// [any] By this entry alone, as a drive.
+  DriveLimits limits() const { return combine_limits(OutputTarget::Drive, sources()).limits; }
 };
 
 /// [any] The keys of an actuator.
 std::vector<FieldType> actuator_fields();
-/// [control] Reads these keys of `entry`; a ceiling may be lower than it is anyway, never higher.
-DriveEntry read_drive(const EntrySpec& entry, FieldReader& fields, const ProfilePlaces& places,
-                      ErrorList& errors);
+/// [control] Reads these keys of `entry`, which stands in the section `section`. Errors besides those of the
+/// keys: OutOfRange for a ceiling above that of the profile.
+DriveEntry read_drive(const EntrySpec& entry, const std::string& section, FieldReader& fields,
+                      const ProfilePlaces& places, ErrorList& errors);
+/// [control] OutOfRange if the ceiling of an entry without a profile is above that of a drive of which
+/// nothing is known.
+void check_ceiling(const DriveEntry& entry, ErrorList& errors);
 
 }  // namespace tactus

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "engine/graph/file/field.h"
@@ -47,7 +48,7 @@ class RigReader {
     if (const auto* device = read_section(table, "device", errors_)) read_device(*device);
     for (const auto& entry : read_entries(table, "inputs", "{ channel = 1 }", errors_)) read_input(entry);
     for (const auto& entry : read_entries(table, "outputs", "{ channel = 1 }", errors_))
-      rig_.outputs.push_back(read_output(entry, "output"));
+      rig_.outputs.push_back(read_output(entry, "output", "[outputs]"));
     for (const auto& entry :
          read_entries(table, "actuators",
                       "{ channel = 3, profile = \"woofer\", volts_per_full_scale = \"10 V\" }", errors_))
@@ -107,16 +108,17 @@ class RigReader {
     rig_.inputs.push_back(std::move(input));
   }
 
-  RigOutput read_output(const EntrySpec& entry, const char* what) {
+  RigOutput read_output(const EntrySpec& entry, const char* what, const char* section) {
     FieldReader fields{entry, *rig_fields()["outputs"].inside, errors_, what};
     RigOutput output;
     read_port(entry, fields, output);
-    output.drive = read_drive(entry, fields, places_, errors_);
+    output.drive = read_drive(entry, section, fields, places_, errors_);
     return output;
   }
 
   void read_actuator(const EntrySpec& entry) {
-    auto actuator = read_output(entry, "actuator");
+    auto actuator = read_output(entry, "actuator", "[actuators]");
+    check_ceiling(actuator.drive, errors_);
     if (actuator.channels.empty() && find(entry.fields, "channel") != nullptr && !rig_.incomplete)
       errors_.add(Errc::Missing, entry.at, "actuator '" + entry.name + "' has no channel",
                   "give its channel, or remove it");
@@ -256,6 +258,14 @@ const RigOutput* Rig::actuator_on(int channel) const {
   for (const auto& output : outputs)
     if (output.has_actuator() && output.uses(channel)) return &output;
   return nullptr;
+}
+
+std::vector<LimitSource> Rig::limit_sources(int channel) const {
+  std::vector<LimitSource> sources;
+  for (const auto* ports : {&actuators, &outputs})
+    for (const auto& port : *ports)
+      if (port.uses(channel)) std::ranges::copy(port.drive.sources(), std::back_inserter(sources));
+  return sources;
 }
 
 Checked<Rig> load_rig(const std::filesystem::path& file, const std::filesystem::path& root) {

@@ -85,6 +85,8 @@ struct Rig {
 
   /// The actuator on a channel, or nullptr.
   const RigOutput* actuator_on(int channel) const;
+  /// What [actuators] and [outputs] say of the limits on a channel.
+  std::vector<LimitSource> limit_sources(int channel) const;
 };
 
 /// [any] All keys of a rig file.

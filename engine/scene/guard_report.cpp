@@ -56,6 +56,16 @@ std::string describe(const GuardReport& report, const GuardEvent& event, Hertz s
                      static_cast<double>(event.frame) / sample_rate.value);
 }
 
+/// "ceiling 0.8 of [outputs] woofer"
+std::string limits_of(const std::string& source, const std::vector<LimitOrigin>& origins) {
+  std::vector<std::string> limits;
+  for (const auto& limit : origins)
+    if (limit.source == source)
+      limits.push_back(limit.limit + " " + limit_text(limit.limit, limit.value) +
+                       (limit.raised_from ? " (raised)" : ""));
+  return fmt::format("{} of {}", fmt::join(limits, ", "), source);
+}
+
 }  // namespace
 
 bool GuardReport::idle() const {
@@ -64,16 +74,24 @@ bool GuardReport::idle() const {
          });
 }
 
+bool GuardReport::any_raised() const {
+  const auto is_raised = [](const LimitOrigin& limit) { return limit.raised_from.has_value(); };
+  return std::ranges::any_of(
+      outputs, [&](const GuardedOutput& output) { return std::ranges::any_of(output.limits, is_raised); });
+}
+
 const char* name_of(GuardStage::Index stage) { return kStages[stage].name; }
 
 const char* name_of(GuardEvent::Kind kind) { return kEvents[static_cast<std::size_t>(kind)].name; }
 
-std::vector<std::string> output_names(const Plan& schedule) {
-  std::vector<std::string> names;
+std::vector<LimitedOutput> limited_outputs(const Plan& schedule) {
+  std::vector<LimitedOutput> outputs;
   for (const auto& channel : schedule.channels)
-    if (channel.use != OutputUse::Tap) names.push_back(channel.name);
-  return names;
+    if (channel.use != OutputUse::Tap) outputs.push_back({channel.name, channel.use});
+  return outputs;
 }
+
+std::vector<std::string> output_names(const Plan& schedule) { return names_of(limited_outputs(schedule)); }
 
 std::vector<std::string> sound_names(const Plan& schedule, const std::vector<Role>& roles) {
   constexpr std::string_view kRole = "monitor", kInstrument = "instrument.";
@@ -90,13 +108,9 @@ std::vector<std::string> sound_names(const Plan& schedule, const std::vector<Rol
   return monitors.empty() ? names : monitors;
 }
 
-std::vector<GuardedChannel> guarded_channels(const Plan& schedule, const DriveBook& drives) {
+std::vector<GuardedChannel> guarded_channels(const Plan& schedule, const LimitBook& limits) {
   std::vector<GuardedChannel> channels;
-  for (const auto& channel : schedule.channels) {
-    if (channel.use == OutputUse::Audio) channels.push_back({DriveGuard::Kind::Audio, {}});
-    if (channel.use == OutputUse::Drive)
-      channels.push_back({DriveGuard::Kind::Drive, drives.of(channel.name)});
-  }
+  for (const auto& output : limited_outputs(schedule)) channels.push_back(limits.of(output));
   return channels;
 }
 
@@ -107,6 +121,7 @@ GuardReport report_of(Guarded& guarded, const std::vector<GuardedChannel>& chann
   for (std::size_t c = 0; c < outputs.size(); ++c) {
     const int index = static_cast<int>(c);
     GuardedOutput output{outputs[c], guarded.counts(index), guarded.thermal_state(index)};
+    output.limits = channels[c].origins;
     if (const auto& heat = channels[c].limits.heat) output.rise_kelvin = heat->rise_kelvin * output.heat.coil;
     report.outputs.push_back(std::move(output));
   }
@@ -115,8 +130,31 @@ GuardReport report_of(Guarded& guarded, const std::vector<GuardedChannel>& chann
   return report;
 }
 
-GuardReport report_of(Guarded& guarded, const Plan& schedule, const DriveBook& drives) {
-  return report_of(guarded, guarded_channels(schedule, drives), schedule.input_names, output_names(schedule));
+GuardReport report_of(Guarded& guarded, const Plan& schedule, const LimitBook& limits) {
+  return report_of(guarded, guarded_channels(schedule, limits), schedule.input_names, output_names(schedule));
+}
+
+std::vector<std::string> describe_limits(const std::vector<std::string>& outputs,
+                                         const std::vector<GuardedChannel>& channels) {
+  std::vector<std::string> lines;
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    std::vector<std::string> sources, parts;
+    for (const auto& limit : channels[c].origins)
+      if (std::ranges::find(sources, limit.source) == sources.end()) sources.push_back(limit.source);
+    for (const auto& source : sources) parts.push_back(limits_of(source, channels[c].origins));
+    lines.push_back(fmt::format("{}: {}", outputs[c], fmt::join(parts, "; ")));
+  }
+  return lines;
+}
+
+std::vector<std::string> describe_raises(const std::string& output, const std::vector<LimitOrigin>& limits) {
+  std::vector<std::string> lines;
+  for (const auto& limit : limits)
+    if (limit.raised_from)
+      lines.push_back(fmt::format("{}: the limit '{}' is raised from {} ({}) to {}", output, limit.limit,
+                                  limit_text(limit.limit, *limit.raised_from), limit.source,
+                                  limit_text(limit.limit, limit.value)));
+  return lines;
 }
 
 std::vector<std::string> describe(const GuardReport& report, Hertz sample_rate) {

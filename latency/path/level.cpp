@@ -36,6 +36,10 @@ constexpr int kPeriod = LevelSearch::kLevelProbeWindows + windows_in(kLevelPatie
 
 }  // namespace
 
+bool PathLevel::hidden_by_noise() const noexcept {
+  return !delay && level * level / 2.0 < kStandsOut * noise_power;
+}
+
 RingOutMonitor::RingOutMonitor(Seconds outstanding) : outstanding_(windows_in(outstanding)) {}
 
 RingOutMonitor::Result RingOutMonitor::observe(const LevelWindow& window) noexcept {
@@ -128,7 +132,8 @@ LevelSearch::Step LevelSearch::decide() noexcept {
   const int lag = best_lag();
   const Probe& last = probes_[probe_count_ - 1];
   if (power_at(last.window + lag) < kStandsOut * found_.noise_power) {
-    found_.level = last.level;
+    // Nobody knows where the sound goes: what else is played stays soft.
+    found_.level = probes_[0].level;
     return Step::Ready;
   }
   found_.delay = kWindow * lag;

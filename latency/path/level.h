@@ -20,6 +20,9 @@ struct PathLevel {
   double level = 0.0;            ///< to play at; full scale = 1
   std::optional<Seconds> delay;  ///< within two windows; nothing: it was not captured
   double noise_power = 0.0;      ///< per sample
+
+  /// Nothing was captured, and the noise would hide what is played at `level` even if all of it came back.
+  bool hidden_by_noise() const noexcept;
 };
 
 /// Has the sound gone when nothing more is played? Fed with the windows after the output was muted.
@@ -41,8 +44,9 @@ class RingOutMonitor {
 /// probes") that become louder by 6 dB each, until one is captured 30 dB above the noise, or near the input's
 /// end, or as loud as allowed. How long a level probe takes to come back is not known, and may be seconds, so
 /// it goes on when none is captured after 150 ms; once everything has come back, each is found by the pattern
-/// of their loudness, and the softest that does is taken. It decides by what it captured, window by window,
-/// and never by a clock.
+/// of their loudness, and the softest that does is taken. If none was captured, `softest` is taken: that is
+/// enough to find the sound on another input. It decides by what it captured, window by window, and never by
+/// a clock.
 class LevelSearch {
  public:
   static constexpr Seconds kWindow{0.01};

@@ -55,7 +55,7 @@ class EveryNode {
 /// An engine behind its guard, both recorded, and hands on both.
 class PlayedGraph {
  public:
-  PlayedGraph(std::unique_ptr<Player> engine, const DriveBook& drives)
+  PlayedGraph(std::unique_ptr<Player> engine, const LimitBook& drives)
       : engine_(std::move(engine)),
         guarded_(*engine_, guarded_channels(engine_->plan(), drives)),
         take_(engine_->in_channels(), engine_->out_channels(), 4096) {
@@ -124,7 +124,7 @@ class SceneSubject final : public Subject {
 /// The graph of every_node.h on noise, which comes round after `kNoise` frames.
 class GraphSubject : public Subject {
  public:
-  GraphSubject(const DriveBook& drives, int frames)
+  GraphSubject(const LimitBook& drives, int frames)
       : player_(std::make_unique<Player>(every_.version(false)), drives), frames_(frames), noise_(kNoise) {
     name = "every node";
     std::mt19937 random{1};
@@ -162,7 +162,7 @@ class GraphSubject : public Subject {
 /// new one every `kCallbacksAnEdit` callbacks.
 class EditedSubject final : public GraphSubject {
  public:
-  EditedSubject(const DriveBook& drives, int frames) : GraphSubject(drives, frames) { name += ", edited"; }
+  EditedSubject(const LimitBook& drives, int frames) : GraphSubject(drives, frames) { name += ", edited"; }
   void await() override {
     if (calls_++ % kCallbacksAnEdit != 0) return;
     while (edits_ == met_) std::this_thread::yield();
@@ -207,8 +207,9 @@ void add_scenes(const fs::path& instruments, int frames, Subjects& subjects) {
 Subjects all_subjects(const fs::path& instruments, int frames) {
   Subjects subjects;
   add_scenes(instruments, frames, subjects);
-  DriveBook drives;
-  drives.others = limits_for(must(load_profile(must(find_profile("woofer", instruments, {})))), 10);
+  const auto woofer = limits_for(must(load_profile(must(find_profile("woofer", instruments, {})))), 10);
+  LimitBook drives;
+  drives.drives = {{LimitSource::Kind::Profile, "woofer", woofer}};
   subjects.push_back(std::make_unique<GraphSubject>(drives, frames));
   subjects.push_back(std::make_unique<EditedSubject>(drives, frames));
   return subjects;

@@ -60,10 +60,10 @@ class LiveInstrument final : public Performer {
     outputs = output_names(*plan);
     in_map = wiring_.in_map;
     out_map = wiring_.out_map;
-    guards = guarded_channels(*plan, apply(setup_.guard, std::move(wiring_.drives), setup_.root));
-    for (auto& guard : guards)
-      if (!setup_.rig && guard.kind == DriveGuard::Kind::Audio)
-        guard = {DriveGuard::Kind::Drive, conservative_limits()};
+    auto limits = apply(setup_.guard, std::move(wiring_.limits), setup_.root);
+    limits.sound_known = setup_.rig.has_value();
+    announce_raises(limits, *plan);
+    guards = guarded_channels(*plan, limits);
     engine_ = std::make_unique<Player>(std::move(plan));
     if (RigInputs::needed(wiring_.input_scales, setup_.padding_frames))
       rig_inputs_.emplace(*engine_, wiring_.input_scales, setup_.padding_frames);
@@ -134,6 +134,7 @@ class LiveInstrument final : public Performer {
 };
 
 constexpr double kStrikeSeconds = 0.01;  // that the key is down
+constexpr int kStrikeControl = 0;        // the only one: see SceneOptions::by_hand
 
 struct Read {
   SceneSpec scene;
@@ -172,7 +173,7 @@ class LiveWorld final : public Performer, private BlockProcessor {
       outputs.push_back(sounds[c % sounds.size()]);
       monitor_.push_back(static_cast<int>(std::ranges::find(all, outputs.back()) - all.begin()));
     }
-    guards.resize(outputs.size(), {DriveGuard::Kind::Audio, {}});
+    guards.resize(outputs.size(), combine_limits(OutputTarget::Sound, {}));
   }
 
   BlockProcessor& processor() override { return *this; }
@@ -193,13 +194,12 @@ class LiveWorld final : public Performer, private BlockProcessor {
 
   bool strike() override {
     auto& plant = *built_.plant;
-    constexpr int control = 0;  // the only one: see SceneOptions::by_hand
     if (plant.plan().controls.empty()) return false;
     const auto down = std::llround(frames_in(Seconds{kStrikeSeconds}, setup_.rate));
     const std::int64_t up = plant.frame() + max_frames_ + down;
     using Kind = JournalEntry::Kind;
-    return plant.post({JournalEntry::kNow, Kind::ControlChange, control, 1.0}) &&
-           plant.post({up, Kind::ControlChange, control, 0.0});
+    return plant.post({JournalEntry::kNow, Kind::ControlChange, kStrikeControl, 1.0}) &&
+           plant.post({up, Kind::ControlChange, kStrikeControl, 0.0});
   }
 
  private:
@@ -219,6 +219,9 @@ class LiveWorld final : public Performer, private BlockProcessor {
   Status prepare(const StreamFormat& format) override {
     max_frames_ = format.max_frames;
     if (auto status = loop_.prepare(format.sample_rate, format.max_frames); !status) return status;
+    // The stick of a strike before a reconnection would never be released.
+    if (!built_.plant->plan().controls.empty())
+      (void)built_.plant->post({JournalEntry::kNow, JournalEntry::Kind::ControlChange, kStrikeControl, 0.0});
     // The simulated card is on from the first frame, as when the scene is rendered; the real one starts
     // softly.
     guarded_.skip_soft_start();
@@ -262,6 +265,7 @@ std::unique_ptr<Performer> make_instrument(PerformerSetup setup) {
 
 std::unique_ptr<Performer> make_world(PerformerSetup setup) {
   auto read = read_scene(setup);
+  announce_raises(read.scene.drives, *read.compiled.instrument);
   return std::make_unique<LiveWorld>(std::move(setup), std::move(read));
 }
 

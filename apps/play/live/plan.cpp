@@ -124,6 +124,11 @@ class Planner {
              "omit --listen to write the signals of a scene to files");
     error_if(!options_.rig.empty() && !options_.save_rig.empty(), "--save-rig", "a rig file is already given",
              "omit --rig, or change the rig file");
+    for (const auto& [given, option] : {std::pair{!options_.guard.profile.empty(), "--profile"},
+                                        {!options_.guard.volts.empty(), "--volts-per-full-scale"}})
+      error_if(given && !plan_.rig_file.empty(), option,
+               "cannot be combined with a rig, which names the actuator of each channel",
+               "change the rig file; to raise a limit, use --raise-limit");
     if (options_.rig.empty()) return;
     plan_.rig = or_exit(load_rig(options_.rig, plan_.root), kBadFile);
     device_ = plan_.rig->device;
@@ -131,9 +136,10 @@ class Planner {
     for (const auto& [given, option] :
          {std::pair{!options_.in.empty(), "--inputs"},
           {!options_.out.empty(), "--outputs"},
+          {!options_.backend.empty(), "--backend"},
           {!options_.device.empty() && options_.device != device_.output, "--device"},
           {!options_.input_device.empty() && options_.input_device != device_.input, "--input-device"}})
-      error_if(given, option, "cannot be combined with --rig, which assigns the channels",
+      error_if(given, option, "cannot be combined with --rig, which names the device and the channels",
                "change the rig file, or create another with --save-rig");
   }
 
@@ -154,6 +160,7 @@ class Planner {
   void save(bool force) {
     or_exit(save_rig(*plan_.rig, plan_.rig_file, dialog_, force), kBadFile);
     fmt::print(stderr, "{} is written\n", plan_.rig_file);
+    plan_.rig = or_exit(load_rig(plan_.rig_file, plan_.root), kBadFile);  // with the limits of its profiles
   }
 
   void learn() {
@@ -177,7 +184,7 @@ class Planner {
       take_stored_delay();
     }
     auto pad = plan_.rig ? plan_.rig->pad_delay : std::nullopt;
-    if (!options_.pad_delay.empty()) pad = Seconds{parse_option(options_.pad_delay, "s", "pad-delay")};
+    if (!options_.pad_delay.empty()) pad = Seconds{parse_option(options_.pad_delay, "s", "pad-delay", 0, 10)};
     if (pad)
       plan_.padding_frames =
           or_exit(padding_frames(plan_.delay, *pad, *plan_.request.sample_rate,

@@ -176,6 +176,8 @@ std::string announcement(const Session& session, const LivePlan& plan, const Liv
   text += options.listen ? "the sound is played on the first channels of " + granted.device +
                                ": connect speakers there, not actuators"
                          : delay_text(plan);
+  for (const auto& line : describe_limits(plan.performer->outputs, plan.performer->guards))
+    text += "\nlimits    " + line;
   if (!options.arm && session.has_drives())
     text += "\nthe drives are disarmed: press a twice, or start with --arm";
   return text;

@@ -43,6 +43,7 @@ Json levels_json(const std::vector<SessionView::Level>& levels) {
 
 Json report_json(Session& session, const SessionView& view, const Performer& performer) {
   const auto& granted = session.granted();
+  const auto guard = session.guard_report();
   Json json{{"instrument", performer.name},
             {"device", granted.device},
             {"sample_rate_hz", granted.format.sample_rate.value},
@@ -51,7 +52,8 @@ Json report_json(Session& session, const SessionView& view, const Performer& per
             {"highest_output", levels_json(view.outputs)},
             {"health", session_health(view.health)},
             {"takes", list_of(session.takes(), [](const auto& take) { return take.string(); })},
-            {"guard", guard_json(session.guard_report(), granted.format.sample_rate)}};
+            {"limits", limits_json(guard)},
+            {"guard", guard_json(guard, granted.format.sample_rate)}};
   if (const auto ports = performer.ports(); !ports.empty()) json["ports"] = ports_json(ports);
   return json;
 }

@@ -12,9 +12,11 @@ namespace tactus {
 /// and Vo, IETF draft-eastlake-fnv.
 class Fingerprint {
  public:
-  Fingerprint& add(std::string_view text) {
-    for (const char c : text) byte(static_cast<unsigned char>(c));
-    return add(std::uint64_t{text.size()});
+  Fingerprint& add(std::string_view text) { return add_part(text).add(std::uint64_t{text.size()}); }
+  /// A part of a text, behind whose last part comes the size of the whole.
+  Fingerprint& add_part(std::string_view part) {
+    for (const char c : part) byte(static_cast<unsigned char>(c));
+    return *this;
   }
   Fingerprint& add(double number) { return add(std::bit_cast<std::uint64_t>(number + 0.0)); }
   Fingerprint& add(std::uint64_t number) {

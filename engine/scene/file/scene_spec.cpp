@@ -333,7 +333,9 @@ class SceneReader {
     scene_.drive_places[entry.name] = entry.at;
     if (entry.broken) return;
     FieldReader fields{entry, section_fields("drives"), errors_, "drive"};
-    scene_.drives.named[entry.name] = read_drive(entry, fields, {folder_, root_, root_}, errors_).limits;
+    const auto drive = read_drive(entry, "[drives]", fields, {folder_, root_, root_}, errors_);
+    check_ceiling(drive, errors_);
+    scene_.drives.named[entry.name] = drive.sources();
   }
 
   void read_times(const Value::Table& table) {

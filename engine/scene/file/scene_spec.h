@@ -153,7 +153,7 @@ struct SceneSpec {
   std::vector<ScenePart> parts;  ///< in file order; `plant` is among them, and mostly `instrument`
   std::vector<Gesture> gestures;
   Converters converters;
-  DriveBook drives;                            ///< what the guard of each drive is to keep
+  LimitBook drives;                            ///< limits of the drives
   std::map<std::string, Source> drive_places;  ///< where [drives] names them
   std::vector<Port> ports;
   std::vector<Role> roles;          ///< of signals

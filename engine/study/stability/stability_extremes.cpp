@@ -94,7 +94,7 @@ ExtremeRun run_guarded(const StabilitySubject& subject, BuiltScene& built, Extre
   Disturbed disturbed{*built.instrument, run};
   Guarded guarded{disturbed,
                   guarded_channels(built.instrument->plan(),
-                                   subject.scene != nullptr ? subject.scene->scene->drives : DriveBook{})};
+                                   subject.scene != nullptr ? subject.scene->scene->drives : LimitBook{})};
   ClosedLoop loop{guarded, *built.plant, built.instrument->out_channels(), built.delay_frames,
                   subject.scene != nullptr ? subject.scene->scene->converters : Converters{.on = false}};
   if (!loop.prepare(run.rate, kExtremesBlock)) return run;

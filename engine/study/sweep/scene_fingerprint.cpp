@@ -65,6 +65,8 @@ struct SceneHash {
     (*this)(limits.ceiling, limits.slew_per_second, limits.dc.level, limits.dc.time.value, limits.heat,
             limits.excursion);
   }
+  void add(const LimitSource& source) { (*this)(static_cast<std::uint64_t>(source.kind), source.limits); }
+  void add(const LimitRaise& raise) { (*this)(raise.output, raise.limit, raise.value); }
   void add(const Playability& rules) {
     (*this)(rules.kind, rules.from_s, rules.to_s, rules.fewest, rules.hits.name, rules.contact.name,
             rules.sound.name, rules.pitch.name, rules.pitch_hz, rules.begin_s, rules.quiet);
@@ -75,8 +77,8 @@ struct SceneHash {
 
 Fingerprint& add(Fingerprint& print, const SceneSpec& scene) {
   SceneHash{print}(scene.rate.value, scene.delay.value, scene.duration.value, scene.seed, scene.parts,
-                   scene.gestures, scene.converters.on, scene.converters.bits, scene.drives.others,
-                   scene.drives.named, scene.playability);
+                   scene.gestures, scene.converters.on, scene.converters.bits, scene.drives.named,
+                   scene.drives.drives, scene.drives.raises, scene.playability);
   return print;
 }
 

@@ -1,21 +1,16 @@
 // The program itself, on files and on simulated cards.
 #if defined(__unix__)
-#include <sys/wait.h>
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <csignal>
-#include <cstdlib>
-#include <fstream>
-#include <iterator>
-#include <nlohmann/json.hpp>
-#include <sstream>
+#include <numbers>
 
 #include "apps/render/render.h"
 #include "engine/dsp/generators/counter_noise.h"
 #include "engine/rig/rig.h"
+#include "latency/probe/probe.h"
 #include "tests/support/child_process.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/desk.h"
 #include "tests/support/wait_until.h"
 #include "tests/support/well_formed.h"
 
@@ -24,29 +19,12 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string text_of(const fs::path& file) {
-  std::ifstream in{file};
-  return {std::istreambuf_iterator<char>{in}, {}};
-}
+using test::check_exit;
+using test::text_of;
 
-struct Ran {
-  int exit = -1;
-  std::string out, err;
-  nlohmann::json json() const { return nlohmann::json::parse(out, nullptr, false); }
-};
-
-/// A folder with the files of a test, where the program runs and keeps what it measures.
-class Desk {
+/// With what probes need.
+class Desk : public test::Desk {
  public:
-  Ran run(const std::string& arguments) const {
-    const auto command = "cd " + folder.path().string() + " && XDG_STATE_HOME=" + state().string() + " " +
-                         TACTUS_PROGRAM + " " + arguments + " > out.txt 2> err.txt < /dev/null";
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(file("out.txt")), text_of(file("err.txt"))};
-  }
-  fs::path file(const std::string& name) const { return folder.path() / name; }
-  fs::path state() const { return folder.path() / "state"; }
-
   /// What `tactus latency probe` writes, and a recording of it: later, with another gain, with noise.
   Samples probe(const std::string& rate = "48 kHz") const {
     REQUIRE(run("latency probe --out probe.wav --rate '" + rate + "'").exit == 0);
@@ -55,8 +33,6 @@ class Desk {
   void capture(const std::string& name, const Samples& samples) const {
     REQUIRE(write_wav(file(name), samples));
   }
-
-  test::TemporaryFolder folder;
 };
 
 /// As a cable of so many frames brings it, and silence behind.
@@ -70,19 +46,6 @@ Samples later(const Samples& probe, int frames, double gain) {
   for (std::size_t n = 0; n < channel.size(); ++n)
     channel[n] += 1e-4 * noise.gaussian(static_cast<std::int64_t>(n));
   return captured;
-}
-
-/// `names`: all of them stand in the output, in this order.
-void check_exit(const Ran& ran, int exit, const std::string& names) {
-  INFO(ran.out << ran.err);
-  CHECK(ran.exit == exit);
-  std::size_t at = 0;
-  std::istringstream words{names};
-  for (std::string word; words >> word;) {
-    CAPTURE(word);
-    at = (ran.out + ran.err).find(word, at);
-    CHECK(at != std::string::npos);
-  }
 }
 
 }  // namespace
@@ -323,6 +286,83 @@ TEST_CASE("latency measure: a rig says what to measure, and keeps the delay besi
   CHECK(rig->name == "my desk");
   CHECK(rig->inputs[0].scale() == Approx(20));
   CHECK(rig->device.rate == 48_kHz);
+}
+
+namespace {
+
+/// The highest sample that the output ever had.
+double highest_played(const Desk& desk) {
+  const auto recording = read_wav(desk.file("raw.wav"));
+  REQUIRE(recording);
+  double highest = 0;
+  for (const double sample : recording->channels.front()) highest = std::max(highest, std::abs(sample));
+  return highest;
+}
+
+/// As loud as the slew limit of an unknown drive lets the highest frequency of the probe be.
+double loudest_unknown() {
+  const auto limits = conservative_limits();
+  const double stop_hz = measuring_probe(48_kHz).stop.value;
+  return std::min({limits.ceiling, limits.slew_per_second / (2 * std::numbers::pi * stop_hz), 0.5012});
+}
+
+const std::string kRecorded = " --no-keep --wav raw.wav --openings 1 --sweeps 2 --json";
+
+}  // namespace
+
+TEST_CASE("latency measure: an output of which nothing is known is a drive, whatever comes back",
+          "[latency]") {
+  const Desk desk;
+  const std::string card = GENERATE("loop:20ms", "loop:no_cable", "loop:wrong_channel", "loop:noise");
+  CAPTURE(card);
+  const auto ran = desk.run("latency measure --device " + card + kRecorded);
+  INFO(ran.out << ran.err);
+  CHECK(ran.err.find("--cable") != std::string::npos);
+  CHECK(highest_played(desk) <= loudest_unknown());
+  if (card == "loop:20ms") CHECK(ran.json()["verdict"] == "ok");
+  if (card == "loop:no_cable") CHECK(ran.json()["verdict"] == "NO_SIGNAL");
+  if (card == "loop:wrong_channel") CHECK(ran.json()["verdict"] == "WRONG_CHANNEL");
+}
+
+TEST_CASE("latency measure: a level that is asked for lowers the limits and never raises them", "[latency]") {
+  const Desk desk;
+  (void)desk.run("latency measure --device loop:no_cable --level '-3 dBFS'" + kRecorded);
+  CHECK(highest_played(desk) <= loudest_unknown());
+  (void)desk.run("latency measure --device loop:no_cable --level '-45 dBFS'" + kRecorded);
+  CHECK(highest_played(desk) <= 0.00563);
+}
+
+TEST_CASE(
+    "latency measure: with --cable level probes rise to the level, and no sweep does that is not captured",
+    "[latency]") {
+  const Desk desk;
+  const std::string card = GENERATE("loop:no_cable", "loop:wrong_channel");
+  CAPTURE(card);
+  const auto ran = desk.run("latency measure --cable --device " + card + kRecorded);
+  INFO(ran.out << ran.err);
+  CHECK(ran.json()["verdict"] == (card == "loop:no_cable" ? "NO_SIGNAL" : "WRONG_CHANNEL"));
+  CHECK(highest_played(desk) <= 0.5012);
+  CHECK(highest_played(desk) > 0.4);
+  CHECK(ran.json()["openings"][0]["level_dbfs"].get<double>() == Approx(-50).epsilon(0).margin(0.01));
+}
+
+TEST_CASE("latency measure: what the rig says of an output holds, from all its sections", "[latency]") {
+  const Desk desk;
+  desk.folder.write("desk.toml",
+                    "format = 1\n[device]\noutput = \"loop:no_cable\"\n[outputs]\nwoofer = { channel = 2, "
+                    "ceiling = 0.01 }\n[actuators]\nshaker = { channel = 2, profile = \"fast.toml\", "
+                    "volts_per_full_scale = \"1 V\" }\n");
+  desk.folder.write("fast.toml",
+                    "format = 1\nname = \"x\"\n[drive]\nresistance = \"8 ohm\"\npeak = \"1 V\"\nsoft_start = "
+                    "\"0 s\"\nfade_out = \"0 s\"\n");
+  (void)desk.run("latency measure --rig desk.toml" + kRecorded);
+  CHECK(highest_played(desk) <= 0.01);
+  CHECK(highest_played(desk) > 0.009);
+  // Nothing is said of the other one.
+  (void)desk.run("latency measure --rig desk.toml --out 1" + kRecorded);
+  CHECK(highest_played(desk) <= loudest_unknown());
+  check_exit(desk.run("latency measure --rig desk.toml --cable"), 2, "--cable --device --rig");
+  check_exit(desk.run("latency measure --rig desk.toml --backend loop"), 2, "--backend --rig");
 }
 
 TEST_CASE("latency sweep: delay per block and fixed delay are separated", "[latency]") {

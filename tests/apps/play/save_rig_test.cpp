@@ -53,7 +53,7 @@ TEST_CASE("save_rig: all defaults give a rig that fits, with conservative limits
   CHECK(rig->inputs[0].channels == std::vector{1});
   CHECK(rig->outputs[0].channels == std::vector{1});
   CHECK(rig->outputs[1].channels == std::vector{2});
-  CHECK(rig->outputs[0].drive.limits.ceiling == conservative_limits().ceiling);
+  CHECK(rig->outputs[0].drive.limits().ceiling == conservative_limits().ceiling);
   CHECK(rig->device.block == 64);
 }
 
@@ -77,7 +77,7 @@ TEST_CASE("save_rig: answers become the rig, and nonsense is asked again", "[rig
   CHECK(rig->inputs[0].scale() == Approx(20));
   CHECK(rig->outputs[0].channels == std::vector{3});
   CHECK(rig->outputs[0].drive.profile == "woofer");
-  CHECK(rig->outputs[0].drive.limits.heat->watts_at_full_scale == Approx(100 / 6.5));
+  CHECK(rig->outputs[0].drive.limits().heat->watts_at_full_scale == Approx(100 / 6.5));
   CHECK(rig->outputs[1].channels == std::vector{1});
   CHECK(rig->actuator_on(4) != nullptr);
   for (const auto* name : {"channel 7", "1 to 2", "'two'", "'woofer'", "channel 3"})

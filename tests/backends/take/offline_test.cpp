@@ -51,7 +51,8 @@ Result<Samples> render(Guarded& guarded, const Samples& input, std::size_t chann
       output.channels[c].insert(output.channels[c].end(), out[c], out[c] + frames);
     return {};
   };
-  if (auto status = run_offline(guarded, input, static_cast<int>(channels), blocks, sink); !status)
+  if (auto status = run_offline(guarded, offline_input(input), static_cast<int>(channels), blocks, sink);
+      !status)
     return tl::unexpected(status.error());
   return output;
 }
@@ -84,7 +85,8 @@ TEST_CASE("offline: the processor gets the rate, the channels and the longest bl
   Guarded guarded{inner, {}};
   std::vector<int> blocks;
   const auto sink = [&](const double* const*, int frames) { return blocks.push_back(frames), Status{}; };
-  REQUIRE(run_offline(guarded, {Hertz{22050}, {std::vector<double>(90)}}, 5, {10, 30, 20}, sink));
+  const Samples silence{Hertz{22050}, {std::vector<double>(90)}};
+  REQUIRE(run_offline(guarded, offline_input(silence), 5, {10, 30, 20}, sink));
   CHECK(inner.format().sample_rate == Hertz{22050});
   CHECK(inner.format().in_channels == 1);
   CHECK(inner.format().out_channels == 5);
@@ -107,7 +109,8 @@ TEST_CASE("offline: a sink that fails is an error", "[backends]") {
   Smooth inner;
   Guarded guarded{inner, no_limits(1)};
   const auto full = [](const double* const*, int) -> Status { return fail(Errc::BadFile, "", "full"); };
-  CHECK(run_offline(guarded, ramp(1, 10), 1, {4}, full).error().code == Errc::BadFile);
+  const auto input = ramp(1, 10);
+  CHECK(run_offline(guarded, offline_input(input), 1, {4}, full).error().code == Errc::BadFile);
   CHECK(guarded.frame() == 4);
 }
 

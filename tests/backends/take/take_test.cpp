@@ -76,6 +76,42 @@ TEST_CASE("take: headers of format 1 are read, those of a later format refused",
     CHECK(message(folder, with_version(version)) == "take.jsonl BadFile");
 }
 
+TEST_CASE("take: a number that no recording has is refused with its key", "[take]") {
+  const TemporaryFolder folder;
+  const auto with = [&](const std::string& from, const std::string& to) {
+    auto line = journal_line(full_header());
+    const auto at = line.find(from);
+    REQUIRE(at != std::string::npos);
+    return message(folder, line.replace(at, from.size(), to));
+  };
+  const std::string padding = "\"padding_frames\":7";
+  for (const auto* frames : {"-1", "441001", "2000000000"})
+    CHECK(with(padding, std::string{"\"padding_frames\":"} + frames) ==
+          "take.jsonl:1 BadFile 'padding_frames' " + std::string{frames} + " 0 441000");
+  for (const auto* frames : {"3000000000", "1e99", "0.5", "\"many\"", "null"})
+    CHECK(with(padding, std::string{"\"padding_frames\":"} + frames) ==
+          "take.jsonl BadFile 'padding_frames'");
+  CHECK(with("\"sample_rate_hz\":44100.0", "\"sample_rate_hz\":1e12") ==
+        "take.jsonl:1 BadFile 'sample_rate_hz' 1000000000000 1000 768000");
+  CHECK(with("\"system_delay_s\":0.02", "\"system_delay_s\":null") ==
+        "take.jsonl:1 BadFile 'system_delay_s' 0 20");
+}
+
+TEST_CASE("take: limits are recorded with their sources, which earlier takes do not have", "[take]") {
+  const TemporaryFolder folder;
+  auto header = full_header();
+  header.guard[0].origins = {{"ceiling", 0.8, "woofer", 0.5}, {"slew", 1000, "the built-in limits"}};
+  auto line = journal_line(header);
+  folder.write("take.wav", "");
+  folder.write("take.jsonl", line);
+  const auto take = read_take(folder.path() / "take.wav");
+  REQUIRE(take);
+  CHECK(take->header.guard[0].origins == header.guard[0].origins);
+  const auto from = line.find(",\"origins\":["), to = line.find(']', from);
+  REQUIRE(to != std::string::npos);
+  CHECK(message(folder, line.erase(from, to + 1 - from)).empty());
+}
+
 TEST_CASE("take: a journal that breaks off in the middle of a line holds up to there", "[take]") {
   const TemporaryFolder folder;
   folder.write("take.wav", "");

@@ -195,6 +195,9 @@ TEST_CASE_METHOD(OnServer, "play: nothing goes around a rig", "[cards]") {
   CHECK_THAT(refused({"--inputs", "2"}), Catch::Contains("--inputs: cannot be combined with --rig"));
   CHECK_THAT(refused({"--device", "jack:loopback"}),
              Catch::Contains("--device: cannot be combined with --rig"));
+  CHECK_THAT(refused({"--backend", "jack"}), Catch::Contains("--backend: cannot be combined with --rig"));
+  CHECK_THAT(refused({"--profile", "voice_coil", "--volts-per-full-scale", "1"}),
+             Catch::Contains("--profile: cannot be combined with a rig"));
   // The delay was measured with 64 frames a block, and this server has 256.
   CHECK_THAT(refused({"--pad-delay", "20 ms"}), Catch::Contains("the padding is unknown"));
   Playing play{{tone, "--rig", rig, "--duration", "0.2 s"}};

@@ -36,6 +36,21 @@ TEST_CASE("control inbox: every entry is applied at its frame, and blocks are cu
   CHECK(tap.entries[1] == entry(3, 3));
 }
 
+TEST_CASE("control inbox: after a restart entries for now still count, and those for a frame do not",
+          "[core]") {
+  ControlInbox inbox;
+  Tap tap;
+  inbox.set_tap(&tap);
+  REQUIRE(inbox.post(entry(100'000, 1)));
+  REQUIRE(inbox.post(entry(JournalEntry::kNow, 2)));
+  const auto ignore = [](const JournalEntry&) {};
+  CHECK(inbox.take_due(10, 64, ignore) == 64);
+  CHECK(tap.entries.empty());  // behind one that waits for its frame
+  inbox.restart();
+  CHECK(inbox.take_due(0, 64, ignore) == 64);
+  CHECK(tap.entries == std::vector{entry(0, 2)});
+}
+
 TEST_CASE("control inbox: an entry for now carries its true frame, and a restart repeats the journal only",
           "[core]") {
   ControlInbox inbox;

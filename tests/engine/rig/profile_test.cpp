@@ -117,28 +117,12 @@ TEST_CASE("profile: every shipped one can be read, says where its figures are fr
   CHECK(test::summary(find_profile("wofer", kInstruments, "test")) == "test UnknownName 'wofer' 'woofer'");
 }
 
-TEST_CASE("profile: only the command line raises a limit, and only up", "[scene]") {
-  auto limits = conservative_limits();
-  CHECK(raise_limit(limits, "ceiling", "0.8", "--raise-limit"));
-  CHECK(limits.ceiling == 0.8);
-  CHECK(raise_limit(limits, "direct_time", "20 s", "--raise-limit"));
-  CHECK(limits.dc.time == 20_s);
-  CHECK(test::summary(raise_limit(limits, "ceiling", "0.7", "--raise-limit")) ==
-        "--raise-limit OutOfRange 'ceiling' 0.8");
-  CHECK(test::summary(raise_limit(limits, "ceiling", "1.2", "--raise-limit")) ==
-        "--raise-limit OutOfRange 0 1");
-  CHECK(test::summary(raise_limit(limits, "travel", "8 mm", "--raise-limit")) ==
-        "--raise-limit OutOfRange 'travel'");
-  CHECK(test::summary(raise_limit(limits, "volume", "11", "--raise-limit")) ==
-        "--raise-limit UnknownName 'volume' 'ceiling' 'slew' 'power' 'travel' 'direct_level' 'direct_time'");
-}
-
 TEST_CASE("profile: a scene says what its drives move, may ask for less, and not for more", "[scene]") {
   CHECK(drive_errors(R"(woofer = { profile = "woofer", volts_per_full_scale = "10 V", ceiling = 0.7 })") ==
         "");
   CHECK(drive_errors("woofer = { ceiling = 0.3 }") == "");
   CHECK(drive_errors("woofer = { ceiling = 0.8 }") ==
-        "test.toml:4:22 OutOfRange 'woofer' 0.5 --raise-limit 0.8");
+        "test.toml:4:22 OutOfRange [drives] 0.5 --raise-limit 0.8");
   CHECK(drive_errors(R"(woofer = { profile = "wofer", volts_per_full_scale = "10 V" })") ==
         "test.toml:4:22 UnknownName 'wofer' 'woofer'");
   CHECK(drive_errors(R"(woofer = { profile = "woofer" })") ==

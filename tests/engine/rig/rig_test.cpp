@@ -76,9 +76,9 @@ TEST_CASE("rig: every line of a rig means what it says", "[rig]") {
   CHECK(rig.inputs[0].channels == std::vector{1});
   CHECK(rig.inputs[0].scale() == Approx(20).epsilon(1e-12));  // 1 V / 50 mV
   REQUIRE(rig.outputs.size() == 2);
-  CHECK(rig.outputs[0].drive.limits.ceiling == 0.8);
-  CHECK(rig.outputs[0].drive.limits.heat->watts_at_full_scale == Approx(100 / 6.5));  // V^2 / R
-  CHECK(rig.outputs[1].drive.limits.ceiling == conservative_limits().ceiling);
+  CHECK(rig.outputs[0].drive.limits().ceiling == 0.8);
+  CHECK(rig.outputs[0].drive.limits().heat->watts_at_full_scale == Approx(100 / 6.5));  // V^2 / R
+  CHECK(rig.outputs[1].drive.limits().ceiling == conservative_limits().ceiling);
   REQUIRE(rig.actuator_on(3) != nullptr);
   CHECK(rig.actuator_on(3)->name == "shaker");
   CHECK(rig.actuator_on(2)->name == "woofer");
@@ -168,8 +168,19 @@ cone = { channel = 2 }
 }
 
 TEST_CASE("rig: a file may lower the ceiling of an actuator and never raise it", "[rig]") {
-  CHECK(errors_of("[outputs]\na = { channel = 2, ceiling = 0.9 }\n") ==
-        "rig.toml:5:30 OutOfRange 'a' 0.5 --raise-limit 0.9");
+  CHECK(errors_of("[actuators]\na = { channel = 2, ceiling = 0.9 }\n") ==
+        "rig.toml:5:30 OutOfRange [actuators] 0.5 --raise-limit 0.9");
+  CHECK(errors_of("[outputs]\na = { channel = 2, ceiling = 0.9, profile = \"woofer\", volts_per_full_scale = "
+                  "\"100 V\" }\n") == "rig.toml:5:30 OutOfRange [outputs] 0.2 --raise-limit 0.9");
+  const std::string ports = "[inputs]\nmicrophone = { channel = 1 }\n[outputs]\n";
+  CHECK(
+      misfits(ports + "woofer = { channel = 1, ceiling = 0.9 }\nsound = { channel = 2, ceiling = 0.9 }\n") ==
+      "rig.toml:7:35 OutOfRange [outputs] 0.5 --raise-limit 0.9");
+  // What hangs on the channel decides.
+  CHECK(misfits(ports +
+                "woofer = { channel = 1, ceiling = 0.9 }\nsound = { channel = 2 }\n[actuators]\ncone = { "
+                "channel = 1, profile = \"woofer\", volts_per_full_scale = \"10 V\" }\n")
+            .empty());
 }
 
 TEST_CASE("rig: what fits the drum passes, lacking ports and wrong names are errors", "[rig]") {
@@ -242,10 +253,39 @@ cone = { channel = 7, profile = "woofer", volts_per_full_scale = "10 V" }
   CHECK(wiring->in_map == std::vector{4});
   CHECK(wiring->out_map == std::vector{6, 1});  // woofer, sound: the order of the instrument
   CHECK(wiring->input_scales[0] == Approx(20));
-  const auto guards = guarded_channels(**schedule, wiring->drives);
+  const auto guards = guarded_channels(**schedule, wiring->limits);
   REQUIRE(guards.size() == 2);
   CHECK(guards[0].limits.heat->watts_at_full_scale == Approx(100 / 6.5));  // of what hangs on channel 7
   CHECK(guards[1].kind == DriveGuard::Kind::Audio);
+}
+
+TEST_CASE("rig: the limits of [actuators] and [outputs] combine, for drives and for sound", "[rig]") {
+  const auto guards = [](const std::string& woofer, const std::string& sound, const std::string& cone) {
+    const auto rig = rig_of(
+        "format = 1\n[device]\noutput = \"x\"\n[inputs]\nmicrophone = { channel = 1 }\n"
+        "[outputs]\nwoofer = { channel = 7" +
+        woofer + " }\nsound = { channel = 2" + sound + " }\n[actuators]\ncone = { channel = 7" + cone +
+        " }\n");
+    CHECK(to_string(check_rig(rig, *drum())).empty());
+    const auto schedule = compile(*without_left_out(rig, drum()), standard_nodes(), {});
+    REQUIRE(schedule);
+    return guarded_channels(**schedule, wire_rig(rig, **schedule)->limits);
+  };
+  const std::string profile = ", profile = \"woofer\", volts_per_full_scale = \"10 V\"";
+  const auto lowered = guards(", ceiling = 0.05", ", ceiling = 0.1", profile);
+  CHECK(lowered[0].limits.ceiling == 0.05);
+  CHECK(lowered[0].limits.heat.has_value());
+  CHECK(lowered[0].origins[0] == LimitOrigin{"ceiling", 0.05, "[outputs] woofer"});
+  CHECK(lowered[0].origins[1].source == "profile 'woofer' of [actuators] cone");
+  CHECK(lowered[1].kind == DriveGuard::Kind::Audio);
+  CHECK(lowered[1].limits.ceiling == 0.1);
+  CHECK(lowered[1].limits.soft_start > 0_s);
+  const auto other = guards(", ceiling = 0.05", ", ceiling = 0.9", profile + ", ceiling = 0.03");
+  CHECK(other[0].limits.ceiling == 0.03);
+  CHECK(other[0].origins[0].source == "[actuators] cone");
+  CHECK(other[1].limits.ceiling == 0.9);
+  CHECK(guards("", "", "")[0].limits.ceiling == conservative_limits().ceiling);
+  CHECK(guards("", "", "")[1].limits.ceiling == 1.0);
 }
 
 TEST_CASE("rig: what is left out is silent and rests, and takes with it what only it needed", "[rig]") {

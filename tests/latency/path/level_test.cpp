@@ -86,14 +86,18 @@ TEST_CASE("level: it stays below the end of the input, even if that takes it bac
   CHECK(late.found.level == 0.048);
 }
 
-TEST_CASE("level: nothing captured is the loudest that is allowed, after five seconds of listening",
+TEST_CASE("level: where nothing is captured, what follows is as soft as the first level probe",
           "[latency][level]") {
   const auto result = search({0.0, 1, 1e-9});
   CHECK(result.last == Step::Ready);
   CHECK(result.levels.back() == 0.5);
-  CHECK(result.found.level == 0.5);
+  CHECK(result.found.level == 0.003);
   CHECK_FALSE(result.found.delay);
   CHECK(result.windows > 500);
+  // 0.003 peak has a power of 4.5e-6, ten times as much as this noise.
+  CHECK_FALSE(result.found.hidden_by_noise());
+  CHECK(search({0.0, 1, 4.6e-7}).found.hidden_by_noise());
+  CHECK_FALSE(search({0.0, 1, 4.4e-7}).found.hidden_by_noise());
 }
 
 TEST_CASE("level: when the softest level probe is too loud, that is said", "[latency][level]") {

@@ -59,6 +59,22 @@ TEST_CASE("live world: a rise of the strike is detected however long blocks are"
   }
 }
 
+TEST_CASE("live world: after a reconnection a strike does not wait for one from before", "[live]") {
+  const auto world = single_strike();
+  Guarded guarded{world->processor(), world->guards, false};
+  const StreamFormat format{48_kHz, 0, 2, 256};
+  REQUIRE(guarded.prepare(format));
+  loudest(guarded, 20.0);
+  REQUIRE(world->strike());  // its end lies 20 s after the start, and the device goes away
+  REQUIRE(guarded.prepare(format));
+  loudest(guarded, 2.0);
+  const double noise = loudest(guarded, 0.5);
+  REQUIRE(world->strike());
+  CHECK(loudest(guarded, 0.5) > 20 * noise);
+  loudest(guarded, 2.0);
+  CHECK(loudest(guarded, 0.5) < 2 * noise);
+}
+
 TEST_CASE("live world: the watch at a port finds the same energy as when the scene is rendered", "[live]") {
   const std::filesystem::path root = std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments";
   const auto file = root / "exploding/scene.toml";

@@ -1,0 +1,63 @@
+#include <catch2/catch.hpp>
+
+#include "backends/wav_file.h"
+#include "engine/nodes/table.h"
+#include "engine/scene/play_scene.h"
+#include "tests/support/desk.h"
+#include "tests/support/skip.h"
+
+using namespace tactus;
+
+#if defined(__unix__) && defined(TACTUS_PROGRAM)
+TEST_CASE("render: the memory of an instrument does not grow with the duration", "[apps]") {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  test::skip("sanitizers reserve more address space than this test allows");
+#endif
+  const test::Desk desk;
+  std::string outputs;
+  for (int n = 1; n <= 8; ++n) outputs += "out" + std::to_string(n) + " = { from = \"0.1 + 0 * in\" }\n";
+  desk.folder.write("many.toml", "format = 1\n[inputs]\nin = {}\n[outputs]\n" + outputs);
+  // Kept in memory, 9 signals of 200 s would need 0.7 GB.
+  const auto ran = desk.run("render many.toml --duration '200 s' --block 8192 --json", "ulimit -v 500000;");
+  INFO(ran.out << ran.err);
+  CHECK(ran.exit == 0);
+  CHECK(ran.json()["frames"] == 200 * 48000);
+}
+
+TEST_CASE("render: a file is followed by silence up to the duration, at its rate or another one", "[apps]") {
+  const test::Desk desk;
+  desk.folder.write("through.toml",
+                    "format = 1\n[inputs]\nin = {}\n[outputs]\nout = { from = \"0.5 * in\" }\n");
+  REQUIRE(write_wav(desk.file("in.wav"), {44.1_kHz, {std::vector<double>(1000, 0.5)}}));
+  const auto frames = [&](const std::string& options) {
+    const auto ran = desk.run("render through.toml --in in.wav --out out.wav " + options);
+    INFO(ran.out << ran.err);
+    REQUIRE(ran.exit == 0);
+    const auto out = read_wav(desk.file("out.wav"));
+    REQUIRE(out);
+    CHECK(out->channels[0][500] == Approx(0.25).epsilon(0.01));
+    return out->frames();
+  };
+  CHECK(frames("") == 1000);
+  CHECK(frames("--duration '50 ms'") == 2205);
+  CHECK(read_wav(desk.file("out.wav"))->channels[0][1500] == 0.0);
+  CHECK(frames("--duration '20 ms'") == 882);
+  CHECK(frames("--rate '88.2 kHz'") == 2000);
+  CHECK(frames("--rate '88.2 kHz' --duration '50 ms'") == 4410);
+}
+#endif
+
+TEST_CASE("play scene: a run whose signals would not fit is refused with their size, before it begins",
+          "[scene]") {
+  const std::filesystem::path root = std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments";
+  auto scene = load_scene_leniently(root / "haptic_drum/single_strike.toml", root);
+  auto built = build_scene(scene, standard_nodes());
+  REQUIRE(built);
+  scene.scene->duration = Seconds{36000};
+  const auto played = play_scene(*scene.scene, *built, 64);
+  REQUIRE_FALSE(played);
+  CHECK(played.error().code == Errc::OutOfRange);
+  CHECK(played.error().what.find("36000 s") != std::string::npos);
+  CHECK(played.error().what.find("2 GB") != std::string::npos);
+  CHECK(played.error().remedy.find(" s") != std::string::npos);
+}
