@@ -20,6 +20,11 @@ namespace tactus {
 struct Device {
   std::string id;    ///< stays the same when others come and go: "jack:system", never an index
   std::string name;  ///< for people
+  /// Where it is connected or what its driver calls it: "1-2:1.0" for a USB port. Empty: unknown.
+  std::string hardware;
+  /// The id may mean another device after a reconnection: it is an alias ("default"), or several devices have
+  /// the same name and unknown hardware.
+  bool ambiguous = false;
   int in_channels = 0;
   int out_channels = 0;
   std::vector<Hertz> sample_rates;  ///< empty: any
@@ -35,6 +40,31 @@ struct Device {
   int index = 0;             ///< the library's
 };
 
+/// What makes the device of one direction the same one when it returns.
+struct DeviceIdentity {
+  std::string hardware;            ///< see Device
+  int channels = 0;                ///< of the device
+  std::vector<std::string> ports;  ///< full name behind each channel; empty: the library names none
+  bool ambiguous = false;          ///< see Device
+
+  bool operator==(const DeviceIdentity&) const = default;
+};
+
+/// What was granted. Only this counts: drivers round block sizes and add buffers of their own.
+struct StreamGranted {
+  std::string device;            ///< Device::id of the outputs, or of the inputs where there are no outputs
+  std::string input_device;      ///< where it is another one; otherwise empty
+  DeviceIdentity input, output;  ///< empty where there are no channels
+  StreamFormat format;
+  int block_frames = 0;  ///< 0: changes from block to block
+  int periods = 0;       ///< 0: not known
+  /// The latency that the driver reports [frames]. It may be wrong: tactus latency measures it.
+  std::optional<double> input_latency_frames;
+  std::optional<double> output_latency_frames;
+  bool xruns_move_delay = false;  ///< a gap may change the delay from then on
+  bool comes_back = true;         ///< when it is Lost, opening it again may work in this process
+};
+
 /// What is asked for. Whatever is left out, the backend chooses.
 struct StreamRequest {
   std::string device;                ///< Device::id; empty: the default device
@@ -47,6 +77,9 @@ struct StreamRequest {
   std::optional<int> block_frames;  ///< a wish: see StreamGranted
   std::optional<int> periods;       ///< blocks in the driver's buffer; a wish, where a driver has it
   std::string client_name = "tactus";
+  /// For a device that returns: what was granted before. The same hardware is preferred to another of the
+  /// same name, and channels are connected to the same ports by name; a port that is missing is an error.
+  std::optional<StreamGranted> previous;
 };
 
 /// [control] The channels that a map of a request means.
@@ -56,20 +89,6 @@ inline std::vector<int> channels_of(std::vector<int> map, int channels) {
   std::iota(map.begin(), map.end(), 0);
   return map;
 }
-
-/// What was granted. Only this counts: drivers round block sizes and add buffers of their own.
-struct StreamGranted {
-  std::string device;        ///< Device::id of the outputs, or of the inputs where there are no outputs
-  std::string input_device;  ///< where it is another one; otherwise empty
-  StreamFormat format;
-  int block_frames = 0;  ///< 0: changes from block to block
-  int periods = 0;       ///< 0: not known
-  /// The latency that the driver reports [frames]. It may be wrong: tactus latency measures it.
-  std::optional<double> input_latency_frames;
-  std::optional<double> output_latency_frames;
-  bool xruns_move_delay = false;  ///< a gap may change the delay from then on
-  bool comes_back = true;         ///< when it is Lost, opening it again may work in this process
-};
 
 enum class StreamState {
   Stopped,
