@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -90,6 +91,16 @@ inline std::vector<int> channels_of(std::vector<int> map, int channels) {
   return map;
 }
 
+/// A connection that brings something else to an actuator than its guard lets through: of another client to
+/// the port behind an output, which plays the sum of both, or of an output to hardware that was not assigned
+/// to it.
+struct OtherWriter {
+  int output = 0;        ///< channel of the processor
+  std::string from, to;  ///< full names of the ports
+
+  bool operator==(const OtherWriter&) const = default;
+};
+
 enum class StreamState {
   Stopped,
   Running,
@@ -107,8 +118,13 @@ class Stream {
 
   /// [any] What `open` was granted.
   virtual const StreamGranted& granted() const = 0;
-  /// [control & stopped] Blocks begin to flow. Errors: Device.
-  [[nodiscard]] virtual Status start() = 0;
+  /// [control & stopped] Blocks begin to flow. `ready` is called when the device runs, before the first block
+  /// reaches the processor; never when this fails. Errors: Device.
+  [[nodiscard]] virtual Status start(const std::function<void()>& ready) = 0;
+  /// [control & stopped]
+  [[nodiscard]] Status start() {
+    return start([] {});
+  }
   /// [control] When it returns, no block is in `process` and none will follow. However a stream stops (this,
   /// its end, an error of its own), the last block that it outputs comes from `Guarded::finish`: zeros.
   /// Stopping twice is fine. Errors: Device, and the stream counts as stopped all the same.
@@ -117,6 +133,10 @@ class Stream {
   virtual StreamState state() const = 0;
   /// [any]
   virtual Health health() const = 0;
+  /// [any] The block size as it is now: some servers change it under a running stream.
+  virtual int block_frames() const { return granted().block_frames; }
+  /// [control] Empty: none, or the library does not know.
+  virtual std::vector<OtherWriter> other_writers() const { return {}; }
   /// [control] The next message about what neither state nor health shows; empty: none.
   virtual std::string take_note() { return {}; }
 };

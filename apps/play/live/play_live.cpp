@@ -9,6 +9,7 @@
 #include "apps/play/live/session.h"
 #include "apps/play/midi_map.h"
 #include "apps/play/save_rig.h"
+#include "backends/library_calls.h"
 #include "backends/realtime_thread.h"
 #include "engine/core/index.h"
 
@@ -98,7 +99,8 @@ class LivePlay {
 
   void arm() {
     if (!session_.has_drives()) return line_.print("there is no drive to arm");
-    session_.arm(!session_.armed());
+    if (const auto armed = session_.arm(!session_.armed()); !armed)
+      return line_.print(to_string(armed.error()));
     line_.print(session_.armed() ? "drives armed" : "drives disarmed");
   }
   void mute() {
@@ -166,13 +168,15 @@ int play_live(const LiveOptions& options) {
   auto plan = make_plan(options);
   if (const auto locked = lock_memory(); !locked) fmt::print(stderr, "note: {}\n", to_string(locked.error()));
   Session session{*plan.performer, *plan.devices.backend, plan.request, options.arm};
+  session.share_ports(options.shared_port);
   install_signal_handlers(/*also_hangup=*/true);
   if (const auto opened = session.open(options.record); !opened)
     exit_with(opened.error(), exit_of(opened.error()));
   check_delay(plan, session.granted());
-  session.set_delay_known(plan.delay.has_value());
+  session.set_delay(plan.delay ? std::optional{plan.delay_settings} : std::nullopt);
   or_exit(session.start(), kDevice);
   announce(session, plan, options);
+  on_slow_call({});  // a note of a library must not hold up the keys
 
   const int ended = LivePlay{session, plan, options.midi}.run(duration);
   const auto& view = session.view();

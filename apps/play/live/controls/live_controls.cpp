@@ -48,6 +48,14 @@ bool LiveControls::turn(const std::string& name, double position) {
   return live != controls_.end() && turn(static_cast<std::size_t>(live - controls_.begin()), position);
 }
 
+bool LiveControls::post_all() {
+  return std::ranges::all_of(controls_, [&](const auto& live) {
+    const int number = player_.control_index(live.control.name);
+    return live.frozen || number < 0 ||
+           player_.post({JournalEntry::kNow, JournalEntry::Kind::ControlChange, number, live.control.value});
+  });
+}
+
 std::string LiveControls::text(std::size_t index) const {
   const auto& control = controls_[index].control;
   return control.name + " = " + in_unit(control.value, control.unit);

@@ -25,6 +25,8 @@ class LiveControls {
   bool nudge(std::size_t index, double share) { return turn(index, position(index) + share); }
   /// The same by name. False, too, if there is none.
   bool turn(const std::string& name, double position);
+  /// After the engine began again: posts the value of every control. False: the engine's queue is full.
+  [[nodiscard]] bool post_all();
   double position(std::size_t index) const;
   /// "strength = 0.6"
   std::string text(std::size_t index) const;
