@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -20,6 +21,11 @@ namespace tactus {
 struct Device {
   std::string id;    ///< stays the same when others come and go: "jack:system", never an index
   std::string name;  ///< for people
+  /// Where it is connected or what its driver calls it: "1-2:1.0" for a USB port. Empty: unknown.
+  std::string hardware;
+  /// The id may mean another device after a reconnection: it is an alias ("default"), or several devices have
+  /// the same name and unknown hardware.
+  bool ambiguous = false;
   int in_channels = 0;
   int out_channels = 0;
   std::vector<Hertz> sample_rates;  ///< empty: any
@@ -35,6 +41,31 @@ struct Device {
   int index = 0;             ///< the library's
 };
 
+/// What makes the device of one direction the same one when it returns.
+struct DeviceIdentity {
+  std::string hardware;            ///< see Device
+  int channels = 0;                ///< of the device
+  std::vector<std::string> ports;  ///< full name behind each channel; empty: the library names none
+  bool ambiguous = false;          ///< see Device
+
+  bool operator==(const DeviceIdentity&) const = default;
+};
+
+/// What was granted. Only this counts: drivers round block sizes and add buffers of their own.
+struct StreamGranted {
+  std::string device;            ///< Device::id of the outputs, or of the inputs where there are no outputs
+  std::string input_device;      ///< where it is another one; otherwise empty
+  DeviceIdentity input, output;  ///< empty where there are no channels
+  StreamFormat format;
+  int block_frames = 0;  ///< 0: changes from block to block
+  int periods = 0;       ///< 0: not known
+  /// The latency that the driver reports [frames]. It may be wrong: tactus latency measures it.
+  std::optional<double> input_latency_frames;
+  std::optional<double> output_latency_frames;
+  bool xruns_move_delay = false;  ///< a gap may change the delay from then on
+  bool comes_back = true;         ///< when it is Lost, opening it again may work in this process
+};
+
 /// What is asked for. Whatever is left out, the backend chooses.
 struct StreamRequest {
   std::string device;                ///< Device::id; empty: the default device
@@ -47,6 +78,9 @@ struct StreamRequest {
   std::optional<int> block_frames;  ///< a wish: see StreamGranted
   std::optional<int> periods;       ///< blocks in the driver's buffer; a wish, where a driver has it
   std::string client_name = "tactus";
+  /// For a device that returns: what was granted before. The same hardware is preferred to another of the
+  /// same name, and channels are connected to the same ports by name; a port that is missing is an error.
+  std::optional<StreamGranted> previous;
 };
 
 /// [control] The channels that a map of a request means.
@@ -57,18 +91,14 @@ inline std::vector<int> channels_of(std::vector<int> map, int channels) {
   return map;
 }
 
-/// What was granted. Only this counts: drivers round block sizes and add buffers of their own.
-struct StreamGranted {
-  std::string device;        ///< Device::id of the outputs, or of the inputs where there are no outputs
-  std::string input_device;  ///< where it is another one; otherwise empty
-  StreamFormat format;
-  int block_frames = 0;  ///< 0: changes from block to block
-  int periods = 0;       ///< 0: not known
-  /// The latency that the driver reports [frames]. It may be wrong: tactus latency measures it.
-  std::optional<double> input_latency_frames;
-  std::optional<double> output_latency_frames;
-  bool xruns_move_delay = false;  ///< a gap may change the delay from then on
-  bool comes_back = true;         ///< when it is Lost, opening it again may work in this process
+/// A connection that brings something else to an actuator than its guard lets through: of another client to
+/// the port behind an output, which plays the sum of both, or of an output to hardware that was not assigned
+/// to it.
+struct OtherWriter {
+  int output = 0;        ///< channel of the processor
+  std::string from, to;  ///< full names of the ports
+
+  bool operator==(const OtherWriter&) const = default;
 };
 
 enum class StreamState {
@@ -88,8 +118,13 @@ class Stream {
 
   /// [any] What `open` was granted.
   virtual const StreamGranted& granted() const = 0;
-  /// [control & stopped] Blocks begin to flow. Errors: Device.
-  [[nodiscard]] virtual Status start() = 0;
+  /// [control & stopped] Blocks begin to flow. `ready` is called when the device runs, before the first block
+  /// reaches the processor; never when this fails. Errors: Device.
+  [[nodiscard]] virtual Status start(const std::function<void()>& ready) = 0;
+  /// [control & stopped]
+  [[nodiscard]] Status start() {
+    return start([] {});
+  }
   /// [control] When it returns, no block is in `process` and none will follow. However a stream stops (this,
   /// its end, an error of its own), the last blocks that it outputs come from `Guarded::finish`: to zero.
   /// Stopping twice is fine. Errors: Device, and the stream counts as stopped all the same.
@@ -98,6 +133,10 @@ class Stream {
   virtual StreamState state() const = 0;
   /// [any]
   virtual Health health() const = 0;
+  /// [any] The block size as it is now: some servers change it under a running stream.
+  virtual int block_frames() const { return granted().block_frames; }
+  /// [control] Empty: none, or the library does not know.
+  virtual std::vector<OtherWriter> other_writers() const { return {}; }
   /// [control] The next message about what neither state nor health shows; empty: none.
   virtual std::string take_note() { return {}; }
 };

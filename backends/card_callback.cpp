@@ -63,13 +63,15 @@ void CardCallback::block(const float* const* in, float* const* out, int device_o
   const auto stage = stage_.load();
   for (int c = 0; c < device_outputs; ++c)
     if (out[c] != nullptr) std::fill_n(out[c], std::max(0, frames), 0.0f);
-  if (stage != Stage::Silent && frames > 0) {
+  const bool pauses = stage == Stage::Playing && suspended_.load();
+  if (pauses) skip();
+  if (stage != Stage::Silent && frames > 0 && !(pauses && paused_)) {
     const auto begin = Clock::now();
     if (std::exchange(first_, false)) meter_.realtime_priority(realtime_priority());
     if (stage == Stage::Playing && first_block_ == Clock::time_point{}) first_block_ = begin;
-    // After a stall the outputs must not jump back to full level.
+    // After a stall or a suspension the outputs must not jump back to full level.
     resumes_ = stage == Stage::Playing &&
-               (resumes_ || begin - last_block_.load(std::memory_order_relaxed) > patience_);
+               (resumes_ || pauses || begin - last_block_.load(std::memory_order_relaxed) > patience_);
     watch(frames, begin);
     if (stage == Stage::Playing) meter_.clock(seconds(begin - first_block_));
     bool at_zero = true;
@@ -77,11 +79,18 @@ void CardCallback::block(const float* const* in, float* const* out, int device_o
       at_zero = process(in, out, offset, std::min(format_.max_frames, frames - offset),
                         resumes_ ? Stage::Finishing : stage);
     resumes_ = resumes_ && !at_zero;
+    paused_ = pauses && at_zero;
     const std::chrono::duration<double> took = Clock::now() - begin;
     if (stage == Stage::Playing) meter_.block(frames, took.count() * format_.sample_rate.value / frames);
     if (stage == Stage::Finishing && at_zero) stage_.store(Stage::Silent);
   }
   busy_.store(false);
+}
+
+/// Frames do not run at their rate, so the clock finds none missing.
+void CardCallback::skip() noexcept {
+  clock_ = FrameWatch{format_.sample_rate.value};
+  last_block_.store(Clock::now(), std::memory_order_relaxed);
 }
 
 /// True: when finishing, every output ends at zero.

@@ -91,6 +91,10 @@ class CardCallback {
   }
   /// [realtime] Frames that it reported lost.
   void lost(std::int64_t frames) noexcept;
+  /// [any] Suspended: frames do not run at their rate, because the server freewheels or changed it. One block
+  /// comes from Guarded::finish, then zeros go out and the processor is left alone; afterwards the guards
+  /// start softly.
+  void suspend(bool on) noexcept { suspended_.store(on); }
 
   /// [any]
   Health health() const noexcept { return meter_.read(); }
@@ -107,6 +111,7 @@ class CardCallback {
   };
   using Clock = std::chrono::steady_clock;
 
+  void skip() noexcept;
   bool process(const float* const* in, float* const* out, int offset, int frames, Stage stage) noexcept;
   void convert_input(const float* const* in, int offset, int frames) noexcept;
   void watch(int frames, Clock::time_point now) noexcept;
@@ -117,7 +122,7 @@ class CardCallback {
   std::vector<int> in_map_, out_map_;
   ChannelBuffers in_, out_;
   std::atomic<Stage> stage_{Stage::Silent};
-  std::atomic<bool> busy_{false};
+  std::atomic<bool> busy_{false}, suspended_{false};
   std::atomic<Clock::time_point> last_block_;  ///< when `play` began, until the first
   std::atomic<Clock::time_point> last_gap_;
   Clock::time_point first_block_;
@@ -125,6 +130,7 @@ class CardCallback {
   FrameWatch clock_;
   bool first_ = true;
   bool resumes_ = false;  ///< after a stall the outputs are not at zero yet
+  bool paused_ = false;   ///< suspended, with the outputs at zero
   HealthMeter meter_;
 };
 
@@ -141,12 +147,13 @@ class CardStream : public Stream {
   }
 
   const StreamGranted& granted() const final { return granted_; }
-  Status start() final {
+  Status start(const std::function<void()>& ready) final {
     if (running_) return {};
     if (lost())
       return fail(Errc::Device, "", "'" + granted_.device + "' was disconnected",
                   granted_.comes_back ? "open it again" : "restart the program");
     if (auto status = start_library(); !status) return status;
+    ready();
     line_->card->play();
     running_ = true;
     return {};

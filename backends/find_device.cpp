@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "engine/core/index.h"
@@ -25,6 +26,8 @@ std::string listed(const std::vector<Device>& devices) {
   for (const auto& device : devices) text += (text.empty() ? "'" : ", '") + device.id + "'";
   return text;
 }
+
+std::string with_hardware(const std::string& id, const std::string& hardware) { return id + "@" + hardware; }
 
 Status fits(int channels, const std::vector<int>& map, int available, const char* what,
             const std::string& device) {
@@ -85,15 +88,20 @@ int channels_to_open(int channels, const std::vector<int>& map) {
   return map.empty() ? channels : *std::max_element(map.begin(), map.end()) + 1;
 }
 
-Result<Device> device_with_id(const std::vector<Device>& devices, const std::string& id) {
+Result<Device> device_with_id(const std::vector<Device>& devices, const std::string& id,
+                              const std::string& hardware) {
   const auto remedy =
       devices.empty()
           ? std::
                 string{"no device was found; check that it is connected and that the sound server is running"}
           : "there is " + listed(devices);
-  const auto chosen = [&](const Device& device) { return id.empty() ? device.is_default : device.id == id; };
+  const auto chosen = [&](const Device& device) {
+    if (id.empty()) return device.is_default;
+    return device.id == id || (!device.hardware.empty() && with_hardware(device.id, device.hardware) == id);
+  };
   if (const auto found = std::find_if(devices.begin(), devices.end(), chosen); found != devices.end())
     return *found;
+  if (!id.empty() && !hardware.empty()) return device_with_id(devices, with_hardware(id, hardware));
   return fail(Errc::UnknownName, "",
               id.empty() ? "there is no default device" : "there is no device '" + id + "'", remedy);
 }
@@ -115,8 +123,11 @@ Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequ
   if (request.in_channels == 0 && request.out_channels == 0)
     return fail(Errc::BadArgument, "", "a stream needs at least one input or output", "request a channel");
   const auto at_input = request.input_device.empty() ? request.device : request.input_device;
-  auto output = device_with_id(devices, request.out_channels == 0 ? at_input : request.device);
-  auto input = request.in_channels == 0 ? output : device_with_id(devices, at_input);
+  const auto before = request.previous.value_or(StreamGranted{});
+  const auto to_input = [&] { return device_with_id(devices, at_input, before.input.hardware); };
+  auto output = request.out_channels == 0 ? to_input()
+                                          : device_with_id(devices, request.device, before.output.hardware);
+  auto input = request.in_channels == 0 ? output : to_input();
   if (!output) return tl::unexpected(output.error());
   if (!input) return tl::unexpected(input.error());
   if (request.out_channels == 0) output = input;
@@ -131,16 +142,61 @@ Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequ
   choice.granted.device = output->id;
   if (input->id != output->id) choice.granted.input_device = input->id;
   choice.granted.format = {*asked.sample_rate, request.in_channels, request.out_channels, 0};
+  if (request.in_channels > 0)
+    choice.granted.input = {input->hardware, input->in_channels, {}, input->ambiguous};
+  if (request.out_channels > 0)
+    choice.granted.output = {output->hardware, output->out_channels, {}, output->ambiguous};
   return choice;
 }
 
-void number_same_ids(std::vector<Device>& devices) {
-  for (auto one = devices.end(); one != devices.begin();) {
-    --one;
-    const auto before =
-        std::count_if(devices.begin(), one, [&](const Device& other) { return other.id == one->id; });
-    if (before > 0) one->id += " #" + std::to_string(before + 1);
+void distinguish_same_ids(std::vector<Device>& devices) {
+  std::map<std::string, int> names, places;
+  for (const auto& device : devices) {
+    ++names[device.id];
+    ++places[with_hardware(device.id, device.hardware)];
   }
+  std::map<std::string, int> seen;
+  for (auto& device : devices) {
+    if (names[device.id] == 1) continue;
+    const int number = ++seen[device.id];
+    if (!device.hardware.empty() && places[with_hardware(device.id, device.hardware)] == 1) {
+      device.id = with_hardware(device.id, device.hardware);
+      continue;
+    }
+    device.ambiguous = true;
+    if (number > 1) device.id += " #" + std::to_string(number);
+  }
+}
+
+static void compare(const DeviceIdentity& before, const DeviceIdentity& now, const char* what,
+                    std::vector<std::string>& found) {
+  if (before.ambiguous || now.ambiguous)
+    found.push_back(fmt::format("it may be another device of the same name: check its {}s", what));
+  if (before.hardware != now.hardware)
+    found.push_back(
+        fmt::format("the hardware of its {}s is '{}' instead of '{}'", what, now.hardware, before.hardware));
+  if (before.channels != now.channels)
+    found.push_back(fmt::format("it has {} {}s instead of {}", now.channels, what, before.channels));
+  for (std::size_t c = 0; c < std::min(before.ports.size(), now.ports.size()); ++c)
+    if (before.ports[c] != now.ports[c])
+      found.push_back(
+          fmt::format("{} {} is '{}' instead of '{}'", what, c + 1, now.ports[c], before.ports[c]));
+}
+
+std::vector<std::string> differences(const StreamGranted& before, const StreamGranted& now) {
+  std::vector<std::string> found;
+  // On the same hardware only the name changed: another device of the same name came or went.
+  if (before.device != now.device && (now.output.hardware.empty() || before.output != now.output))
+    found.push_back(fmt::format("it is '{}' instead of '{}'", now.device, before.device));
+  compare(before.input, now.input, "input", found);
+  compare(before.output, now.output, "output", found);
+  const auto differs = [&](const char* what, double was, double is, const char* unit) {
+    if (was != is) found.push_back(fmt::format("{} is now {:g}{} instead of {:g}", what, is, unit, was));
+  };
+  differs("the sample rate", before.format.sample_rate.value, now.format.sample_rate.value, " Hz");
+  differs("the block size", before.block_frames, now.block_frames, " frames");
+  differs("the number of periods", before.periods, now.periods, "");
+  return found;
 }
 
 }  // namespace tactus

@@ -2,9 +2,27 @@
 
 #include <fmt/format.h>
 
+#include <ctime>
 #include <utility>
 
+#include "backends/find_device.h"
+
 namespace tactus {
+
+// CLOCK_BOOTTIME counts while the computer is suspended, CLOCK_MONOTONIC does not.
+std::chrono::nanoseconds time_suspended() {
+#if defined(CLOCK_BOOTTIME)
+  const auto read = [](clockid_t clock) {
+    timespec time{};
+    ::clock_gettime(clock, &time);
+    return std::chrono::seconds{time.tv_sec} + std::chrono::nanoseconds{time.tv_nsec};
+  };
+  return read(CLOCK_BOOTTIME) - read(CLOCK_MONOTONIC);
+#else
+  return {};
+#endif
+}
+
 Result<std::unique_ptr<ReconnectingStream>> ReconnectingStream::open(Backend& backend,
                                                                      const StreamRequest& request,
                                                                      Guarded& processor) {
@@ -17,9 +35,9 @@ Result<std::unique_ptr<ReconnectingStream>> ReconnectingStream::open(Backend& ba
   return opened;
 }
 
-Status ReconnectingStream::start() {
+Status ReconnectingStream::start(const std::function<void()>& ready) {
   wanted_ = true;
-  return stream_ ? stream_->start() : Status{};
+  return stream_ ? stream_->start(ready) : Status{};
 }
 
 Status ReconnectingStream::stop() {
@@ -35,10 +53,12 @@ Status ReconnectingStream::reopen() {
   return {};
 }
 
-void ReconnectingStream::tick(Clock::time_point now) {
+void ReconnectingStream::tick(Clock::time_point now, std::chrono::nanoseconds suspended) {
+  watch_suspension(suspended);
   if (!stream_) return try_again(now);
   for (auto note = stream_->take_note(); !note.empty(); note = stream_->take_note()) report(note);
   if (stream_->state() == StreamState::Lost) return lose(now);
+  watch_block_size();
   watch_stall(now);
 }
 
@@ -46,6 +66,7 @@ void ReconnectingStream::lose(Clock::time_point now) {
   if (!wanted_) return;
   stalled_at_.reset();
   lost_at_ = now;
+  suspended_while_lost_ = {};
   wanted_ = granted_.comes_back;
   if (!wanted_) return report("disconnected; restart the program to reopen it");
   before_ = health();
@@ -58,23 +79,55 @@ void ReconnectingStream::lose(Clock::time_point now) {
 void ReconnectingStream::try_again(Clock::time_point now) {
   if (!wanted_ || now < next_try_) return;
   next_try_ = now + kRetry;
-  const int block = granted_.block_frames;
+  const auto before = request_.previous = granted_;
   auto status = reopen();
-  if (status && reopened_) reopened_();
-  if (status) status = stream_->start();
+  const auto back = how_it_came_back(now, *before);
+  if (status)
+    status = stream_->start([&] {
+      if (returned_) returned_(back);
+    });
   if (status) {
     ++returns_;
-    report(fmt::format("reconnected after {:.1f} s", std::chrono::duration<double>(now - lost_at_).count()));
-    if (granted_.block_frames != block)
-      report(fmt::format("block size is now {} frames instead of {}: the delay has changed",
-                         granted_.block_frames, block));
+    report(fmt::format("reconnected after {:.1f} s", back.away.count()));
+    for (const auto& difference : back.differences) report(difference);
     return;
   }
   stream_.reset();
+  granted_ = *before;
   if (auto why = to_string(status.error()); why != last_error_) {
     report("waiting for it: " + why);
     last_error_ = std::move(why);
   }
+}
+
+Return ReconnectingStream::how_it_came_back(Clock::time_point now, const StreamGranted& before) const {
+  Return back{now - lost_at_ + suspended_while_lost_, differences(before, granted_)};
+  if (back.away > kShortAbsence)
+    back.differences.push_back(fmt::format("it was away for more than {} s", kShortAbsence.count()));
+  if (suspended_while_lost_ > suspended_while_lost_.zero())
+    back.differences.push_back("the computer was suspended");
+  return back;
+}
+
+void ReconnectingStream::watch_suspension(std::chrono::nanoseconds suspended) {
+  const auto time = suspended - std::exchange(suspended_, suspended).value_or(suspended);
+  if (time < kSuspension) return;
+  suspended_while_lost_ += time;
+  if (stream_)
+    change(
+        fmt::format("the computer was suspended for {:.1f} s", std::chrono::duration<double>(time).count()));
+}
+
+void ReconnectingStream::watch_block_size() {
+  const int block = stream_->block_frames();
+  if (block == granted_.block_frames) return;
+  const int before = std::exchange(granted_.block_frames, block);
+  change(fmt::format("the block size is now {} frames instead of {}: the delay has changed", block, before));
+}
+
+void ReconnectingStream::change(const std::string& what) {
+  report(what);
+  if (changed_) changed_();
 }
 
 void ReconnectingStream::watch_stall(Clock::time_point now) {

@@ -6,12 +6,14 @@
 
 #include "apps/cli/console.h"
 #include "backends/find_device.h"
+#include "backends/library_calls.h"
 #include "backends/loop/loop.h"
 #include "engine/core/named.h"
 
 namespace tactus::app {
 
 Result<std::vector<SoundBackend>> backends_called(const std::string& name) {
+  on_slow_call([](const std::string& note) { fmt::print(stderr, "{}\n", note); });
   std::vector<SoundBackend> found;
   if (name == "loop") found = {{name, [] { return std::unique_ptr<Backend>{new LoopBackend}; }}};
   for (const auto& backend : sound_backends())
@@ -27,7 +29,10 @@ Result<std::vector<SoundBackend>> backends_called(const std::string& name) {
 }
 
 Result<ChosenDevices> choose_devices(const std::string& backend, const std::string& output,
-                                     const std::string& input) {
+                                     const std::string& input, DeviceNames names) {
+  const auto find = [names](const std::vector<Device>& devices, const std::string& text) {
+    return names == DeviceNames::Exact ? device_with_id(devices, text) : find_device(devices, text);
+  };
   const auto& wanted = output.empty() ? input : output;
   const auto prefix = wanted.substr(0, std::min(wanted.find(':'), wanted.size()));  // "jack" of "jack:system"
   const bool has_prefix = prefix.size() < wanted.size() && backends_called(prefix);
@@ -44,17 +49,17 @@ Result<ChosenDevices> choose_devices(const std::string& backend, const std::stri
       reasons.push_back(called.name + ": " + (devices ? "no device" : to_string(devices.error())));
       continue;
     }
-    auto out = find_device(*devices, wanted);
+    auto out = find(*devices, wanted);
     if (!out && out.error().code == Errc::UnknownName) {
       others.insert(others.end(), devices->begin(), devices->end());
       continue;
     }
     if (!out) return tl::unexpected(out.error());
-    auto in = input.empty() ? out : find_device(*devices, input);
+    auto in = input.empty() ? out : find(*devices, input);
     if (!in) return tl::unexpected(in.error());
     return ChosenDevices{std::move(made), std::move(*out), std::move(*in)};
   }
-  if (const auto missing = find_device(others, wanted); !others.empty() && !missing)
+  if (const auto missing = find(others, wanted); !others.empty() && !missing)
     return tl::unexpected(missing.error());
   return fail(Errc::Device, "", wanted.empty() ? "no sound device" : "there is no device '" + wanted + "'",
               fmt::format("{}", fmt::join(reasons, "; ")));
@@ -69,11 +74,22 @@ void add_device_options(CLI::App& command, DeviceOptions& options, const char* r
   command.add_option("--input-device", options.input_device, "input device, if different from --device");
 }
 
+static void print_chosen(const char* option, const std::string& text, const Device& chosen) {
+  if (!text.empty() && text != chosen.id) fmt::print(stderr, "{} {} is {}\n", option, text, chosen.id);
+}
+
 ChosenDevices choose_devices(const DeviceOptions& options, const Rig::Device& rig) {
+  if (!rig.output.empty()) {
+    if (!options.backend.empty())
+      exit_with({Errc::BadArgument, "--backend", "cannot be combined with --rig, which names the device",
+                 "omit it, or change the rig file"});
+    return or_exit(choose_devices("", rig.output, rig.input, DeviceNames::Exact), kDevice);
+  }
   if (!options.backend.empty()) or_exit(backends_called(options.backend), kUsage);
-  return or_exit(choose_devices(options.backend, options.device.empty() ? rig.output : options.device,
-                                options.input_device.empty() ? rig.input : options.input_device),
-                 kDevice);
+  auto chosen = or_exit(choose_devices(options.backend, options.device, options.input_device), kDevice);
+  print_chosen("--device", options.device, chosen.output);
+  print_chosen("--input-device", options.input_device, chosen.input);
+  return chosen;
 }
 
 StreamRequest request_for(const ChosenDevices& devices, const Rig::Device& rig, const std::string& rate,

@@ -30,13 +30,16 @@ struct ChosenDevices {
   std::unique_ptr<Backend> backend;
   Device output, input;
 };
-/// `output` and `input`: ids, or parts of them; an empty `input` means the output's device, an empty `output`
+/// How devices are named: by a person, to whom a part of an id or name suffices, or in a file, exactly.
+enum class DeviceNames { Partial, Exact };
+/// `output` and `input`: names of devices; an empty `input` means the output's device, an empty `output`
 /// the default. Several backends often reach the same card: without a `backend`, and where no id names it,
 /// they are asked in turn, and the first that has such a device counts. Errors: of find_device; of
 /// backends_called; Device if no backend has any.
 Result<ChosenDevices> choose_devices(const std::string& backend, const std::string& output,
-                                     const std::string& input);
-/// The devices of the command line, or else those of the rig. Throws a CommandError.
+                                     const std::string& input, DeviceNames names = DeviceNames::Partial);
+/// The devices of the rig by their exact ids, or without one those of the command line: what a part of a name
+/// means is printed. Throws a CommandError.
 ChosenDevices choose_devices(const DeviceOptions& options, const Rig::Device& rig);
 
 /// A request for them. `rate`, `block` and `periods`, as options give them, go before the setting of a rig,

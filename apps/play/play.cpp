@@ -98,6 +98,8 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
   group->add_flag("--listen", options.listen,
                   "simulate a scene in real time and play its sound through the sound card");
   group->add_flag("--arm", options.arm, "start with the drives armed, without waiting for 'a'");
+  group->add_flag("--shared-port", options.shared_port,
+                  "arm drives even while another program writes to their ports: the actuator gets the sum");
   group->add_flag("--yes", options.yes, "answer every question with its default value");
   group->add_flag("--force", options.force, "overwrite files");
 }
@@ -105,7 +107,7 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
 /// Options for sound cards only must not be given without one.
 void check_card_options(const CLI::App& command) {
   for (const auto* option : {"--record", "--save-rig", "--learn", "--midi", "--pad-delay", "--inputs",
-                             "--outputs", "--periods", "--arm"})
+                             "--outputs", "--periods", "--arm", "--shared-port"})
     if (command.count(option) > 0)
       exit_with({Errc::BadArgument, option, "needs a sound card", "give --device, --backend or --rig too"});
 }

@@ -2,178 +2,19 @@
 #include <jack/jack.h>
 
 #include <algorithm>
-#include <atomic>
-#include <cerrno>
 #include <utility>
 
-#include "backends/card_callback.h"
 #include "backends/find_device.h"
-#include "backends/library_calls.h"
+#include "backends/jack/client.h"
 #include "engine/core/index.h"
 
 namespace tactus {
 namespace {
 
-using Names = std::vector<std::string>;
-
-/// From one port to another, by their full names.
-struct Wire {
-  std::string from, to;
-};
-
-std::string why(jack_status_t status) {
-  if ((status & JackServerFailed) != 0) return "no JACK server is running";
-  if ((status & JackVersionError) != 0) return "the JACK server has another version";
-  return "the JACK server refused another client";
-}
-
-Status cannot(const std::string& what, const std::string& remedy) {
-  return fail(Errc::Device, "", "JACK cannot " + what, remedy);
-}
-
-tl::unexpected<Error> no_answer() {
-  return fail(Errc::Device, "", "the JACK server does not respond", "restart it");
-}
-
-/// A call that may hang; gives up after two seconds. `call` owns whatever it touches and returns a Result.
-template <class Call>
-auto ask_server(Call call) -> decltype(call()) {
-  if (auto answer = result_with_timeout(std::move(call))) return std::move(*answer);
-  return no_answer();
-}
-
-/// A client of the running server, closed with its last owner. Any call that waits for the server's answer
-/// may hang: such calls are made by `ask_server` and own the client, and it closes itself with the
-/// same patience.
-class Client {
- public:
-  /// [control, may hang] Errors: Device, if no server answers.
-  static Result<std::shared_ptr<Client>> open(const std::string& name) {
-    silence_library_logs();
-    jack_status_t status{};
-    jack_client_t* handle = jack_client_open(name.c_str(), JackNoStartServer, &status);
-    if (handle == nullptr)
-      return fail(Errc::Device, "", why(status), "start one, as in: jackd -d alsa -d hw:0 -r 48000 -p 64");
-    return std::shared_ptr<Client>(new Client(handle),
-                                   [](Client* client) { call_with_timeout([client] { delete client; }); });
-  }
-  ~Client() { jack_client_close(handle); }
-  Client(const Client&) = delete;
-  Client& operator=(const Client&) = delete;
-
-  /// [control & inactive, may hang] Ports in_1, in_2, … and out_1, out_2, … Errors: Device.
-  Status add_ports(int inputs, int outputs) {
-    const auto add = [this](std::vector<jack_port_t*>& ports, const std::string& kind, unsigned long way) {
-      const auto name = kind + std::to_string(ports.size() + 1);
-      ports.push_back(jack_port_register(handle, name.c_str(), JACK_DEFAULT_AUDIO_TYPE, way, 0));
-      return ports.back() != nullptr;
-    };
-    bool all = true;
-    for (int c = 0; c < inputs && all; ++c) all = add(inputs_, "in_", JackPortIsInput);
-    for (int c = 0; c < outputs && all; ++c) all = add(outputs_, "out_", JackPortIsOutput);
-    in_.assign(inputs_.size(), nullptr);
-    out_.assign(outputs_.size(), nullptr);
-    return all ? Status{} : cannot("register that many ports", "start the server with a larger --port-max");
-  }
-  std::string input_port(int channel) const { return jack_port_name(inputs_[index(channel)]); }
-  std::string output_port(int channel) const { return jack_port_name(outputs_[index(channel)]); }
-
-  /// [control, may hang] Blocks come, and every wire is connected. Errors: Device.
-  Status activate() {
-    first_ = true;
-    if (jack_activate(handle) != 0)
-      return cannot("start the client", "check that the server is still running");
-    for (const auto& wire : wires)
-      if (const int result = jack_connect(handle, wire.from.c_str(), wire.to.c_str());
-          result != 0 && result != EEXIST)
-        return cannot("connect '" + wire.from + "' to '" + wire.to + "'",
-                      "check with jack_lsp that both exist");
-    return {};
-  }
-
-  /// [control & active] For each wire: is it connected?
-  std::vector<bool> connected() const {
-    std::vector<bool> is;
-    for (const auto& wire : wires) {
-      const auto w = is.size();
-      is.push_back(w < inputs_.size()
-                       ? jack_port_connected_to(inputs_[w], wire.from.c_str()) != 0
-                       : jack_port_connected_to(outputs_[w - inputs_.size()], wire.to.c_str()) != 0);
-    }
-    return is;
-  }
-
-  jack_client_t* const handle;
-  std::unique_ptr<CardCallback> card;  ///< set before `activate`
-  /// It is lost when an end of one goes away. Those to the inputs come first, each channel's in turn.
-  std::vector<Wire> wires;
-  std::atomic<bool> lost{false};  ///< the server went away, or the other end of a wire did
-  std::atomic<int> block_frames;
-  std::atomic<int> rewirings{0};  ///< how often wires were connected or disconnected
-
- private:
-  explicit Client(jack_client_t* opened)
-      : handle(opened), block_frames(static_cast<int>(jack_get_buffer_size(opened))) {
-    jack_set_process_callback(
-        handle, [](jack_nframes_t frames, void* self) { return client(self).process(int(frames)), 0; }, this);
-    jack_set_xrun_callback(
-        handle, [](void* self) { return client(self).note_xrun(), 0; }, this);
-    jack_set_buffer_size_callback(
-        handle, [](jack_nframes_t frames, void* self) { return client(self).block_frames = int(frames), 0; },
-        this);
-    jack_set_port_connect_callback(
-        handle, [](jack_port_id_t, jack_port_id_t, int, void* self) { ++client(self).rewirings; }, this);
-    jack_set_port_registration_callback(
-        handle,
-        [](jack_port_id_t, int registered, void* self) {
-          if (registered == 0) client(self).check_ports();
-        },
-        this);
-    jack_on_info_shutdown(
-        handle, [](jack_status_t, const char*, void* self) { client(self).lost = true; }, this);
-  }
-  static Client& client(void* self) { return *static_cast<Client*>(self); }
-
-  void note_xrun() noexcept {
-    if (card && card->playing()) card->gap(Gap::Server);
-  }
-
-  void check_ports() {
-    const auto there = [this](const std::string& port) {
-      return jack_port_by_name(handle, port.c_str()) != nullptr;
-    };
-    if (!std::all_of(wires.begin(), wires.end(),
-                     [&](const Wire& wire) { return there(wire.from) && there(wire.to); }))
-      lost = true;
-  }
-
-  void process(int frames) noexcept {
-    if (!card) return;
-    const auto buffer = [frames](jack_port_t* port) {
-      return static_cast<float*>(jack_port_get_buffer(port, static_cast<jack_nframes_t>(frames)));
-    };
-    std::transform(inputs_.begin(), inputs_.end(), in_.begin(), buffer);
-    std::transform(outputs_.begin(), outputs_.end(), out_.begin(), buffer);
-    note_lost_frames(frames);
-    card->block(in_.data(), out_.data(), static_cast<int>(out_.size()), frames);
-  }
-
-  /// While a client is late the others go on, unless the server is synchronous: what it could not take is
-  /// missing on its way through the server's count.
-  void note_lost_frames(int frames) noexcept {
-    const auto now = jack_last_frame_time(handle);
-    const auto lost_frames = static_cast<std::int32_t>(now - next_frame_);
-    if (!first_ && lost_frames > 0 && card->playing()) card->lost(lost_frames);
-    first_ = false;
-    next_frame_ = now + static_cast<jack_nframes_t>(frames);
-  }
-
-  std::vector<jack_port_t*> inputs_, outputs_;
-  std::vector<const float*> in_;
-  std::vector<float*> out_;
-  bool first_ = true;
-  std::uint32_t next_frame_ = 0;  ///< where the next block should begin, on the server's clock
-};
+using jack::ask_server;
+using jack::Client;
+using jack::Names;
+using jack::Wire;
 
 /// A client of the server with audio ports, by their full names, in the server's order.
 struct Card {
@@ -202,6 +43,20 @@ std::optional<double> latency(const Client& client, const Names& names, jack_lat
     most = std::max(most.value_or(0.0), static_cast<double>(range.max));
   }
   return most;
+}
+
+/// What the drivers behind these ports call them: "alsa_pcm:hw:1:out1". Empty: they have no other names.
+std::string hardware_of(const Client& client, const Names& names) {
+  const auto size = static_cast<std::size_t>(jack_port_name_size());
+  std::string first(size, '\0'), second(size, '\0');
+  char* aliases[] = {first.data(), second.data()};
+  std::string text;
+  for (const auto& name : names) {
+    const auto* port = jack_port_by_name(client.handle, name.c_str());
+    const int count = port == nullptr ? 0 : jack_port_get_aliases(port, aliases);
+    for (int a = 0; a < count; ++a) text += (text.empty() ? "" : " ") + std::string{aliases[a]};
+  }
+  return text;
 }
 
 /// All clients with audio ports, those with real hardware behind them first.
@@ -249,10 +104,20 @@ class JackStream final : public CardStream<Client> {
     line_->card->abandon();
   }
 
+  int block_frames() const override { return line_->block_frames; }
+
+  std::vector<OtherWriter> other_writers() const override {
+    if (line_->lost) return {};
+    if (const int rewirings = line_->rewirings; !running() || rewirings != writers_as_of_) {
+      writers_ = line_->other_writers();
+      writers_as_of_ = running() ? rewirings : -1;
+    }
+    return writers_;
+  }
+
   std::string take_note() override {
-    if (const int block = line_->block_frames; block != reported_block_)
-      return fmt::format("the JACK block size is now {} frames instead of {}: the delay has changed", block,
-                         std::exchange(reported_block_, block));
+    if (const int rate = line_->new_rate; rate != 0 && !std::exchange(reported_rate_, true))
+      return fmt::format("the sample rate is now {} Hz instead of {}", rate, line_->sample_rate);
     if (!running() || line_->lost) return {};
     const int rewirings = line_->rewirings;
     if (rewirings == reported_rewirings_) return {};
@@ -282,23 +147,52 @@ class JackStream final : public CardStream<Client> {
       return fail(Errc::Device, "", "the JACK server or the device was disconnected",
                   "reopen the stream when they are available again");
     if (auto status = deactivate(); !status) return status;
-    return finished ? Status{} : no_answer();
+    return finished ? Status{} : jack::no_answer();
   }
   Status deactivate() {
     return ask_server([client = line_] { return jack_deactivate(client->handle), Status{}; });
   }
 
   std::vector<bool> connected_;  ///< as last reported
-  int reported_block_ = granted().block_frames, reported_rewirings_ = 0;
+  int reported_rewirings_ = 0;
+  bool reported_rate_ = false;
+  mutable std::vector<OtherWriter> writers_;
+  mutable int writers_as_of_ = -1;  ///< Client::rewirings
 };
 
-std::vector<Wire> wires(const Client& client, const StreamRequest& request, const Card& input,
-                        const Card& output) {
+/// The ports of a device behind these channels. Those of a device that returns are found by their names:
+/// another order is nothing to those who play on it. Errors: Device for a name that is missing.
+Result<Names> ports_behind(const Names& there, const std::vector<int>& channels, const Names& before) {
+  for (const auto& name : before)
+    if (std::find(there.begin(), there.end(), name) == there.end())
+      return fail(Errc::Device, "", "JACK has no port '" + name + "'", "check with jack_lsp");
+  if (!before.empty()) return before;
+  Names names;
+  for (const int channel : channels) names.push_back(there[index(channel)]);
+  return names;
+}
+
+/// The ports of both devices, into what is granted.
+Status choose_ports(const Client& client, const StreamRequest& request, const Card& input, const Card& output,
+                    StreamGranted& granted) {
+  const auto before = request.previous.value_or(StreamGranted{});
+  auto from =
+      ports_behind(input.captures, channels_of(request.in_map, request.in_channels), before.input.ports);
+  auto to =
+      ports_behind(output.playbacks, channels_of(request.out_map, request.out_channels), before.output.ports);
+  if (!from) return tl::unexpected(from.error());
+  if (!to) return tl::unexpected(to.error());
+  granted.input.hardware = hardware_of(client, *from);
+  granted.output.hardware = hardware_of(client, *to);
+  granted.input.ports = std::move(*from);
+  granted.output.ports = std::move(*to);
+  return {};
+}
+
+std::vector<Wire> wires(const Client& client, const StreamGranted& granted) {
   std::vector<Wire> wires;
-  for (int c = 0; const int from : channels_of(request.in_map, request.in_channels))
-    wires.push_back({input.captures[index(from)], client.input_port(c++)});
-  for (int c = 0; const int to : channels_of(request.out_map, request.out_channels))
-    wires.push_back({client.output_port(c++), output.playbacks[index(to)]});
+  for (int c = 0; const auto& from : granted.input.ports) wires.push_back({from, client.input_port(c++)});
+  for (int c = 0; const auto& to : granted.output.ports) wires.push_back({client.output_port(c++), to});
   return wires;
 }
 
@@ -306,9 +200,11 @@ std::vector<Wire> wires(const Client& client, const StreamRequest& request, cons
 /// client that has audio ports is a device: "jack:system" is the sound card. The server decides rate and
 /// block size for all: another rate is refused, another block is not granted. This never starts a server.
 ///
-/// A stream is Lost when the server or the device's ports go away, and Stalled while the server does not
-/// answer. Changes that others make to its connections are kept, and reported by `take_note`. A call that
-/// the server does not answer within two seconds is an error; what hangs is left to itself, silent.
+/// A stream is Lost when the server or the device's ports go away and when the server changes its rate, and
+/// Stalled while the server does not answer. While the server freewheels, zeros go out and the processor is
+/// left alone. A device that returns is connected to the same ports by their names. Changes that others make
+/// to its connections are kept, and reported by `take_note`. A call that the server does not answer within
+/// two seconds is an error; what hangs is left to itself, silent.
 class JackBackend final : public Backend {
  public:
   std::string name() const override { return "jack"; }
@@ -335,9 +231,12 @@ class JackBackend final : public Backend {
     granted.format.max_frames = granted.block_frames = client->block_frames;
     if (request.in_channels > 0) granted.input_latency_frames = choice->input.input_latency_frames;
     if (request.out_channels > 0) granted.output_latency_frames = choice->output.output_latency_frames;
+    if (auto status = choose_ports(*client, request, found[index(choice->input.index)],
+                                   found[index(choice->output.index)], granted);
+        !status)
+      return tl::unexpected(status.error());
+    client->wires = wires(*client, granted);
     if (auto status = processor.prepare(granted.format); !status) return tl::unexpected(status.error());
-    client->wires =
-        wires(*client, request, found[index(choice->input.index)], found[index(choice->output.index)]);
     auto unmapped = request;  // our ports are the channels themselves: what is mapped are the wires
     unmapped.in_map = unmapped.out_map = {};
     return std::make_unique<JackStream>(client, std::move(granted), unmapped, processor);

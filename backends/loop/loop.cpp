@@ -75,9 +75,10 @@ class LoopStream final : public Stream {
   ~LoopStream() override { (void)stop(); }
 
   const StreamGranted& granted() const override { return granted_; }
-  Status start() override {
+  Status start(const std::function<void()>& ready) override {
     if (thread_.joinable())
       return fail(Errc::Device, granted_.device, "this stream is already running", "stop it first");
+    ready();
     running_ = true;
     thread_ = std::thread{[this] { run(); }};
     return {};

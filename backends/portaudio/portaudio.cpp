@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <utility>
 
@@ -13,6 +14,7 @@
 #include <pa_linux_alsa.h>
 #endif
 
+#include "backends/alsa_devices.h"
 #include "backends/card_callback.h"
 #include "backends/find_device.h"
 #include "backends/library_calls.h"
@@ -24,7 +26,6 @@ namespace {
 constexpr int kPriority = 70;    // below a sound server's, above everything ordinary
 constexpr int kMaxBlock = 4096;  // [frames] where the driver chooses; longer ones are cut
 constexpr int kUsualPeriods = 2;
-constexpr std::chrono::milliseconds kGone{1000};
 
 class Session;
 struct Line;
@@ -57,9 +58,10 @@ Status checked(PaError code) {
 
 /// Calls PortAudio on a thread that may hang; `call` owns what it touches and returns a PaError. Errors:
 /// Device, BadArgument.
-Status in_portaudio(std::function<int()> call) {
+Status in_portaudio(std::function<int()> call, std::chrono::milliseconds patience = kPatience,
+                    const std::string& slow = {}) {
   if (is_over()) return over();
-  if (const auto code = result_with_timeout(std::move(call))) return checked(*code);
+  if (const auto code = result_with_timeout(std::move(call), patience, slow)) return checked(*code);
   program().over = "PortAudio does not respond any more";
   return over();
 }
@@ -80,6 +82,17 @@ std::string name_of(const PaHostApiInfo& api) {
 /// "HDA Intel: Analog (hw:0,0)" -> "HDA Intel: Analog": cards are numbered in the order in which they come.
 std::string without_number(std::string name) { return name.substr(0, name.rfind(" (hw:")); }
 
+/// "(hw:1,0)" at the end of the name of a device of ALSA's card 1: where that is connected, and its device
+/// number. Empty for what is no card's own device, as "default".
+std::string alsa_hardware_of(const std::string& name) {
+  int card = 0, device = 0;
+  const auto at = name.rfind(" (hw:");
+  if (at == std::string::npos || std::sscanf(name.c_str() + at, " (hw:%d,%d)", &card, &device) != 2)
+    return {};
+  const auto hardware = alsa_hardware(card);
+  return hardware.empty() ? "" : hardware + "," + std::to_string(device);
+}
+
 Device described(int index) {
   const auto& info = *Pa_GetDeviceInfo(index);
   const auto& api = *Pa_GetHostApiInfo(info.hostApi);
@@ -89,6 +102,10 @@ Device described(int index) {
   device.index = index;
   device.id = "portaudio:" + device.api + ":" + without_number(info.name);
   device.name = std::string{info.name} + " (" + api.name + ")";
+  if (api.type == paALSA) {
+    device.hardware = alsa_hardware_of(info.name);
+    device.ambiguous = device.library_name.find("(hw:") == std::string::npos;
+  }
   device.in_channels = info.maxInputChannels;
   device.out_channels = info.maxOutputChannels;
   device.default_rate = Hertz{info.defaultSampleRate};
@@ -121,7 +138,9 @@ class Session {
     program().client_name = client_name.substr(0, 32);
     PaJack_SetClientName(program().client_name.c_str());
 #endif
-    if (auto status = in_portaudio([] { return Pa_Initialize(); }); !status)
+    if (auto status = in_portaudio([] { return Pa_Initialize(); }, kListingPatience,
+                                   "PortAudio is still looking for devices; this may take 30 s");
+        !status)
       return tl::unexpected(status.error());
     std::shared_ptr<Session> session{new Session};
     program().session = session;
@@ -135,7 +154,7 @@ class Session {
   std::vector<Device> devices() const {
     std::vector<Device> all, devices;
     for (int index = 0; index < Pa_GetDeviceCount(); ++index) all.push_back(described(index));
-    number_same_ids(all);
+    distinguish_same_ids(all);
     std::copy_if(all.begin(), all.end(), std::back_inserter(devices),
                  [&](const Device& one) { return !has_ambiguous_name(one, all); });
     const auto output = Pa_GetDefaultOutputDevice();
@@ -187,6 +206,7 @@ struct Line {
   std::unique_ptr<CardCallback> card;  ///< before the start
   bool jack = false;
   bool own_thread = false;  ///< that PortAudio made; others are the driver's
+  std::optional<std::chrono::milliseconds> silence_until_lost;
   int out_planes = 0;
   // Of the library's thread:
   bool begun = false;
@@ -281,8 +301,8 @@ class PortAudioStream final : public CardStream<Line> {
   bool lost() const override {
     if (lost_ || is_over()) return true;
     if (!running()) return false;
-    // ALSA's JACK plugin waits for ever when its server is gone.
-    lost_ = (line_->own_thread && line_->card->stalled(kGone)) || Pa_IsStreamActive(line_->stream) != 1;
+    lost_ = (line_->silence_until_lost && line_->card->stalled(*line_->silence_until_lost)) ||
+            Pa_IsStreamActive(line_->stream) != 1;
     if (lost_ && line_->jack) lose_jack();
     return lost_;
   }
@@ -316,6 +336,7 @@ class PortAudioBackend final : public Backend {
   Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override {
     const auto session = Session::enter(request.client_name);
     if (!session) return tl::unexpected(session.error());
+    const auto cards = alsa_devices();
     const auto choice = choose((*session)->devices(), request);
     if (!choice) return tl::unexpected(choice.error());
     const auto& [input, output, chosen] = *choice;
@@ -323,8 +344,10 @@ class PortAudioBackend final : public Backend {
     line->session = *session;
     line->jack = output.api == "jack";
     line->own_thread = output.api == "alsa" || output.api == "oss";
+    line->silence_until_lost = silence_until_lost(output.api);
     auto granted = chosen;
     auto status = open_line(line, input, output, request, granted);
+    if (status) status = same_cards(cards);
     if (status) status = processor.prepare(granted.format);
     if (!status) {
       if (line->stream != nullptr) close(std::move(line));

@@ -1,4 +1,5 @@
 #include <RtAudio.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <atomic>
@@ -6,6 +7,7 @@
 #include <thread>
 #include <utility>
 
+#include "backends/alsa_devices.h"
 #include "backends/card_callback.h"
 #include "backends/find_device.h"
 #include "backends/library_calls.h"
@@ -24,7 +26,6 @@ constexpr int kUsualBlock = 256;   // [frames] where the driver lets us choose a
 constexpr int kUsualPeriods = 2;   // the fewest that a driver takes
 constexpr int kErrorsInARow = 16;  // a device that is still there recovers sooner
 
-constexpr milliseconds kGone{1000};
 constexpr milliseconds kGiveUp{100};  // for closing what is lost anyway
 
 /// "RtApiAlsa::probeDeviceOpen: the device won't open." -> "the device won't open"
@@ -40,6 +41,7 @@ class Line {
   Line(const std::string& api, const StreamRequest& request)
       : in_(index(channels_to_open(request.in_channels, request.in_map))),
         out_(index(channels_to_open(request.out_channels, request.out_map))),
+        silence_until_lost_(silence_until_lost(api)),
         library_{RtAudio::getCompiledApiByName(api)} {
     library_.showWarnings(false);
     const auto which = library_.getCurrentApi();
@@ -58,7 +60,7 @@ class Line {
       options.priority = kPriority;
       options.numberOfBuffers = static_cast<unsigned>(request.periods.value_or(kUsualPeriods));
       options.streamName = request.client_name;
-      open_once(unsigned(input.index), unsigned(output.index), block, options);
+      open_both(input, output, block, options);
       // With JACK the outputs are open before the inputs are looked for, and shift the list.
       if (jack && !in_.empty() && !out_.empty()) {
         if (const auto there = now_at(input.library_name); there != unsigned(input.index)) {
@@ -90,8 +92,8 @@ class Line {
   }
   /// [control] Neither `start` nor `halt` may be called any more.
   bool lost() const {
-    // ALSA's JACK plugin waits for ever when its server is gone.
-    return lost_ || !library_.isStreamOpen() || (own_thread_ && card && card->stalled(kGone));
+    return lost_ || !library_.isStreamOpen() ||
+           (silence_until_lost_ && card && card->stalled(*silence_until_lost_));
   }
 
   std::unique_ptr<CardCallback> card;  ///< before the start
@@ -120,6 +122,35 @@ class Line {
     at_work_->failed_ = true;
     // It will never call again, although the stream counts as running.
     if (text.find("buffer size has changed") != std::string::npos) at_work_->lost_ = true;
+  }
+
+  /// Two devices of one ALSA card may be the ends of one wire (snd-aloop): the inputs, which RtAudio opens
+  /// second, then have as many channels as the outputs were opened with, and the other way round.
+  void open_both(const Device& input, const Device& output, unsigned& block,
+                 RtAudio::StreamOptions& options) {
+    const auto open = [&] { open_once(unsigned(input.index), unsigned(output.index), block, options); };
+    const bool two = !in_.empty() && !out_.empty() && input.index != output.index;
+    const auto wanted = std::pair{in_.size(), out_.size()};
+    try {
+      open();
+    } catch (const RtAudioError& error) {
+      const auto both = std::max(in_.size(), out_.size());
+      if (jack || !two) throw;
+      in_.resize(both);
+      out_.resize(both);
+      try {
+        open();
+      } catch (const RtAudioError&) {
+        throw RtAudioError{"open: " + two_devices_text(input, output, wanted) + plain_message(error.what())};
+      }
+    }
+  }
+  std::string two_devices_text(const Device& input, const Device& output,
+                               std::pair<std::size_t, std::size_t> channels) const {
+    return fmt::format(
+        "{} inputs of '{}' and {} outputs of '{}' cannot be opened together as 32-bit float at {} Hz, "
+        "nor with the same number of channels; ",
+        channels.first, input.id, channels.second, output.id, rate_);
   }
 
   void open_once(unsigned input, unsigned output, unsigned& block, RtAudio::StreamOptions& options) {
@@ -175,6 +206,7 @@ class Line {
   std::vector<const float*> in_;
   std::vector<float*> out_;
   bool own_thread_ = false;  ///< that RtAudio made; others are the driver's
+  const std::optional<milliseconds> silence_until_lost_;
   unsigned rate_ = 48000;
   std::atomic<bool> lost_{false};
   // Of the library's thread:
@@ -216,11 +248,26 @@ Device described(const std::string& api, unsigned index, const RtAudio::DeviceIn
   for (const auto rate : info.sampleRates) device.sample_rates.push_back(Hertz{static_cast<double>(rate)});
   device.default_rate = Hertz{static_cast<double>(info.preferredSampleRate)};
   device.is_default = info.isDefaultOutput;
+  device.ambiguous = api == "alsa" && info.name == "default";
   return device;
+}
+
+/// Hardware of RtAudio's ALSA devices, which it lists in ALSA's order. None is assigned when cards came or
+/// went meanwhile.
+void add_hardware(Devices& found, const std::vector<AlsaDevice>& before) {
+  if (alsa_devices() != before) return;
+  for (auto& device : found) {
+    if (index(device.index) >= before.size()) continue;
+    const auto& pcm = before[index(device.index)];
+    if (device.library_name == "hw:" + pcm.name + "," + std::to_string(pcm.device))
+      device.hardware = pcm.hardware;
+  }
 }
 
 Devices probe(RtAudio::Api api) {
   Devices found;
+  const bool alsa = api == RtAudio::LINUX_ALSA;
+  const auto pcms = alsa ? alsa_devices() : std::vector<AlsaDevice>{};
   try {
     RtAudio library{api};
     library.showWarnings(false);
@@ -231,6 +278,7 @@ Devices probe(RtAudio::Api api) {
     }
   } catch (const std::exception&) {  // a device went away while it was asked: those before it are there
   }
+  if (alsa) add_hardware(found, pcms);
   return found;
 }
 
@@ -287,7 +335,7 @@ Result<Devices> rtaudio_devices(const std::string& text) {
   }
   if (devices.empty() && !silent.empty())
     return fail(Errc::Device, "", silent + " does not respond", "restart its server");
-  number_same_ids(devices);
+  distinguish_same_ids(devices);
   one_default(devices);
   return devices;
 }
@@ -337,6 +385,7 @@ class RtAudioBackend final : public Backend {
   }
   Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override {
     silence_library_logs();
+    const auto cards = alsa_devices();
     const auto found = rtaudio_devices(request.device);
     if (!found) return tl::unexpected(found.error());
     const auto choice = choose(*found, request);
@@ -347,7 +396,8 @@ class RtAudioBackend final : public Backend {
       return opened.open(choice.input, choice.output, request, *granted);
     });
     if (!status) return tl::unexpected(status.error());
-    status = processor.prepare(granted->format);
+    status = same_cards(cards);
+    if (status) status = processor.prepare(granted->format);
     if (!status) {
       close(std::move(line));
       return tl::unexpected(status.error());

@@ -220,3 +220,35 @@ TEST_CASE("card callback: gaps are counted by cause, and lost frames once", "[ba
   CHECK(health.xruns == 5);
   CHECK(health.lost_frames == 512);
 }
+
+TEST_CASE("card callback: while frames do not run at their rate zeros go out and no time passes",
+          "[backends]") {
+  Card card{1, 1, 16};
+  card.callback->play();
+  card.block({plane(16, 0.5)}, 1, 16);
+  const auto frame = card.guarded.frame();
+  card.callback->suspend(true);
+  CHECK(card.block({plane(16, 0.5)}, 1, 16) == std::vector<Plane>{plane(16, 0)});  // from Guarded::finish
+  const auto before = card.callback->health();
+  for (int n = 0; n < 1000; ++n)
+    REQUIRE(card.block({plane(16, 0.5)}, 1, 16) == std::vector<Plane>{plane(16, 0)});
+  CHECK(card.guarded.frame() == frame);  // and with it heat, fades and soft starts
+  CHECK(card.callback->health() == before);
+  CHECK_FALSE(card.callback->stalled());
+  card.callback->suspend(false);
+  CHECK(card.block({plane(16, 0.5)}, 1, 16) == std::vector<Plane>{plane(16, 0.625)});
+  CHECK(card.guarded.frame() == frame + 16);
+}
+
+TEST_CASE("card callback: a suspended stream can be stopped", "[backends]") {
+  Card card{0, 1, 16};
+  card.callback->play();
+  card.callback->suspend(true);
+  std::atomic<bool> done{false};
+  std::thread library{[&] {
+    while (!done) card.block({}, 1, 16);
+  }};
+  CHECK(card.callback->finish());
+  done = true;
+  library.join();
+}

@@ -114,3 +114,86 @@ TEST_CASE("find device: rates, blocks and periods that cannot be are refused", "
   request.periods = 0;
   CHECK(refusal(request) == "OutOfRange 0 2 3");
 }
+
+namespace {
+
+std::vector<Device> twins(const std::string& first, const std::string& second) {
+  std::vector<Device> devices{device("alsa:USB", "USB"), device("alsa:PCH", "PCH"),
+                              device("alsa:USB", "USB")};
+  devices[0].hardware = first;
+  devices[2].hardware = second;
+  distinguish_same_ids(devices);
+  return devices;
+}
+
+std::string found_in(const std::vector<Device>& devices, const std::string& id,
+                     const std::string& hardware = {}) {
+  const auto one = device_with_id(devices, id, hardware);
+  return one ? one->hardware : test::summary(one);
+}
+
+}  // namespace
+
+TEST_CASE("find device: two devices of one name are told apart by their hardware, in any order",
+          "[backends]") {
+  const auto both = twins("1-2:1.0", "1-3:1.0");
+  CHECK(both[0].id == "alsa:USB@1-2:1.0");
+  CHECK(both[1].id == "alsa:PCH");
+  CHECK(both[2].id == "alsa:USB@1-3:1.0");
+  CHECK_FALSE(both[0].ambiguous);
+  CHECK(found_in(twins("1-3:1.0", "1-2:1.0"), "alsa:USB@1-3:1.0") == "1-3:1.0");
+  // The bare name no longer means any of them, unless it is known which one it was.
+  CHECK(test::summary(device_with_id(both, "alsa:USB")) ==
+        "UnknownName 'alsa:USB' 'alsa:USB@1-2:1.0' 'alsa:PCH' 'alsa:USB@1-3:1.0'");
+  CHECK(found_in(both, "alsa:USB", "1-3:1.0") == "1-3:1.0");
+}
+
+TEST_CASE("find device: when one of two equal devices is unplugged the other does not take its place",
+          "[backends]") {
+  std::vector<Device> second{device("alsa:USB", "USB")};
+  second[0].hardware = "1-3:1.0";
+  distinguish_same_ids(second);
+  CHECK(second[0].id == "alsa:USB");
+  CHECK(test::summary(device_with_id(second, "alsa:USB@1-2:1.0")) ==
+        "UnknownName 'alsa:USB@1-2:1.0' 'alsa:USB'");
+  CHECK(found_in(second, "alsa:USB@1-3:1.0") == "1-3:1.0");
+}
+
+TEST_CASE("find device: devices of one name and unknown hardware are numbered, and ambiguous", "[backends]") {
+  const auto both = twins("", "");
+  CHECK(both[0].id == "alsa:USB");
+  CHECK(both[2].id == "alsa:USB #2");
+  CHECK(both[0].ambiguous);
+  CHECK_FALSE(both[1].ambiguous);
+  CHECK(both[2].ambiguous);
+  CHECK(twins("1-2:1.0", "1-2:1.0")[2].ambiguous);
+}
+
+TEST_CASE("find device: what is granted says which hardware it is, for each direction with channels",
+          "[backends]") {
+  auto devices = twins("1-2:1.0", "1-3:1.0");
+  StreamRequest request;
+  request.device = "alsa:USB@1-2:1.0";
+  request.input_device = "alsa:USB@1-3:1.0";
+  request.in_channels = request.out_channels = 1;
+  const auto both = choose(devices, request);
+  REQUIRE(both);
+  CHECK(both->granted.output == DeviceIdentity{"1-2:1.0", 4, {}, false});
+  CHECK(both->granted.input == DeviceIdentity{"1-3:1.0", 2, {}, false});
+  request.in_channels = 0;
+  CHECK(choose(devices, request)->granted.input == DeviceIdentity{});
+  request.device = "alsa:USB";
+  request.previous = both->granted;
+  CHECK(choose(devices, request)->granted.output.hardware == "1-2:1.0");
+}
+
+TEST_CASE("find device: a device that kept its hardware is the same under a longer name", "[backends]") {
+  StreamGranted before, now;
+  before.device = "alsa:USB";
+  before.output.hardware = "1-2:1.0";
+  now = before;
+  now.device = "alsa:USB@1-2:1.0";
+  CHECK(differences(before, now).empty());
+  before.output.hardware = now.output.hardware = "";
+  CHECK(differences(before, now).size() == 1);
+}

@@ -3,73 +3,15 @@
 #include <catch2/catch.hpp>
 
 #include "tests/support/error_summary.h"
+#include "tests/support/fake_backend.h"
 
 // With a backend that fails on request.
 
 using namespace tactus;
 using namespace std::chrono_literals;
+using test::FakeBackend;
 
 namespace {
-
-/// What the test decides and what the backend did.
-struct World {
-  StreamState state = StreamState::Stopped;
-  bool there = true, starts = true, comes_back = true;
-  Health health;
-  std::vector<std::string> notes;
-  std::string default_device = "fake:one";
-  std::vector<std::string> opened;
-  int block = 64, destroyed = 0, tried = 0;
-};
-
-class FakeStream final : public Stream {
- public:
-  FakeStream(World& world, StreamGranted granted) : world_(world), granted_(std::move(granted)) {}
-  ~FakeStream() override { ++world_.destroyed; }
-  const StreamGranted& granted() const override { return granted_; }
-  Status start() override {
-    if (!world_.starts) return fail(Errc::Device, "", "it does not start");
-    world_.state = StreamState::Running;
-    return {};
-  }
-  Status stop() override { return world_.state = StreamState::Stopped, Status{}; }
-  StreamState state() const override { return world_.state; }
-  Health health() const override { return world_.health; }
-  std::string take_note() override {
-    if (world_.notes.empty()) return {};
-    auto note = world_.notes.front();
-    world_.notes.erase(world_.notes.begin());
-    return note;
-  }
-
- private:
-  World& world_;
-  StreamGranted granted_;
-};
-
-class FakeBackend final : public Backend {
- public:
-  explicit FakeBackend(World& world) : world_(world) {}
-  std::string name() const override { return "fake"; }
-  Result<std::vector<Device>> devices() override { return std::vector<Device>{}; }
-  Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override {
-    ++world_.tried;
-    if (!world_.there) return fail(Errc::UnknownName, "", "there is no device '" + request.device + "'");
-    StreamGranted granted;
-    granted.device = request.device.empty() ? world_.default_device : request.device;
-    granted.format = {request.sample_rate.value_or(48_kHz), 0, 1, 64};
-    granted.block_frames = world_.block;
-    granted.comes_back = world_.comes_back;
-    if (auto status = processor.prepare(granted.format); !status) return tl::unexpected(status.error());
-    world_.opened.push_back(granted.device);
-    world_.state = StreamState::Stopped;
-    world_.health = {};
-    return std::make_unique<FakeStream>(world_, granted);
-  }
-
- private:
-  World& world_;
-};
 
 class Silence final : public BlockProcessor {
  public:
@@ -82,11 +24,26 @@ struct Fixture {
   Fixture() { open(); }
   void open() {
     stream = std::move(*ReconnectingStream::open(backend, {}, guarded));
+    stream->on_return([this](const Return& back) { returns.push_back(back); });
+    stream->on_change([this] { ++changes; });
     REQUIRE(stream->start());
   }
-  /// The application's loop, 20 times a second, on a clock of its own.
+  /// The application's loop, 20 times a second, on clocks of its own.
   void run(std::chrono::milliseconds time) {
-    for (const auto end = now + time; now < end; now += 50ms) stream->tick(now);
+    for (const auto end = now + time; now < end; now += 50ms) stream->tick(now, suspended);
+  }
+  /// The device goes away, and is there again after this time.
+  const Return& lose(
+      std::chrono::milliseconds time, const std::function<void()>& change = [] {}) {
+    const auto before = returns.size();
+    world.there = false;
+    world.state = StreamState::Lost;
+    run(time);
+    change();
+    world.there = true;
+    run(1s);
+    REQUIRE(returns.size() == before + 1);
+    return returns.back();
   }
   std::vector<std::string> events() {
     std::vector<std::string> all;
@@ -94,12 +51,15 @@ struct Fixture {
     return all;
   }
 
-  World world;
+  test::FakeWorld world;
   FakeBackend backend{world};
   Silence silence;
   Guarded guarded{silence, {}};
   std::unique_ptr<ReconnectingStream> stream;
   ReconnectingStream::Clock::time_point now;
+  std::chrono::nanoseconds suspended{};
+  std::vector<Return> returns;
+  int changes = 0;
 };
 
 using Events = std::vector<std::string>;
@@ -168,6 +128,94 @@ TEST_CASE("reconnecting stream: what cannot come back in this process is reporte
   CHECK(f.world.destroyed == destroyed);
   CHECK(f.stream->state() == StreamState::Lost);
   CHECK(f.events() == Events{"'fake:one': disconnected; restart the program to reopen it"});
+}
+
+TEST_CASE("reconnecting stream: the same device, back within 10 s, is the same", "[backends]") {
+  Fixture f;
+  f.world.output = {"1-2:1.0 serial 42", 2, {"card:playback_1"}, false};
+  f.open();
+  CHECK(f.lose(9s).same());
+  CHECK(f.returns.back().away.count() == Approx(9.0).margin(0.3));
+  const auto back = f.lose(11s);
+  CHECK_FALSE(back.same());
+  CHECK(test::names_in(back.differences.at(0)) == "10");
+  CHECK(test::names_in(f.events().back()) == "'fake:one' 10");
+}
+
+TEST_CASE("reconnecting stream: each thing in which a device differs is reported before blocks flow",
+          "[backends]") {
+  Fixture f;
+  f.world.output = {"1-2:1.0", 2, {"card:playback_1", "card:playback_2"}, false};
+  f.open();
+  const auto differs = [&](const std::function<void()>& change) {
+    std::string names;
+    for (const auto& difference : f.lose(1s, change).differences)
+      names += (names.empty() ? "" : "; ") + test::names_in(difference);
+    return names;
+  };
+  CHECK(differs([&] { f.world.output.hardware = "1-3:1.0"; }) == "'1-3:1.0' '1-2:1.0'");
+  CHECK(differs([&] { f.world.output.channels = 8; }) == "8 2");
+  CHECK(differs([&] { std::swap(f.world.output.ports[0], f.world.output.ports[1]); }) ==
+        "1 'card:playback_2' 'card:playback_1'; 2 'card:playback_1' 'card:playback_2'");
+  CHECK(differs([&] { f.world.block = 128; }) == "128 64");
+  CHECK(differs([&] { f.world.periods = 3; }) == "3 2");
+  CHECK(differs([] {}) == "");
+  f.world.output.ambiguous = true;
+  CHECK_FALSE(f.lose(1s).same());
+  CHECK_FALSE(f.lose(1s).same());  // and again: it may be another one each time
+}
+
+TEST_CASE("reconnecting stream: a difference is not forgotten when the device does not start at first",
+          "[backends]") {
+  Fixture f;
+  f.world.starts = false;
+  f.world.block = 128;
+  f.world.state = StreamState::Lost;
+  f.run(1s);
+  CHECK(f.returns.empty());
+  f.world.starts = true;
+  f.run(1s);
+  REQUIRE(f.returns.size() == 1);
+  CHECK(test::names_in(f.returns[0].differences.at(0)) == "128 64");
+}
+
+TEST_CASE("reconnecting stream: a device that returns is looked for on its hardware and by its ports",
+          "[backends]") {
+  Fixture f;
+  f.world.output = {"1-2:1.0", 2, {"card:playback_2"}, false};
+  f.open();
+  CHECK_FALSE(f.world.requests.back().previous);
+  f.lose(1s);
+  const auto& previous = f.world.requests.back().previous;
+  REQUIRE(previous);
+  CHECK(previous->output == f.world.output);
+}
+
+TEST_CASE("reconnecting stream: a suspension is a difference, whether it plays or is away", "[backends]") {
+  Fixture f;
+  f.run(1s);
+  CHECK(f.changes == 0);
+  f.suspended += 63s;
+  f.run(1s);
+  CHECK(f.changes == 1);
+  CHECK(test::names_in(f.events().back()) == "'fake:one' 63.0");
+  const auto& back = f.lose(1s, [&] { f.suspended += 5s; });
+  CHECK(f.changes == 1);
+  CHECK(back.differences.size() == 1);
+  CHECK(back.away.count() > 5.9);
+  CHECK(f.lose(1s).same());
+  CHECK(time_suspended().count() >= 0);
+}
+
+TEST_CASE("reconnecting stream: another block size while it plays is reported once", "[backends]") {
+  Fixture f;
+  f.world.block_now = 256;
+  f.run(1s);
+  CHECK(f.changes == 1);
+  CHECK(f.events().size() == 1);
+  CHECK(f.stream->granted().block_frames == 256);
+  f.world.block = 256;
+  CHECK(f.lose(1s).same());
 }
 
 TEST_CASE("kept stream: what was stopped stays away, until it is started", "[backends]") {
@@ -247,7 +295,7 @@ TEST_CASE("kept stream: what a stream has to say is passed on", "[backends]") {
 }
 
 TEST_CASE("kept stream: an error of the first opening is the caller's", "[backends]") {
-  World world;
+  test::FakeWorld world;
   world.there = false;
   FakeBackend backend{world};
   Silence silence;

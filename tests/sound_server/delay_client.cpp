@@ -1,6 +1,7 @@
 // A JACK client for tests, in a process of its own (see tests/support/sound_server.h).
 //   delay_client --hand NAME                                              changes other clients as asked
-//   delay_client --card NAME CHANNELS DELAY GAIN NOISE IN_LATENCY OUT_LATENCY    a sound card of known delay
+//   delay_client --card NAME CHANNELS DELAY GAIN NOISE IN_LATENCY OUT_LATENCY REVERSED
+//     a sound card of known delay; REVERSED 1: its last channel's ports are registered first
 // It says "ready" once the server answers, then answers each line of stdin until that ends.
 #include <jack/jack.h>
 #include <unistd.h>
@@ -117,7 +118,9 @@ bool make_card(jack_client_t* client, Card& card, char** arguments) {
   card.noise = std::atof(arguments[3]);
   card.input_latency = static_cast<jack_nframes_t>(std::atoi(arguments[4]));
   card.output_latency = static_cast<jack_nframes_t>(std::atoi(arguments[5]));
-  for (std::size_t c = 0; c < card.channels.size(); ++c) {
+  const bool reversed = std::atoi(arguments[6]) != 0;
+  for (std::size_t n = 0; n < card.channels.size(); ++n) {
+    const auto c = reversed ? card.channels.size() - 1 - n : n;
     const auto port = [&](const char* kind, unsigned long direction) {
       return jack_port_register(client, (kind + std::to_string(c + 1)).c_str(), JACK_DEFAULT_AUDIO_TYPE,
                                 direction, 0);
@@ -172,6 +175,7 @@ bool answer(jack_client_t* client, Card& card, const std::string& line) {
   if (what == "sleep") return sleep_once(card, std::stoi(first)), true;
   if (what == "period")
     return jack_set_buffer_size(client, static_cast<jack_nframes_t>(std::stoi(first))) == 0;
+  if (what == "freewheel") return jack_set_freewheel(client, std::stoi(first)) == 0;
   if (what == "connect") return jack_connect(client, first.c_str(), second.c_str()) == 0;
   if (what == "disconnect") return disconnect(client, first);
   if (what == "connections")
@@ -182,7 +186,7 @@ bool answer(jack_client_t* client, Card& card, const std::string& line) {
 }  // namespace
 
 int main(int count, char** arguments) {
-  const bool is_card = count == 9 && std::strcmp(arguments[1], "--card") == 0;
+  const bool is_card = count == 10 && std::strcmp(arguments[1], "--card") == 0;
   if (!is_card && (count != 3 || std::strcmp(arguments[1], "--hand") != 0)) return 2;
   jack_client_t* client = open(arguments[2]);
   Card card;

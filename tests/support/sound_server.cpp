@@ -182,6 +182,7 @@ std::string SoundServer::ask(const std::string& question) {
 }
 
 void SoundServer::set_period(int frames) { ask("period " + to_string(frames)); }
+void SoundServer::freewheel(bool on) { ask("freewheel " + to_string(int{on})); }
 void SoundServer::disconnect(const std::string& client) { ask("disconnect " + client); }
 void SoundServer::connect(const std::string& from_port, const std::string& to_port) {
   ask("connect " + from_port + " " + to_port);
@@ -192,7 +193,7 @@ DelayClient::DelayClient(const Settings& settings) : name_(own_name(settings.nam
   process_ = std::make_unique<ChildProcess>(std::vector<std::string>{
       TACTUS_DELAY_CLIENT, "--card", name_, to_string(settings.channels), to_string(settings.delay_frames),
       to_string(settings.gain), to_string(settings.noise), to_string(settings.input_latency),
-      to_string(settings.output_latency)});
+      to_string(settings.output_latency), to_string(int{settings.reversed})});
   if (process_->hear() != "ready")
     throw std::runtime_error{"the delay client '" + name_ + "' does not start"};
 }

@@ -32,6 +32,8 @@ class SoundServer {
   void restart();         ///< after `kill`; under the same name
 
   void set_period(int frames);
+  /// Frames run as fast as clients can.
+  void freewheel(bool on);
   /// Takes away every connection of a client.
   void disconnect(const std::string& client);
   void connect(const std::string& from_port, const std::string& to_port);
@@ -72,6 +74,7 @@ class DelayClient {
     double noise = 0.0;     ///< [full scale] peak of what is added, white
     int input_latency = 0;  ///< [frames] what it says of itself
     int output_latency = 0;
+    bool reversed = false;  ///< the ports of the last channel are registered first
   };
 
   explicit DelayClient(const Settings& settings);

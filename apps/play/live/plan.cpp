@@ -178,8 +178,8 @@ class Planner {
       plan_.delay = parse_delay(options_.delay);
     } else if (of_rig) {
       plan_.delay = of_rig;
-      plan_.delay_block = plan_.rig->device.block;
-      plan_.delay_periods = plan_.rig->device.periods;
+      plan_.delay_settings.block = plan_.rig->device.block;
+      plan_.delay_settings.periods = plan_.rig->device.periods;
     } else if (!options_.listen) {
       take_stored_delay();
     }
@@ -206,8 +206,8 @@ class Planner {
     });
     if (newest == nullptr) return;
     plan_.delay = newest->delay;
-    plan_.delay_block = newest->key.block_frames;
-    if (newest->key.periods > 0) plan_.delay_periods = newest->key.periods;
+    plan_.delay_settings.block = newest->key.block_frames;
+    if (newest->key.periods > 0) plan_.delay_settings.periods = newest->key.periods;
   }
 
   void make_performer() {
@@ -259,20 +259,21 @@ std::string granted_text(const LivePlan& plan, const StreamGranted& granted) {
 }
 
 void check_delay(LivePlan& plan, const StreamGranted& granted) {
-  const int block = plan.delay_block.value_or(granted.block_frames);
-  const int periods = granted.periods > 0 ? plan.delay_periods.value_or(granted.periods) : 0;
-  if (!plan.delay || (block == granted.block_frames && periods == granted.periods)) return;
-  const auto what =
-      block != granted.block_frames
-          ? fmt::format("the delay was measured with {} frames per block, but the block size is {}", block,
-                        granted.block_frames)
-          : fmt::format("the delay was measured with {} periods, but there are {}", periods, granted.periods);
+  if (!plan.delay) return;
+  auto& settings = plan.delay_settings;
+  const auto why = settings.why_invalid(granted);
+  if (why.empty()) {
+    settings.block = granted.block_frames;
+    if (granted.periods > 0) settings.periods = granted.periods;
+    settings.padded = plan.padding_frames > 0;
+    return;
+  }
   if (plan.padding_frames > 0)
-    exit_with({Errc::BadArgument, plan.rig_file, what + ": the padding is unknown",
+    exit_with({Errc::BadArgument, plan.rig_file, why + ": the padding is unknown",
                "set the device to that block size, or measure again"},
               kUsage);
   plan.delay.reset();
-  fmt::print(stderr, "warning: {}; the delay is treated as unknown\n", what);
+  fmt::print(stderr, "warning: {}; the delay is treated as unknown\n", why);
 }
 
 std::string delay_text(const LivePlan& plan) {

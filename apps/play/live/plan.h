@@ -8,6 +8,7 @@
 
 #include "apps/cli/backends.h"
 #include "apps/play/live/performer.h"
+#include "apps/play/live/session.h"
 #include "apps/play/play_report.h"
 
 namespace tactus::app {
@@ -18,7 +19,7 @@ struct LiveOptions : PlayerOptions, DeviceOptions {
   std::string pad_delay;
   std::string record, save_rig, midi;
   std::string learn;  ///< an input, "*" for the first one; empty: no sensitivity is learnt
-  bool arm = false, listen = false, yes = false, force = false;
+  bool arm = false, shared_port = false, listen = false, yes = false, force = false;
 
   /// Is a sound card asked for at all?
   bool live() const {
@@ -34,8 +35,8 @@ struct LivePlan : PerformerSetup {
   ChosenDevices devices;
   StreamRequest request;
   std::unique_ptr<Performer> performer;
-  std::string rig_file;                           ///< or empty
-  std::optional<int> delay_block, delay_periods;  ///< that the delay was measured with, where that is known
+  std::string rig_file;          ///< or empty
+  DelaySettings delay_settings;  ///< that the delay was measured with, where that is known
 };
 
 /// The plan by the command line and the rig, the former first. Asks for a rig and learns a sensitivity where
@@ -44,8 +45,8 @@ LivePlan make_plan(const LiveOptions& options);
 
 /// What was granted, and beside it what was asked for where it is something else.
 std::string granted_text(const LivePlan& plan, const StreamGranted& granted);
-/// Is the measured delay valid for what was granted? If not, it is dropped with a warning. Throws a
-/// CommandError where frames were to be added to it.
+/// Is the measured delay valid for what was granted? If not, it is dropped with a warning. From then on it is
+/// valid for what was granted alone. Throws a CommandError where frames were to be added to it.
 void check_delay(LivePlan& plan, const StreamGranted& granted);
 /// The system delay that the instrument uses, and its source.
 std::string delay_text(const LivePlan& plan);

@@ -14,6 +14,7 @@
 #include "apps/play/live/session.h"
 #include "apps/play/midi_map.h"
 #include "apps/play/save_rig.h"
+#include "backends/library_calls.h"
 #include "backends/realtime_thread.h"
 #include "engine/core/index.h"
 
@@ -125,7 +126,7 @@ class LivePlay {
 
   void arm() {
     if (!session_.has_drives()) return print("there is no drive to arm");
-    session_.arm(true);
+    if (const auto armed = session_.arm(true); !armed) return print(to_string(armed.error()));
     if (session_.armed()) print("drives armed");
   }
   void strike() {
@@ -218,6 +219,7 @@ int play_live(const LiveOptions& options) {
   if (const auto locked = lock_memory(); !locked) print_note("note: " + to_string(locked.error()));
   DeadMansSwitch dead_man;
   Session session{*plan.performer, *plan.devices.backend, plan.request, options.arm, &dead_man};
+  session.share_ports(options.shared_port);
   DriveKeys keys{session.switches()};
   StopLoop stop_loop{dead_man,
                      {.act = [&](Key key, Clock::time_point now) { return keys.act(key, now); },
@@ -226,7 +228,8 @@ int play_live(const LiveOptions& options) {
   if (const auto opened = session.open(options.record); !opened)
     exit_with(opened.error(), exit_of(opened.error()));
   check_delay(plan, session.granted());
-  session.set_delay_known(plan.delay.has_value());
+  session.set_delay(plan.delay ? std::optional{plan.delay_settings} : std::nullopt);
+  on_slow_call({});  // a note of a library must not hold up what is printed
   return play(session, plan, stop_loop, options, duration);
 }
 

@@ -81,20 +81,6 @@ Session::Session(Performer& performer, Backend& backend, StreamRequest request, 
 
 Session::~Session() { (void)stop(); }
 
-Status Session::open(const std::filesystem::path& record) {
-  record_ = record;
-  auto opened = ReconnectingStream::open(backend_, request_, guarded_);
-  if (!opened) return tl::unexpected(opened.error());
-  stream_ = std::move(*opened);
-  if (record_.empty()) return {};
-  stream_->on_return([this] {
-    end_take();
-    if (const auto status = begin_take(); !status)
-      messages_.push_back("recording stopped: " + to_string(status.error()));
-  });
-  return begin_take();
-}
-
 Status Session::stop() {
   if (stream_ == nullptr) return {};
   fade_out();
@@ -118,7 +104,9 @@ void Session::fade_out() {
 
 void Session::tick() {
   stream_->tick();
+  watch_writers();
   while (auto event = stream_->take_event()) messages_.push_back(std::move(*event));
+  for (auto& note : std::exchange(notes_, {})) messages_.push_back(std::move(note));
   report_recording();
   report_guard_events();
   report_faults();
@@ -126,20 +114,6 @@ void Session::tick() {
   follow_edits();
   // A value posted before an edit takes over would be applied to the version after it.
   if (stream_->state() == StreamState::Running && !performer_.instrument().replacing()) controls_.send();
-}
-
-void Session::set_delay_known(bool known) {
-  delay_known_ = known;
-  if (!known)
-    (void)performer_.instrument().post({JournalEntry::kNow, JournalEntry::Kind::SystemDelay, 0, -1.0});
-}
-
-/// Some drivers come out of a gap with a buffer more or less.
-void Session::check_delay_after_gap() {
-  if (!delay_known_ || !granted().xruns_move_delay || stream_->health().xruns == 0) return;
-  set_delay_known(false);
-  messages_.push_back(
-      "a gap may have changed the round-trip latency: it is treated as unknown until the device is reopened");
 }
 
 /// An edit waits until the one before it has taken over.
@@ -178,7 +152,7 @@ void Session::report_guard_events() {
   GuardEvent event;
   while (guarded_.take_event(event)) {
     // One of several drives may still be armed: what is shown is true for all.
-    if (event.kind != GuardEvent::Kind::DeadMan) arm(false);
+    if (event.kind != GuardEvent::Kind::DeadMan) switches_.disarm();
     events_.push_back(event);
     names.events = {event};
     for (auto& line : describe(names, granted().format.sample_rate)) messages_.push_back(std::move(line));

@@ -119,8 +119,17 @@ class RecordingMonitor {
   bool reported_error_ = false;
 };
 
+/// The settings of the card that a round-trip latency was measured with; it is valid for no others.
+struct DelaySettings {
+  std::optional<int> block, periods;  ///< nothing: any
+  bool padded = false;                ///< frames were added to it, as many as were missing
+
+  /// Why it is not valid for what was granted; empty: it is.
+  std::string why_invalid(const StreamGranted& granted) const;
+};
+
 /// [control, one thread] Plays an instrument on a device: opens it, follows edits of its files, and stops
-/// without a click.
+/// without a click. A device that returns, or goes on, other than it was is disarmed.
 class Session {
  public:
   /// All must outlive it.
@@ -128,12 +137,14 @@ class Session {
           const DeadMansSwitch* dead_man = nullptr);
   ~Session();
 
+  /// [before start] Drives may be armed although other programs write to their ports.
+  void share_ports(bool on) { shared_ports_ = on; }
   /// Opens the device; nothing flows yet. `record`: records takes into this WAV file, empty: into none. A
   /// stream that begins again is another take: take.wav, take-2.wav and so on, one more for each reconnection
-  /// of the device. Errors: of ReconnectingStream; of TakeRecorder::start.
+  /// of the device. Errors: of ReconnectingStream.
   [[nodiscard]] Status open(const std::filesystem::path& record);
-  /// Errors: of ReconnectingStream.
-  [[nodiscard]] Status start() { return stream_->start(); }
+  /// Errors: of ReconnectingStream; of TakeRecorder::start.
+  [[nodiscard]] Status start();
   /// Fades out, plays a block of zeros, and ends the take. The device is closed with the session.
   Status stop();
   /// To be called about 20 times a second.
@@ -141,8 +152,10 @@ class Session {
   /// Messages for the user since the last call.
   std::vector<std::string> take_messages() { return std::exchange(messages_, {}); }
 
-  /// true: obeys the order to arm that the stop loop gave, unless it was taken back meanwhile.
-  void arm(bool on) { on ? switches_.arm() : switches_.disarm(); }
+  /// true: obeys the order to arm that the stop loop gave, unless it was taken back meanwhile. Errors:
+  /// Device, where another program writes to the port of a drive; BadArgument, where the padding is unknown
+  /// for the device as it is now; the order is void then. Disarming always succeeds.
+  Status arm(bool on);
   void mute(bool on) { switches_.mute(on); }
   /// [any] For the stop loop.
   DriveSwitches& switches() { return switches_; }
@@ -160,9 +173,9 @@ class Session {
   }
   /// The files of the takes, oldest first.
   const std::vector<std::filesystem::path>& takes() const { return takes_; }
-  /// [opened] The round-trip latency is known: a warning is given when a gap may have changed it.
-  /// If not: it is unknown, or was measured with other settings.
-  void set_delay_known(bool known);
+  /// [opened] The settings of the known round-trip latency: a warning is given when a gap or another setting
+  /// may have changed it. Nothing: it is unknown.
+  void set_delay(std::optional<DelaySettings> settings);
 
   /// Levels and guard stages since the last call. Stays as it is until the next one.
   const SessionView& view();
@@ -176,6 +189,13 @@ class Session {
   void report_guard_events();
   void report_faults();
   void report_recording();
+  void device_returned(const Return& back);
+  void disarm(const std::string& why);
+  Status may_arm() const;
+  std::vector<OtherWriter> writers_to_drives() const;
+  void watch_writers();
+  void set_delay_known(bool known);
+  void check_delay();
   void check_delay_after_gap();
   Status begin_take();
   void end_take();
@@ -193,7 +213,10 @@ class Session {
   SessionView view_;
   bool edit_pending_ = false;
   std::future<Edit> reading_;  ///< compiles on a thread of its own
-  bool delay_known_ = false;
+  bool delay_known_ = false, shared_ports_ = false;
+  std::optional<DelaySettings> delay_;
+  std::vector<OtherWriter> writers_;  ///< as last reported
+  std::vector<std::string> notes_;    ///< messages that follow those of the stream
   std::vector<GuardCounts> seen_guards_;
   std::map<std::string, std::int64_t> fault_counts_;  ///< by node
   std::vector<GuardEvent> events_;

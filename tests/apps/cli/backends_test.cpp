@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "apps/cli/console.h"
 #include "engine/core/named.h"
 #include "tests/support/error_summary.h"
 
@@ -30,4 +31,23 @@ TEST_CASE("app backends: an id that says what a simulated card is makes one", "[
   const auto unknown = choose_devices("", "loop:nothing", "");
   REQUIRE_FALSE(unknown);
   CHECK(test::summary(unknown).find("'loop:nothing'") != std::string::npos);
+}
+
+TEST_CASE("app backends: the id in a rig is compared exactly", "[apps]") {
+  CHECK(choose_devices("loop", "loop:echo", "", DeviceNames::Partial)->output.id == "loop:echo_cancel");
+  const auto part = choose_devices("loop", "loop:echo", "", DeviceNames::Exact);
+  REQUIRE_FALSE(part);
+  CHECK(test::summary(part).find("'loop:echo'") != std::string::npos);
+  CHECK(choose_devices("loop", "loop:echo_cancel", "", DeviceNames::Exact)->output.id == "loop:echo_cancel");
+  Rig::Device rig;
+  rig.output = "loop:cable";
+  DeviceOptions options;
+  CHECK(choose_devices(options, rig).output.id == "loop:cable");
+  options.backend = "loop";
+  try {
+    (void)choose_devices(options, rig);
+    FAIL("a rig names the device with its backend");
+  } catch (const CommandError& error) {
+    CHECK(error.errors.front().where == "--backend");
+  }
 }

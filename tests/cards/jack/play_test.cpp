@@ -170,6 +170,90 @@ TEST_CASE_METHOD(OnServer, "play: what was pressed while the device was away hol
   CHECK(play.ends() == 0);
 }
 
+TEST_CASE_METHOD(OnServer, "play: controls are where the user left them when the device is back", "[cards]") {
+  folder.write("level.toml",
+               "format = 1\nname = \"level\"\n[inputs]\nheard = {}\n[controls]\n"
+               "level = { value = 0.4, range = [0, 1] }\n[nodes]\n"
+               "wave = { type = \"sine\", frequency = \"100 Hz\" }\n"
+               "[outputs]\ntone = { from = \"level * wave + 0 * heard\" }\n");
+  const auto heard = [&] {
+    Playing listener{{tone, "--device", "jack:loopback", "--outputs", "2", "--json", "--duration", "1 s"}};
+    CHECK(listener.ends() == 0);
+    return listener.report()["highest_input"]["heard"].get<double>();
+  };
+  Playing play{{in_folder("level.toml"), "--device", "jack:loopback", "--arm"}};
+  REQUIRE(play.says("delay "));
+  CHECK(test::wait_until([&] { return heard() > 0.35; }));  // the soft start is over
+  for (int turn = 0; turn < 7; ++turn) play.press("\x02");  // left, by a twentieth of the range
+  CHECK(test::wait_until([&] { return heard() < 0.06; }));
+  server->kill();
+  REQUIRE(play.says("disconnected"));
+  server->restart();
+  REQUIRE(play.says("reconnected after"));
+  CHECK(test::wait_until([&] { return heard() > 0.04; }));  // armed, and its soft start is over
+  CHECK(heard() < 0.06);
+  play.press("q");
+  CHECK(play.ends() == 0);
+  CHECK(play.log().find("drives disarmed") == std::string::npos);
+}
+
+TEST_CASE_METHOD(OnServer, "play: a program that writes to a drive's port disarms it, and keeps it disarmed",
+                 "[cards]") {
+  const test::DelayClient card, other{{.name = "other"}};
+  const auto port = card.name() + ":playback_1", writer = other.name() + ":capture_1";
+  const auto begin = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {tone, "--device", card.name(), "--json", "--duration", "2 s"});
+    return std::make_unique<Playing>(more);
+  };
+  auto play = begin({"--arm"});
+  REQUIRE(play->says("delay "));
+  server->connect("tactus:out_1", other.name() + ":playback_1");  // it only reads
+  server->connect(writer, port);
+  CHECK(play->says("'" + writer + "' also writes to '" + port + "'"));
+  CHECK(play->says("drives disarmed"));
+  play->press("a");
+  CHECK(play->says("the drives stay disarmed"));
+  CHECK(play->log().find("--shared-port") != std::string::npos);
+  play->press("q");
+  CHECK(play->ends() == 0);
+
+  play = begin({"--arm"});  // it is there from the beginning
+  CHECK(play->ends() == 0);
+  CHECK(play->report()["highest_output"]["tone"] == 0.0);
+
+  play = begin({"--arm", "--shared-port"});
+  CHECK(play->ends() == 0);
+  CHECK(play->report()["highest_output"]["tone"].get<double>() > 0.1);
+}
+
+TEST_CASE_METHOD(OnServer, "play: another block size disarms", "[cards]") {
+  Playing play{{tone, "--device", "jack:system", "--arm"}};
+  REQUIRE(play.says("delay "));
+  server->set_period(512);
+  CHECK(play.says("the block size is now 512 frames instead of 256"));
+  CHECK(play.says("drives disarmed"));
+  play.press("q");
+  CHECK(play.ends() == 0);
+}
+
+TEST_CASE_METHOD(OnServer, "play: a rig names its device exactly, with its backend", "[cards]") {
+  const auto refused = [&](const std::string& id, std::vector<std::string> more) {
+    folder.write("rig.toml",
+                 "format = 1\n[device]\noutput = \"" + id +
+                     "\"\n[inputs]\nheard = { channel = 1 }\n[outputs]\ntone = { channel = 1 }\n");
+    more.insert(more.begin(), {tone, "--rig", in_folder("rig.toml"), "--duration", "0.2 s"});
+    Playing play{more};
+    CHECK(play.ends() != 0);
+    return play.log();
+  };
+  CHECK_THAT(refused("jack:loop", {}), Catch::Contains("there is no device 'jack:loop'"));
+  CHECK_THAT(refused("jack:system", {"--backend", "jack"}), Catch::Contains("--backend"));
+  // A person may write a part, and is told what it means.
+  Playing play{{tone, "--device", "loopb", "--backend", "jack", "--duration", "0.2 s"}};
+  CHECK(play.ends() == 0);
+  CHECK_THAT(play.log(), Catch::Contains("--device loopb is jack:loopback"));
+}
+
 TEST_CASE_METHOD(OnServer, "play: with standard input closed nothing is taken for a key", "[cards]") {
   const auto command =
       std::string{"exec "} + TACTUS_PROGRAM + " play " + tone + " --device jack:system --duration '1 s' <&-";

@@ -1,0 +1,63 @@
+#include "backends/alsa_devices.h"
+
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <system_error>
+
+namespace tactus {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// " 0 [Loopback       ]: Loopback - Loopback" and a second line; the name is what follows the driver's.
+std::map<int, std::string> card_names(const fs::path& root) {
+  std::map<int, std::string> names;
+  std::ifstream file{root / "proc/asound/cards"};
+  for (std::string line; std::getline(file, line);) {
+    const auto driver = line.find("]: "), name = line.find(" - ", driver);
+    const auto number = line.find_first_of("0123456789");
+    if (driver == std::string::npos || name == std::string::npos || number > driver) continue;
+    names[std::stoi(line.substr(number, driver - number))] = line.substr(name + 3);
+  }
+  return names;
+}
+
+}  // namespace
+
+std::string alsa_hardware(int card, const fs::path& root) {
+  std::error_code missing;
+  const auto device =
+      fs::canonical(root / ("sys/class/sound/card" + std::to_string(card)) / "device", missing);
+  if (missing) return {};
+  auto text = device.filename().string();
+  std::string serial;
+  if (std::getline(std::ifstream{device.parent_path() / "serial"}, serial) && !serial.empty())
+    text += " serial " + serial;
+  return text;
+}
+
+std::vector<AlsaDevice> alsa_devices(const fs::path& root) {
+  const auto names = card_names(root);
+  std::vector<AlsaDevice> devices;
+  std::ifstream file{root /
+                     "proc/asound/pcm"};  // "00-01: Loopback PCM : Loopback PCM : playback 8 : capture 8"
+  for (std::string line; std::getline(file, line);) {
+    AlsaDevice found;
+    if (std::sscanf(line.c_str(), "%d-%d:", &found.card, &found.device) != 2) continue;
+    const auto name = names.find(found.card);
+    if (name == names.end()) continue;
+    found.name = name->second;
+    found.hardware = alsa_hardware(found.card, root);
+    devices.push_back(std::move(found));
+  }
+  return devices;
+}
+
+Status same_cards(const std::vector<AlsaDevice>& before) {
+  if (alsa_devices() == before) return {};
+  return fail(Errc::Device, "", "a sound card was connected or disconnected while the device was opened",
+              "try again");
+}
+
+}  // namespace tactus

@@ -1,0 +1,187 @@
+#include "backends/jack/client.h"
+
+#include <jack/jack.h>
+
+#include <algorithm>
+#include <cerrno>
+
+#include "engine/core/index.h"
+
+namespace tactus::jack {
+namespace {
+
+std::string why(jack_status_t status) {
+  if ((status & JackServerFailed) != 0) return "no JACK server is running";
+  if ((status & JackVersionError) != 0) return "the JACK server has another version";
+  return "the JACK server refused another client";
+}
+
+}  // namespace
+
+Status cannot(const std::string& what, const std::string& remedy) {
+  return fail(Errc::Device, "", "JACK cannot " + what, remedy);
+}
+
+tl::unexpected<Error> no_answer() {
+  return fail(Errc::Device, "", "the JACK server does not respond", "restart it");
+}
+
+Result<std::shared_ptr<Client>> Client::open(const std::string& name) {
+  silence_library_logs();
+  jack_status_t status{};
+  jack_client_t* handle = jack_client_open(name.c_str(), JackNoStartServer, &status);
+  if (handle == nullptr)
+    return fail(Errc::Device, "", why(status), "start one, as in: jackd -d alsa -d hw:0 -r 48000 -p 64");
+  return std::shared_ptr<Client>(new Client(handle),
+                                 [](Client* client) { call_with_timeout([client] { delete client; }); });
+}
+
+Client::Client(jack_client_t* opened)
+    : handle(opened),
+      sample_rate(static_cast<int>(jack_get_sample_rate(opened))),
+      block_frames(static_cast<int>(jack_get_buffer_size(opened))) {
+  set_callbacks();
+}
+
+Client::~Client() { jack_client_close(handle); }
+
+void Client::set_callbacks() {
+  jack_set_process_callback(
+      handle, [](jack_nframes_t frames, void* self) { return client(self).process(int(frames)), 0; }, this);
+  jack_set_xrun_callback(
+      handle, [](void* self) { return client(self).note_xrun(), 0; }, this);
+  jack_set_buffer_size_callback(
+      handle, [](jack_nframes_t frames, void* self) { return client(self).block_frames = int(frames), 0; },
+      this);
+  jack_set_sample_rate_callback(
+      handle, [](jack_nframes_t rate, void* self) { return client(self).note_rate(int(rate)), 0; }, this);
+  jack_set_freewheel_callback(
+      handle, [](int starting, void* self) { client(self).freewheels_ = starting != 0; }, this);
+  jack_set_port_connect_callback(
+      handle, [](jack_port_id_t, jack_port_id_t, int, void* self) { ++client(self).rewirings; }, this);
+  jack_set_port_registration_callback(
+      handle,
+      [](jack_port_id_t port, int registered, void* self) {
+        if (registered == 0) client(self).note_removal(port);
+      },
+      this);
+  jack_on_info_shutdown(
+      handle, [](jack_status_t, const char*, void* self) { client(self).lost = true; }, this);
+}
+
+Status Client::add_ports(int inputs, int outputs) {
+  const auto add = [this](std::vector<jack_port_t*>& ports, const std::string& kind, unsigned long way) {
+    const auto name = kind + std::to_string(ports.size() + 1);
+    ports.push_back(jack_port_register(handle, name.c_str(), JACK_DEFAULT_AUDIO_TYPE, way, 0));
+    return ports.back() != nullptr;
+  };
+  bool all = true;
+  for (int c = 0; c < inputs && all; ++c) all = add(inputs_, "in_", JackPortIsInput);
+  for (int c = 0; c < outputs && all; ++c) all = add(outputs_, "out_", JackPortIsOutput);
+  in_.assign(inputs_.size(), nullptr);
+  out_.assign(outputs_.size(), nullptr);
+  return all ? Status{} : cannot("register that many ports", "start the server with a larger --port-max");
+}
+
+std::string Client::input_port(int channel) const { return jack_port_name(inputs_[index(channel)]); }
+std::string Client::output_port(int channel) const { return jack_port_name(outputs_[index(channel)]); }
+
+Status Client::activate() {
+  first_ = true;
+  if (jack_activate(handle) != 0) return cannot("start the client", "check that the server is still running");
+  for (const auto& wire : wires)
+    if (const int result = jack_connect(handle, wire.from.c_str(), wire.to.c_str());
+        result != 0 && result != EEXIST)
+      return cannot("connect '" + wire.from + "' to '" + wire.to + "'",
+                    "check with jack_lsp that both exist");
+  return {};
+}
+
+std::vector<OtherWriter> Client::other_writers() const {
+  std::vector<OtherWriter> found;
+  for (std::size_t c = 0; c < outputs_.size(); ++c) {
+    const std::string ours = jack_port_name(outputs_[c]);
+    const auto& assigned = wires[inputs_.size() + c].to;
+    const int output = static_cast<int>(c);
+    for (auto& from : connections_of(assigned))
+      if (from != ours) found.push_back({output, std::move(from), assigned});
+    for (auto& to : connections_of(ours))
+      if (to != assigned && is_hardware(to)) found.push_back({output, ours, std::move(to)});
+  }
+  return found;
+}
+
+Names Client::connections_of(const std::string& port) const {
+  Names names;
+  const auto* found = jack_port_by_name(handle, port.c_str());
+  const char** others = found == nullptr ? nullptr : jack_port_get_all_connections(handle, found);
+  for (const char** other = others; other != nullptr && *other != nullptr; ++other)
+    names.emplace_back(*other);
+  jack_free(others);
+  return names;
+}
+
+bool Client::is_hardware(const std::string& port) const {
+  const auto* found = jack_port_by_name(handle, port.c_str());
+  return found != nullptr && (jack_port_flags(found) & JackPortIsPhysical) != 0;
+}
+
+std::vector<bool> Client::connected() const {
+  std::vector<bool> is;
+  for (const auto& wire : wires) {
+    const auto w = is.size();
+    is.push_back(w < inputs_.size()
+                     ? jack_port_connected_to(inputs_[w], wire.from.c_str()) != 0
+                     : jack_port_connected_to(outputs_[w - inputs_.size()], wire.to.c_str()) != 0);
+  }
+  return is;
+}
+
+/// Times and slew rates of the guard are those of the rate that was granted: nothing plays at another.
+void Client::note_rate(int rate) noexcept {
+  if (rate == sample_rate) return;
+  new_rate = rate;
+  lost = true;
+}
+
+void Client::note_xrun() noexcept {
+  if (card && card->playing()) card->gap(Gap::Server);
+}
+
+/// A client that closes removes its ports after this notification, one that dies before.
+void Client::note_removal(std::uint32_t port) {
+  const auto* going = jack_port_by_id(handle, port);
+  const auto is_there = [&](const std::string& name) {
+    const auto* found = jack_port_by_name(handle, name.c_str());
+    return found != nullptr && (going == nullptr || name != jack_port_name(going));
+  };
+  if (!std::all_of(wires.begin(), wires.end(),
+                   [&](const Wire& wire) { return is_there(wire.from) && is_there(wire.to); }))
+    lost = true;
+}
+
+void Client::process(int frames) noexcept {
+  if (!card) return;
+  const auto buffer = [frames](jack_port_t* port) {
+    return static_cast<float*>(jack_port_get_buffer(port, static_cast<jack_nframes_t>(frames)));
+  };
+  std::transform(inputs_.begin(), inputs_.end(), in_.begin(), buffer);
+  std::transform(outputs_.begin(), outputs_.end(), out_.begin(), buffer);
+  const bool suspended = freewheels_ || new_rate != 0;
+  card->suspend(suspended);
+  first_ = first_ || suspended;  // the server's count jumps
+  note_lost_frames(frames);
+  card->block(in_.data(), out_.data(), static_cast<int>(out_.size()), frames);
+}
+
+/// While a client is late the others go on, unless the server is synchronous: what it could not take is
+/// missing on its way through the server's count.
+void Client::note_lost_frames(int frames) noexcept {
+  const auto now = jack_last_frame_time(handle);
+  const auto lost_frames = static_cast<std::int32_t>(now - next_frame_);
+  if (!first_ && lost_frames > 0 && card->playing()) card->lost(lost_frames);
+  first_ = false;
+  next_frame_ = now + static_cast<jack_nframes_t>(frames);
+}
+
+}  // namespace tactus::jack

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "backends/card_callback.h"
+#include "backends/library_calls.h"
+
+// As JACK's own headers name them.
+struct _jack_client;
+struct _jack_port;
+
+namespace tactus::jack {
+
+using Names = std::vector<std::string>;
+
+/// From one port to another, by their full names.
+struct Wire {
+  std::string from, to;
+};
+
+/// [any] Errors of this backend.
+Status cannot(const std::string& what, const std::string& remedy);
+tl::unexpected<Error> no_answer();
+
+/// [control] A call that may hang; gives up after two seconds. `call` owns whatever it touches and returns a
+/// Result.
+template <class Call>
+auto ask_server(Call call) -> decltype(call()) {
+  if (auto answer = result_with_timeout(std::move(call))) return std::move(*answer);
+  return no_answer();
+}
+
+/// A client of the running server, closed with its last owner. Any call that waits for the server's answer
+/// may hang: such calls are made by `ask_server` and own the client, and it closes itself with the
+/// same patience.
+class Client {
+ public:
+  /// [control, may hang] Errors: Device, if no server answers.
+  static Result<std::shared_ptr<Client>> open(const std::string& name);
+  ~Client();
+  Client(const Client&) = delete;
+  Client& operator=(const Client&) = delete;
+
+  /// [control & inactive, may hang] Ports in_1, in_2, … and out_1, out_2, … Errors: Device.
+  Status add_ports(int inputs, int outputs);
+  /// [control]
+  std::string input_port(int channel) const;
+  std::string output_port(int channel) const;
+
+  /// [control, may hang] Blocks come, and every wire is connected. Errors: Device.
+  Status activate();
+
+  /// [control] See Stream.
+  std::vector<OtherWriter> other_writers() const;
+  /// [control & active] For each wire: is it connected?
+  std::vector<bool> connected() const;
+
+  _jack_client* const handle;
+  std::unique_ptr<CardCallback> card;  ///< set before `activate`
+  /// It is lost when an end of one goes away. Those to the inputs come first, each channel's in turn.
+  std::vector<Wire> wires;
+  std::atomic<bool> lost{false};  ///< the server went away or changed its rate, or an end of a wire went away
+  const int sample_rate;
+  std::atomic<int> new_rate{0};  ///< [Hz] that the server changed to; 0: it did not
+  std::atomic<int> block_frames;
+  std::atomic<int> rewirings{0};  ///< how often wires were connected or disconnected
+
+ private:
+  explicit Client(_jack_client* opened);
+  static Client& client(void* self) { return *static_cast<Client*>(self); }
+  void set_callbacks();
+  Names connections_of(const std::string& port) const;
+  bool is_hardware(const std::string& port) const;
+  void note_rate(int rate) noexcept;
+  void note_xrun() noexcept;
+  void note_removal(std::uint32_t port);
+  void process(int frames) noexcept;
+  void note_lost_frames(int frames) noexcept;
+
+  std::vector<_jack_port*> inputs_, outputs_;
+  std::vector<const float*> in_;
+  std::vector<float*> out_;
+  std::atomic<bool> freewheels_{false};  ///< blocks come as fast as they can
+  bool first_ = true;
+  std::uint32_t next_frame_ = 0;  ///< where the next block should begin, on the server's clock
+};
+
+}  // namespace tactus::jack

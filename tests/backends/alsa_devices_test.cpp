@@ -1,0 +1,59 @@
+#include "backends/alsa_devices.h"
+
+#include <catch2/catch.hpp>
+
+#include "tests/support/temporary_folder.h"
+
+using namespace tactus;
+
+namespace {
+
+/// Two equal USB cards, one of them with a serial number, and one on the PCI bus.
+struct Cards {
+  Cards() {
+    folder.write("proc/asound/cards",
+                 " 0 [PCH            ]: HDA-Intel - HDA Intel PCH\n"
+                 "                      HDA Intel PCH at 0xf7d10000 irq 32\n"
+                 " 1 [U192k          ]: USB-Audio - UMC204HD 192k\n"
+                 "                      BEHRINGER UMC204HD 192k at usb-0000:00:14.0-2, high speed\n"
+                 " 2 [U192k_1        ]: USB-Audio - UMC204HD 192k\n"
+                 "                      BEHRINGER UMC204HD 192k at usb-0000:00:14.0-3, high speed\n");
+    folder.write("proc/asound/pcm",
+                 "00-00: ALC269 Analog : ALC269 Analog : playback 1 : capture 1\n"
+                 "00-03: HDMI 0 : HDMI 0 : playback 1\n"
+                 "01-00: USB Audio : USB Audio : playback 1 : capture 1\n"
+                 "02-00: USB Audio : USB Audio : playback 1 : capture 1\n");
+    connect(0, "sys/devices/pci0000:00/0000:00:1f.3");
+    connect(1, "sys/devices/usb1/1-2/1-2:1.0");
+    connect(2, "sys/devices/usb1/1-3/1-3:1.0");
+    folder.write("sys/devices/usb1/1-3/serial", "42\n");
+  }
+  void connect(int card, const std::string& device) const {
+    namespace fs = std::filesystem;
+    const auto at = folder.path() / ("sys/class/sound/card" + std::to_string(card));
+    fs::create_directories(folder.path() / device);
+    fs::create_directories(at);
+    fs::create_directory_symlink(folder.path() / device, at / "device");
+  }
+  test::TemporaryFolder folder;
+};
+
+}  // namespace
+
+TEST_CASE("alsa devices: equal cards differ in where they are connected", "[backends]") {
+  const Cards cards;
+  const auto devices = alsa_devices(cards.folder.path());
+  REQUIRE(devices.size() == 4);
+  CHECK(devices[0] == AlsaDevice{0, 0, "HDA Intel PCH", "0000:00:1f.3"});
+  CHECK(devices[1] == AlsaDevice{0, 3, "HDA Intel PCH", "0000:00:1f.3"});
+  CHECK(devices[2] == AlsaDevice{1, 0, "UMC204HD 192k", "1-2:1.0"});
+  CHECK(devices[3] == AlsaDevice{2, 0, "UMC204HD 192k", "1-3:1.0 serial 42"});
+}
+
+TEST_CASE("alsa devices: without ALSA there are none, and a card that is gone has no hardware",
+          "[backends]") {
+  const test::TemporaryFolder empty;
+  CHECK(alsa_devices(empty.path()).empty());
+  CHECK(alsa_hardware(0, empty.path()).empty());
+  CHECK(alsa_hardware(7, Cards{}.folder.path()).empty());
+}
