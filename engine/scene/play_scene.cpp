@@ -1,10 +1,7 @@
 #include "engine/scene/play_scene.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 
 #include "engine/core/named.h"
 #include "engine/scene/closed_loop.h"
@@ -12,24 +9,13 @@
 namespace tactus {
 namespace {
 
-/// Sensors, drives, then the taps of both engines. Errors: OutOfRange if they do not fit.
-Status name_signals(SceneRecording& recording, const BuiltScene& built, double frames) {
+/// Sensors, drives, then the taps of both engines.
+void name_signals(SceneRecording& recording, const BuiltScene& built, std::size_t frames) {
   for (const auto* names : {&recording.inputs, &recording.outputs})
     for (const auto& name : *names) recording.signals.push_back({"instrument." + name, {}, {}});
   for (const auto* taps : {&built.plant_taps, &built.instrument_taps})
     for (const auto& tap : *taps) recording.signals.push_back({tap.name, tap.dimension, {}});
-  const double bytes_per_frame = static_cast<double>(recording.signals.size() * sizeof(double));
-  if (bytes_per_frame * frames > kMostRecordingBytes)
-    return fail(
-        Errc::OutOfRange, "",
-        fmt::format("a run of {:g} s would keep {:.3g} GB of signals in memory; at most {:.3g} GB are "
-                    "allowed",
-                    frames / recording.sample_rate.value, bytes_per_frame * frames / 1e9,
-                    kMostRecordingBytes / 1e9),
-        fmt::format("choose a duration of at most {:.0f} s, or a lower sample rate",
-                    std::floor(kMostRecordingBytes / bytes_per_frame / recording.sample_rate.value)));
-  for (auto& signal : recording.signals) signal.samples.reserve(static_cast<std::size_t>(frames));
-  return {};
+  for (auto& signal : recording.signals) signal.samples.reserve(frames);
 }
 
 void record(SceneRecording& recording, const BuiltScene& built, const ClosedLoop::Block& io) {
@@ -80,12 +66,11 @@ Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int
   if (auto status = loop.prepare(recording.sample_rate, block); !status)
     return tl::unexpected(status.error());
   guarded.skip_soft_start();
+  const auto frames = static_cast<int>(frames_in(scene.duration, recording.sample_rate));
   recording.inputs = built.instrument->plan().input_names;
   recording.outputs = output_names(built.instrument->plan());
   recording.sounds = sound_names(built.instrument->plan(), scene.roles);
-  if (auto status = name_signals(recording, built, frames_in(scene.duration, recording.sample_rate)); !status)
-    return tl::unexpected(status.error());
-  const auto frames = static_cast<int>(frames_in(scene.duration, recording.sample_rate));
+  name_signals(recording, built, static_cast<std::size_t>(frames));
   PortWatches ports{scene, built.plant_taps};
   const auto started = std::chrono::steady_clock::now();
   const int part = std::max(block, frames / 100);

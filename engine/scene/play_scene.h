@@ -43,12 +43,8 @@ struct SceneRecording {
 /// [any] The outputs of the instrument that are not `sounds`.
 std::vector<std::string> drive_names(const SceneRecording& recording);
 
-/// The most that the signals of a run may need.
-inline constexpr double kMostRecordingBytes = 2e9;
-
 /// [control] Plays a built scene from start to end in blocks of `block` frames. `progress` receives the share
-/// done. Errors: OutOfRange, before anything runs, for a duration whose signals need more than
-/// kMostRecordingBytes; those of Guarded::prepare.
+/// done.
 Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int block,
                                   const std::function<void(double)>& progress = {});
 

@@ -1,8 +1,6 @@
 #include <catch2/catch.hpp>
 
 #include "backends/wav_file.h"
-#include "engine/nodes/table.h"
-#include "engine/scene/play_scene.h"
 #include "tests/support/desk.h"
 #include "tests/support/skip.h"
 
@@ -46,18 +44,3 @@ TEST_CASE("render: a file is followed by silence up to the duration, at its rate
   CHECK(frames("--rate '88.2 kHz' --duration '50 ms'") == 4410);
 }
 #endif
-
-TEST_CASE("play scene: a run whose signals would not fit is refused with their size, before it begins",
-          "[scene]") {
-  const std::filesystem::path root = std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments";
-  auto scene = load_scene_leniently(root / "haptic_drum/single_strike.toml", root);
-  auto built = build_scene(scene, standard_nodes());
-  REQUIRE(built);
-  scene.scene->duration = Seconds{36000};
-  const auto played = play_scene(*scene.scene, *built, 64);
-  REQUIRE_FALSE(played);
-  CHECK(played.error().code == Errc::OutOfRange);
-  CHECK(played.error().what.find("36000 s") != std::string::npos);
-  CHECK(played.error().what.find("2 GB") != std::string::npos);
-  CHECK(played.error().remedy.find(" s") != std::string::npos);
-}
