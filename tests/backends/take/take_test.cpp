@@ -64,15 +64,15 @@ TEST_CASE("take: a header comes back as it was, to the last bit", "[take]") {
   CHECK(header.files.texts == full_header().files.texts);
 }
 
-TEST_CASE("take: headers of format 1 are read, those of a later format refused", "[take]") {
+TEST_CASE("take: headers of formats 1 and 2 are read, those of a later format refused", "[take]") {
   const TemporaryFolder folder;
   const auto with_version = [](const std::string& version) {
     auto line = journal_line(full_header());
-    const std::string now = "\"tactus_take\":2";
+    const std::string now = "\"tactus_take\":3";
     return line.replace(line.find(now), now.size(), "\"tactus_take\":" + version);
   };
-  CHECK(message(folder, with_version("1")).empty());
-  for (const auto* version : {"0", "3"})
+  for (const auto* version : {"1", "2"}) CHECK(message(folder, with_version(version)).empty());
+  for (const auto* version : {"0", "4"})
     CHECK(message(folder, with_version(version)) == "take.jsonl BadFile");
 }
 
