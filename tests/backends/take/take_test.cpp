@@ -140,7 +140,7 @@ TEST_CASE("take: what is no take says what it is", "[take]") {
   CHECK(message(folder, "") == "take.jsonl BadFile");
   CHECK(message(folder, "hello\n") == "take.jsonl BadFile");
   CHECK(message(folder, "{}\n") == "take.jsonl BadFile");
-  CHECK(message(folder, "{\"tactus_take\": 3}\n") == "take.jsonl BadFile");
+  CHECK(message(folder, "{\"tactus_take\": 4}\n") == "take.jsonl BadFile");
   CHECK(message(folder, journal_line(full_header()) + "rubbish\n" + journal_line(JournalEntry{})) ==
         "take.jsonl:2 BadFile");
 }

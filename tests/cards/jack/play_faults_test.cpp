@@ -17,18 +17,18 @@ TEST_CASE_METHOD(OnServer, "play: a program that is killed, aborts or faults lea
     CAPTURE(signal);
     Playing play{{tone, "--device", "jack:loopback", "--arm"}};
     REQUIRE(play.says("delay "));
-    Playing before{{tone, "--device", "jack:loopback", "--json", "--duration", "2 s"}};
+    Playing before{{tone, "--device", "jack:loopback", "--outputs", "2", "--json", "--duration", "2 s"}};
     REQUIRE(before.ends() == 0);
     CHECK(before.report()["highest_input"]["heard"] > 0.1);
     play.process().send(signal);
     CHECK(play.ends() == -signal);
-    Playing after{{tone, "--device", "jack:loopback", "--json", "--duration", "1 s"}};
+    Playing after{{tone, "--device", "jack:loopback", "--outputs", "2", "--json", "--duration", "1 s"}};
     REQUIRE(after.ends() == 0);
     CHECK(after.report()["highest_input"]["heard"] == 0.0);
   }
 }
 
-TEST_CASE("play: stopped by SIGSTOP, JACK repeats its last block or plays zeros; it then starts softly",
+TEST_CASE("play: stopped by SIGSTOP, JACK repeats its last block or plays zeros and then starts softly",
           "[cards]") {
   const auto server = test::start_sound_server({.synchronous = false});
   const test::TemporaryFolder folder;
@@ -36,7 +36,7 @@ TEST_CASE("play: stopped by SIGSTOP, JACK repeats its last block or plays zeros;
   const auto wav = folder.path() / "take.wav";
   Playing play{{tone, "--device", "jack:loopback", "--arm"}};
   REQUIRE(play.says("delay "));
-  Playing listener{{tone, "--device", "jack:loopback", "--record", wav.string()}};
+  Playing listener{{tone, "--device", "jack:loopback", "--outputs", "2", "--record", wav.string()}};
   REQUIRE(listener.says("delay "));
   const auto heard = [&] { return read_wav(wav)->channels.front(); };  // the drive of the listener is behind
   const auto any_from = [&](std::size_t begin, std::size_t frames, auto holds) {

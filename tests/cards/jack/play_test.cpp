@@ -183,8 +183,8 @@ TEST_CASE_METHOD(OnServer, "play: controls are where the user left them when the
   };
   Playing play{{in_folder("level.toml"), "--device", "jack:loopback", "--arm"}};
   REQUIRE(play.says("delay "));
-  CHECK(test::wait_until([&] { return heard() > 0.35; }));  // the soft start is over
-  for (int turn = 0; turn < 7; ++turn) play.press("\x02");  // left, by a twentieth of the range
+  CHECK(test::wait_until([&] { return heard() > 0.35; }));    // the soft start is over
+  for (int turn = 0; turn < 7; ++turn) play.press("\x1b[D");  // left, by a twentieth of the range
   CHECK(test::wait_until([&] { return heard() < 0.06; }));
   server->kill();
   REQUIRE(play.says("disconnected"));
@@ -202,7 +202,7 @@ TEST_CASE_METHOD(OnServer, "play: a program that writes to a drive's port disarm
   const test::DelayClient card, other{{.name = "other"}};
   const auto port = card.name() + ":playback_1", writer = other.name() + ":capture_1";
   const auto begin = [&](std::vector<std::string> more) {
-    more.insert(more.begin(), {tone, "--device", card.name(), "--json", "--duration", "2 s"});
+    more.insert(more.begin(), {tone, "--device", card.name(), "--json"});
     return std::make_unique<Playing>(more);
   };
   auto play = begin({"--arm"});
@@ -211,17 +211,16 @@ TEST_CASE_METHOD(OnServer, "play: a program that writes to a drive's port disarm
   server->connect(writer, port);
   CHECK(play->says("'" + writer + "' also writes to '" + port + "'"));
   CHECK(play->says("drives disarmed"));
-  play->press("a");
-  CHECK(play->says("the drives stay disarmed"));
+  play->arm("the drives stay disarmed");
   CHECK(play->log().find("--shared-port") != std::string::npos);
   play->press("q");
   CHECK(play->ends() == 0);
 
-  play = begin({"--arm"});  // it is there from the beginning
+  play = begin({"--arm", "--duration", "2 s"});  // it is there from the beginning
   CHECK(play->ends() == 0);
   CHECK(play->report()["highest_output"]["tone"] == 0.0);
 
-  play = begin({"--arm", "--shared-port"});
+  play = begin({"--arm", "--shared-port", "--duration", "2 s"});
   CHECK(play->ends() == 0);
   CHECK(play->report()["highest_output"]["tone"].get<double>() > 0.1);
 }

@@ -27,12 +27,12 @@ class Playing {
   explicit Playing(const std::vector<std::string>& arguments) : process_(command(arguments), Logged) {}
 
   void press(const std::string& key) { REQUIRE(process_.type(key)); }
-  /// Presses a twice, at a distance that arms; again where a busy machine made it too long.
-  void arm() {
-    for (std::size_t seen = 0; process_.log().find("drives armed") == std::string::npos;) {
+  /// Presses a twice, at a distance that arms; again where a busy machine made it too long. Until `answer`.
+  void arm(const std::string& answer = "drives armed") {
+    for (std::size_t seen = answers(answer); process_.log().find(answer) == std::string::npos;) {
       press("a");
-      REQUIRE(wait_until([&] { return answers() > seen; }));
-      seen = answers();
+      REQUIRE(wait_until([&] { return answers(answer) > seen; }));
+      seen = answers(answer);
       std::this_thread::sleep_for(150ms);  // part of what is pressed
     }
   }
@@ -51,9 +51,9 @@ class Playing {
 
  private:
   /// To presses of a.
-  std::size_t answers() const {
+  std::size_t answers(const std::string& answer) const {
     const auto log = process_.log();
-    std::size_t count = log.find("drives armed") == std::string::npos ? 0 : 1;
+    std::size_t count = log.find(answer) == std::string::npos ? 0 : 1;
     for (auto at = log.find("press a again"); at != std::string::npos; at = log.find("press a again", at + 1))
       ++count;
     return count;

@@ -102,7 +102,7 @@ TEST_CASE("play: a terminal that is closed fades the drive, and the take ends", 
   stage.check_fade();
 }
 
-TEST_CASE("play: Ctrl-S stops nothing; keys, SIGINT, SIGTERM and SIGHUP do as before", "[live]") {
+TEST_CASE("play: Ctrl-S stops nothing, and keys, SIGINT, SIGTERM and SIGHUP do as before", "[live]") {
   const Stage stage;
   const auto signal = GENERATE(SIGINT, SIGTERM, SIGHUP);
   test::TerminalProcess play{stage.command()};
@@ -118,7 +118,7 @@ TEST_CASE("play: Ctrl-S stops nothing; keys, SIGINT, SIGTERM and SIGHUP do as be
   CHECK(read_take(stage.wav)->finished);
 }
 
-TEST_CASE("play: it takes two presses to arm; a paste and a stray escape sequence do not", "[live]") {
+TEST_CASE("play: it takes two presses to arm, and a paste and a stray escape sequence do not", "[live]") {
   const Stage stage;
   test::TerminalProcess play{{TACTUS_PROGRAM, "play", stage.tone, "--backend", "loop"}};
   REQUIRE(play.shows("the drives are disarmed"));
