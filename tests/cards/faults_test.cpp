@@ -217,8 +217,16 @@ TEST_CASE("libraries: closing is over soon though the server does not answer, an
     const auto refused = backend->open(rig->request(way, 1, 1), probe.guarded);
     CHECK_FALSE(refused);
     rig->server->go_on();
-    REQUIRE(wait_until([&] { return backend->open(rig->request(way, 1, 1), probe.guarded).has_value(); },
-                       kPatience));
+    std::string refusal;
+    const bool opens = wait_until(
+        [&] {
+          const auto opened = backend->open(rig->request(way, 1, 1), probe.guarded);
+          if (!opened) refusal = to_string(opened.error());
+          return opened.has_value();
+        },
+        kPatience);
+    CAPTURE(refusal);
+    REQUIRE(opens);
   }
 }
 
