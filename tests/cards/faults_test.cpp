@@ -3,10 +3,9 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "backends/reconnecting_stream.h"
+#include "tests/cards/watched_stream.h"
 #include "tests/cards/ways.h"
 #include "tests/support/child_process.h"
-#include "tests/support/noise_probe.h"
 #include "tests/support/skip.h"
 #include "tests/support/wait_until.h"
 
@@ -27,39 +26,9 @@ namespace {
 constexpr int kPeriod = 256, kKept = 9600;
 constexpr std::chrono::milliseconds kPatience = seconds{30};
 
-/// A stream that is looked after, as an app does it.
-struct Player {
-  Player(const Way& way, const StreamRequest& request) : backend(way.backend()) {
-    auto opened = ReconnectingStream::open(*backend, request, probe.guarded);
-    if (!opened) throw std::runtime_error{to_string(opened.error())};
-    stream = std::move(*opened);
-    probe.guarded.skip_soft_start();
-    REQUIRE(stream->start());
-    REQUIRE(plays_on());
-  }
-  template <class Condition>
-  bool until(Condition holds) {
-    return wait_until(
-        [&] {
-          stream->tick();
-          return holds();
-        },
-        kPatience);
-  }
-  bool until(StreamState state) {
-    return until([&] { return stream->state() == state; });
-  }
-  bool plays_on() {
-    const auto before = stream->health().frames;
-    return until([&] { return stream->state() == StreamState::Running && stream->health().frames > before; });
-  }
-  bool comes_back(int returns) {
-    return until([&] { return stream->returns() == returns; }) && plays_on();
-  }
-
-  std::unique_ptr<Backend> backend;
-  GuardedProbe probe{1, kKept};
-  std::unique_ptr<ReconnectingStream> stream;
+struct Player : test::WatchedStream {
+  Player(const Way& way, const StreamRequest& request)
+      : WatchedStream(way.backend(), request, kKept, kPatience) {}
 };
 
 /// How long it took from when the server was there, for those who want to know.

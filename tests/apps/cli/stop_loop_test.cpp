@@ -7,24 +7,13 @@
 #include <vector>
 
 #include "engine/guard/guarded.h"
+#include "tests/support/full_scale.h"
 #include "tests/support/wait_until.h"
 
 using namespace tactus;
 using namespace tactus::app;
 using test::wait_until;
 using Ending = StopLoop::Ending;
-
-namespace {
-
-class One final : public BlockProcessor {
- public:
-  Status prepare(const StreamFormat&) override { return {}; }
-  void process(const BlockIo& io) noexcept override {
-    for (int n = 0; n < io.frames; ++n) io.out[0][n] = 1.0;
-  }
-};
-
-}  // namespace
 
 TEST_CASE("stop loop: a signal stops the dead man's switch, whatever the control thread does", "[live]") {
   const auto signal = GENERATE(SIGINT, SIGTERM, SIGHUP, SIGQUIT);
@@ -60,7 +49,7 @@ TEST_CASE("stop loop: where it is blocked every output fades, and starts softly 
     return blocked && !wait_until([&] { return !block; });
   };
   StopLoop loop{dead_man, {.act = {}, .inputs = {hang}, .fade = {}}};
-  One one;
+  test::FullScale one;
   Guarded guarded{one, {{DriveGuard::Kind::Drive, {.soft_start = 10_ms, .fade_out = 10_ms}}}};
   guarded.set_dead_mans_switch(&dead_man);
   REQUIRE(guarded.prepare({.out_channels = 1}));

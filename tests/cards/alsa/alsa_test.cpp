@@ -3,10 +3,9 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "backends/reconnecting_stream.h"
 #include "latency/measurement.h"
 #include "tests/cards/alsa/cable_card.h"
-#include "tests/support/noise_probe.h"
+#include "tests/cards/watched_stream.h"
 #include "tests/support/wait_until.h"
 
 // Real drivers of a real kernel, in a virtual machine that is three to ten times slower than this one: what
@@ -52,29 +51,11 @@ int times(const char* variable, int usual) {
   return text == nullptr ? usual : std::atoi(text);
 }
 
-/// A stream that is looked after, as an app does it.
-struct Player {
-  Player(const test::Way& way, const CableCard& card, int block = 2048) : backend(way.backend()) {
-    auto opened = ReconnectingStream::open(*backend, card.request(*backend, 48000, block), probe.guarded);
-    if (!opened) throw std::runtime_error{to_string(opened.error())};
-    stream = std::move(*opened);
-    probe.guarded.skip_soft_start();
-    REQUIRE(stream->start());
-    REQUIRE(plays_on());
-  }
-  template <class Condition>
-  bool until(Condition holds) {
-    return wait_until([&] { return stream->tick(), holds(); }, kPatience);
-  }
-  bool plays_on() {
-    const auto before = stream->health().frames;
-    return until([&] { return stream->state() == StreamState::Running && stream->health().frames > before; });
-  }
-
-  std::unique_ptr<Backend> backend;
-  GuardedProbe probe{1};
-  std::unique_ptr<ReconnectingStream> stream;
-};
+test::WatchedStream play(const test::Way& way, const CableCard& card) {
+  auto backend = way.backend();
+  const auto request = card.request(*backend, 48000, 2048);
+  return {std::move(backend), request, 48000, kPatience};
+}
 
 /// One run; nothing where the slow machine lost frames, which must then be the verdict.
 std::optional<Measurement> measured(Backend& backend, const StreamRequest& request) {
@@ -132,11 +113,11 @@ TEST_CASE("alsa: a card that is pulled out while it plays is lost, and plays aga
   const CableCard card;
   for (const auto& way : alsa_ways()) {
     CAPTURE(way.name);
-    Player player{way, card};
+    auto player = play(way, card);
     for (int turn = 1; turn <= times("TACTUS_PULLS", 3); ++turn) {
       CAPTURE(turn);
       card.pull();
-      REQUIRE(player.until([&] { return player.stream->state() == StreamState::Lost; }));
+      REQUIRE(player.until(StreamState::Lost));
       card.plug();
       REQUIRE(player.until([&] { return player.stream->returns() == turn; }));
       REQUIRE(player.plays_on());
@@ -149,9 +130,9 @@ TEST_CASE("alsa: while a card is away, its equal is never opened in its place", 
   const CableCard card{1}, equal{2};
   for (const auto& way : alsa_ways()) {
     CAPTURE(way.name);
-    Player player{way, card};
+    auto player = play(way, card);
     card.pull();
-    REQUIRE(player.until([&] { return player.stream->state() == StreamState::Lost; }));
+    REQUIRE(player.until(StreamState::Lost));
     const auto since = std::chrono::steady_clock::now();
     CHECK_FALSE(wait_until([&] { return player.stream->tick(), player.stream->returns() > 0; },
                            std::chrono::milliseconds{20 * ReconnectingStream::kRetry.count()}));
@@ -167,7 +148,7 @@ TEST_CASE("alsa: a card that another program has is refused with its name, and o
   const CableCard card;
   for (const auto& way : alsa_ways()) {
     CAPTURE(way.name);
-    Player other{way, card};
+    auto other = play(way, card);
     const auto backend = way.backend();
     GuardedProbe probe{1};
     auto request = card.request(*other.backend, 48000, 2048);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "engine/guard/guarded.h"
+#include "tests/support/full_scale.h"
 
 using namespace tactus;
 using Kind = JournalEntry::Kind;
@@ -12,16 +13,6 @@ namespace {
 
 constexpr int kAll = JournalEntry::kAllChannels;
 constexpr DriveLimits kAtOnce{.soft_start = Seconds{0}, .fade_out = Seconds{0}};
-
-/// 1 on both outputs.
-class One final : public BlockProcessor {
- public:
-  Status prepare(const StreamFormat&) override { return {}; }
-  void process(const BlockIo& io) noexcept override {
-    for (int c = 0; c < 2; ++c)
-      for (int n = 0; n < io.frames; ++n) io.out[c][n] = 1.0;
-  }
-};
 
 /// A drive and an audio output that observe a dead man's switch, at 48 kHz.
 class Watched final : private BlockTap {
@@ -56,7 +47,7 @@ class Watched final : private BlockTap {
  private:
   void applied(const JournalEntry& entry) noexcept override { journal.push_back(entry); }
   void observe(const BlockIo&, std::int64_t) noexcept override {}
-  One one_;
+  test::FullScale one_;
 
  public:
   Guarded guarded;

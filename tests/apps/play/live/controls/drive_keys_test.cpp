@@ -3,19 +3,13 @@
 #include <catch2/catch.hpp>
 #include <vector>
 
+#include "tests/support/full_scale.h"
+
 using namespace tactus;
 using namespace tactus::app;
 using namespace std::chrono_literals;
 
 namespace {
-
-class One final : public BlockProcessor {
- public:
-  Status prepare(const StreamFormat&) override { return {}; }
-  void process(const BlockIo& io) noexcept override {
-    for (int n = 0; n < io.frames; ++n) io.out[0][n] = 1.0;
-  }
-};
 
 /// One drive without ramps.
 struct Drive {
@@ -32,7 +26,7 @@ struct Drive {
   }
 
   static constexpr DriveLimits kAtOnce{.soft_start = Seconds{0}, .fade_out = Seconds{0}};
-  One one;
+  test::FullScale one;
   Guarded guarded;
   DriveSwitches switches;
   DriveKeys keys{switches};
