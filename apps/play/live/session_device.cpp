@@ -36,7 +36,7 @@ Status Session::start() {
 /// The engine begins again with the values of its file; what plays must be what the user sees.
 void Session::device_returned(const Return& back) {
   if (!back.same()) disarm("the device is not as it was; check it before arming");
-  if (!controls_.post_all()) disarm("not every control could be restored; set them before arming");
+  controls_.post_all();
   set_delay_known(delay_.has_value());
   check_delay();
   watch_writers();

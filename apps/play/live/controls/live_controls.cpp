@@ -59,7 +59,7 @@ void LiveControls::send() {
                                 player_.control_index(live.control.name), live.control.value});
 }
 
-bool LiveControls::post_all() {
+void LiveControls::post_all() {
   std::vector<JournalEntry> start;
   for (auto& live : controls_) {
     if (live.frozen) continue;
@@ -69,7 +69,6 @@ bool LiveControls::post_all() {
   }
   player_.drop_posted();
   player_.set_journal(std::move(start));
-  return true;
 }
 
 std::string LiveControls::text(std::size_t index) const {

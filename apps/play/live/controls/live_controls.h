@@ -37,8 +37,8 @@ class LiveControls {
   /// by a later call.
   void send();
   /// [control & stopped, prepared] Every control starts at its current value, without a ramp. In place of the
-  /// player's journal, and of what was posted before. True: all of them.
-  bool post_all();
+  /// player's journal, and of what was posted before.
+  void post_all();
   double position(std::size_t index) const;
   /// "strength = 0.6"
   std::string text(std::size_t index) const;

@@ -94,7 +94,7 @@ TEST_CASE("live controls: after a return of the device the player starts at the 
   REQUIRE(controls.turn(0, 0.0));
   REQUIRE(controls.turn(1, 1.0));
   Playback back{*player};
-  REQUIRE(controls.post_all());
+  controls.post_all();
   const auto out = back.run(1000);
   CHECK(out[0] == std::vector<double>(1000, -1.0));
   CHECK(out[1] == std::vector<double>(1000, 1.0));
