@@ -91,7 +91,7 @@ T or_exit(tl::expected<T, E> result, int exit = 0) {
 void install_signal_handlers();
 bool interrupted();
 
-/// Prints a line on standard error; nothing happens where nobody reads it.
+/// Prints a line on standard error; errors of writing are ignored.
 void print_note(const std::string& text) noexcept;
 
 /// A bar on stderr for work that takes longer than a moment; draws nothing when stderr is no terminal. The

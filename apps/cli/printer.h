@@ -7,9 +7,9 @@
 
 namespace tactus::app {
 
-/// Prints on standard error from a thread of its own: nobody waits for a terminal that is stopped or a pipe
-/// that is full. Messages are kept, up to a limit, and counted beyond it; of the status only the latest one
-/// is drawn, below the messages. What nobody reads any more is dropped. Never throws.
+/// Prints on standard error from a thread of its own, so that a stopped terminal or a full pipe blocks no
+/// other thread. Messages are queued, up to a limit, and counted beyond it; of the status only the latest one
+/// is drawn, below the messages. When the reader is gone, everything is dropped. Never throws.
 class Printer {
  public:
   static constexpr std::size_t kMostMessages = 1000;
