@@ -55,10 +55,9 @@ int by_chance(int most, int opening) {
 class LoopStream final : public Stream {
  public:
   LoopStream(const LoopCard& card, const LoopTiming& timing, const StreamRequest& request,
-             StreamGranted granted, Guarded& processor, LoopBackend::Pace pace, int opening)
+             StreamGranted granted, Guarded& processor, int opening)
       : card_(card),
         processor_(processor),
-        pace_(pace),
         granted_(std::move(granted)),
         in_map_(channels_of(request.in_map, request.in_channels)),
         out_map_(channels_of(request.out_map, request.out_channels)),
@@ -106,8 +105,7 @@ class LoopStream final : public Stream {
     begun_ = Clock::now();
     while (running_) {
       // A card that delivers a block has waited for its last frame.
-      if (pace_ == LoopBackend::Pace::RealTime)
-        std::this_thread::sleep_until(due(frame_ - first + frames_a_block_));
+      if (card_.real_time) std::this_thread::sleep_until(due(frame_ - first + frames_a_block_));
       block(false);
     }
     while (!block(true)) continue;
@@ -173,7 +171,6 @@ class LoopStream final : public Stream {
 
   const LoopCard card_;
   Guarded& processor_;
-  const LoopBackend::Pace pace_;
   StreamGranted granted_;
   std::vector<int> in_map_, out_map_;
   ChannelBuffers in_, out_;
@@ -219,7 +216,9 @@ Status LoopBackend::add(const std::string& id) {
 
 LoopCard LoopBackend::card(const std::string& id) const {
   const auto added = cards_.find(id);
-  return added != cards_.end() ? added->second : *loop_card(id.substr(kPrefix.size()));
+  auto card = added != cards_.end() ? added->second : *loop_card(id.substr(kPrefix.size()));
+  card.real_time = card.real_time && pace_ == Pace::RealTime;
+  return card;
 }
 
 Result<std::unique_ptr<Stream>> LoopBackend::open(const StreamRequest& request, Guarded& processor) {
@@ -238,9 +237,9 @@ Result<std::unique_ptr<Stream>> LoopBackend::open(const StreamRequest& request, 
   granted.periods = card.delay_blocks;
   granted.input_latency_frames = timing->hardware_frames;
   granted.output_latency_frames = timing->buffer_frames;
+  if (!card.real_time) processor.set_dead_mans_switch(nullptr);  // its 500 ms pass at once
   if (auto status = processor.prepare(granted.format); !status) return tl::unexpected(status.error());
-  return std::make_unique<LoopStream>(card, *timing, request, std::move(granted), processor, pace_,
-                                      openings_++);
+  return std::make_unique<LoopStream>(card, *timing, request, std::move(granted), processor, openings_++);
 }
 
 }  // namespace tactus

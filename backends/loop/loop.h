@@ -19,7 +19,7 @@ class LoopBackend final : public Backend {
  public:
   enum class Pace {
     RealTime,
-    AsFastAsPossible,  ///< the same frames, without waiting
+    AsFastAsPossible,  ///< the same frames, without waiting, whatever `LoopCard::real_time` says
   };
   explicit LoopBackend(Pace pace = Pace::RealTime) : pace_(pace) {}
 

@@ -58,6 +58,7 @@ const Setting kSettings[] = {
      [](LoopCard& card, double value) { card.unstable_frames = static_cast<int>(value); }},
     {"rate_factor", 0.1, 10, [](LoopCard& card, double value) { card.rate_factor = value; }},
     {"block_factor", 0.01, 1, [](LoopCard& card, double value) { card.block_factor = value; }},
+    {"real_time", 0, 1, [](LoopCard& card, double value) { card.real_time = value != 0; }},
 };
 
 /// Sets `key` to "-20dB" or "0.1"; false: there is no such key, or no such value.

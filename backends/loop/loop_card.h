@@ -52,6 +52,7 @@ struct LoopCard {
   int unstable_blocks = 0;    ///< the same in blocks
   double rate_factor = 1.0;   ///< of the rate at which it truly runs
   double block_factor = 1.0;  ///< of the frames that a block truly has; (0, 1]
+  bool real_time = true;      ///< false: blocks come as fast as they are processed
 };
 
 /// [any] A device id without its "loop:": the name of one of `loop_cards`, or settings such as

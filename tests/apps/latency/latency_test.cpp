@@ -1,5 +1,4 @@
 // The program itself, on files and on simulated cards.
-#if defined(__unix__)
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <csignal>
@@ -202,6 +201,7 @@ TEST_CASE("latency probe: it is as loud and as long as it says", "[latency]") {
 namespace {
 
 const std::string kShort = " --openings 2 --sweeps 2 --json";
+const std::string kFast = ",real_time=0";
 
 }  // namespace
 
@@ -254,21 +254,21 @@ TEST_CASE("latency measure: what was measured is what an instrument then reckons
 
 TEST_CASE("latency measure: a refusal has no delay, and keeps none", "[latency]") {
   const Desk desk;
-  const auto ran = desk.run("latency measure --device loop:no_cable" + kShort);
+  const auto ran = desk.run("latency measure --device loop:no_cable" + kFast + kShort);
   INFO(ran.out << ran.err);
   CHECK(ran.exit == 1);
   CHECK(ran.json()["verdict"] == "NO_SIGNAL");
   for (const char* key : {"delay_frames", "delay_ms", "standard_error_frames"})
     CHECK(ran.json()[key].is_null());
   CHECK_FALSE(fs::exists(desk.state() / "tactus/delays.json"));
-  CHECK(desk.run("latency measure --device loop:20ms --no-keep" + kShort).exit == 0);
+  CHECK(desk.run("latency measure --device loop:20ms,real_time=0 --no-keep" + kShort).exit == 0);
   CHECK_FALSE(fs::exists(desk.state() / "tactus/delays.json"));
 }
 
 TEST_CASE("latency measure: a rig says what to measure, and keeps the delay beside all else", "[latency]") {
   const Desk desk;
   const std::string text =
-      "format = 1\nname = \"my desk\"\n[device]\noutput = \"loop:20ms\"\nblock = 64\n"
+      "format = 1\nname = \"my desk\"\n[device]\noutput = \"loop:20ms,real_time=0\"\nblock = 64\n"
       "[inputs]\nmicrophone = { channel = 2, sensitivity = \"50 mV\", volts_per_full_scale = \"1 V\" }\n"
       "[outputs]\nwoofer = { channel = 2, ceiling = 0.1 }\n[delay]\npad = \"40 ms\"\n";
   desk.folder.write("desk.toml", text);
@@ -315,7 +315,7 @@ TEST_CASE("latency measure: an output of which nothing is known is a drive, what
   const Desk desk;
   const std::string card = GENERATE("loop:20ms", "loop:no_cable", "loop:wrong_channel", "loop:noise");
   CAPTURE(card);
-  const auto ran = desk.run("latency measure --device " + card + kRecorded);
+  const auto ran = desk.run("latency measure --device " + card + kFast + kRecorded);
   INFO(ran.out << ran.err);
   CHECK(ran.err.find("--cable") != std::string::npos);
   CHECK(highest_played(desk) <= loudest_unknown());
@@ -326,9 +326,9 @@ TEST_CASE("latency measure: an output of which nothing is known is a drive, what
 
 TEST_CASE("latency measure: a level that is asked for lowers the limits and never raises them", "[latency]") {
   const Desk desk;
-  (void)desk.run("latency measure --device loop:no_cable --level '-3 dBFS'" + kRecorded);
+  (void)desk.run("latency measure --device loop:no_cable,real_time=0 --level '-3 dBFS'" + kRecorded);
   CHECK(highest_played(desk) <= loudest_unknown());
-  (void)desk.run("latency measure --device loop:no_cable --level '-45 dBFS'" + kRecorded);
+  (void)desk.run("latency measure --device loop:no_cable,real_time=0 --level '-45 dBFS'" + kRecorded);
   CHECK(highest_played(desk) <= 0.00563);
 }
 
@@ -338,7 +338,7 @@ TEST_CASE(
   const Desk desk;
   const std::string card = GENERATE("loop:no_cable", "loop:wrong_channel");
   CAPTURE(card);
-  const auto ran = desk.run("latency measure --cable --device " + card + kRecorded);
+  const auto ran = desk.run("latency measure --cable --device " + card + kFast + kRecorded);
   INFO(ran.out << ran.err);
   CHECK(ran.json()["verdict"] == (card == "loop:no_cable" ? "NO_SIGNAL" : "WRONG_CHANNEL"));
   CHECK(highest_played(desk) <= 0.5012);
@@ -348,10 +348,11 @@ TEST_CASE(
 
 TEST_CASE("latency measure: what the rig says of an output holds, from all its sections", "[latency]") {
   const Desk desk;
-  desk.folder.write("desk.toml",
-                    "format = 1\n[device]\noutput = \"loop:no_cable\"\n[outputs]\nwoofer = { channel = 2, "
-                    "ceiling = 0.01 }\n[actuators]\nshaker = { channel = 2, profile = \"fast.toml\", "
-                    "volts_per_full_scale = \"1 V\" }\n");
+  desk.folder.write(
+      "desk.toml",
+      "format = 1\n[device]\noutput = \"loop:no_cable,real_time=0\"\n[outputs]\nwoofer = { channel = 2, "
+      "ceiling = 0.01 }\n[actuators]\nshaker = { channel = 2, profile = \"fast.toml\", "
+      "volts_per_full_scale = \"1 V\" }\n");
   desk.folder.write("fast.toml",
                     "format = 1\nname = \"x\"\n[drive]\nresistance = \"8 ohm\"\npeak = \"1 V\"\nsoft_start = "
                     "\"0 s\"\nfade_out = \"0 s\"\n");
@@ -367,9 +368,10 @@ TEST_CASE("latency measure: what the rig says of an output holds, from all its s
 
 TEST_CASE("latency sweep: delay per block and fixed delay are separated", "[latency]") {
   const Desk desk;
-  const auto ran = desk.run(
-      "latency sweep --device loop:delay=100,blocks=2 --blocks 64,128,256 --openings 1 --sweeps 2 --json "
-      "--report blocks.svg");
+  const auto ran = desk.run("latency sweep --device loop:delay=100,blocks=2" + kFast +
+                            " --blocks 64,128,256 --openings 1 --sweeps "
+                            "2 --json "
+                            "--report blocks.svg");
   INFO(ran.out << ran.err);
   CHECK(ran.exit == 0);
   const auto json = ran.json();
@@ -391,7 +393,7 @@ TEST_CASE("latency sweep: Ctrl-C ends it, with exit code 5", "[latency]") {
 TEST_CASE("latency calibrate: what lies in the loop becomes a profile, behind which the delay is found again",
           "[latency]") {
   const Desk desk;
-  const std::string card = " --device loop:cable,high_pass=100 --block 64";
+  const std::string card = " --device loop:cable,high_pass=100,real_time=0 --block 64";
   check_exit(desk.run("latency calibrate --save path.toml" + card), 2, "--electrical");
   // 60.25 frames and two blocks, of which the profile takes 20 as its own.
   const auto ran = desk.run("latency calibrate --save path.toml --json --electrical '3.504375 ms'" + card);
@@ -414,4 +416,3 @@ TEST_CASE("latency calibrate: what lies in the loop becomes a profile, behind wh
   desk.folder.write("broken.toml", "format = 1");
   check_exit(desk.run("latency measure --profile broken.toml" + card), 3, "broken.toml 'path'");
 }
-#endif
