@@ -1,5 +1,4 @@
 #pragma once
-#if defined(__unix__) && defined(TACTUS_PROGRAM)
 
 #include <sys/wait.h>
 
@@ -60,4 +59,3 @@ inline void check_exit(const Ran& ran, int exit, const std::string& names) {
 }
 
 }  // namespace tactus::test
-#endif

@@ -5,8 +5,8 @@
 
 #include "tests/support/temporary_folder.h"
 
-#if defined(TACTUS_PROGRAM) && defined(__unix__)
-namespace tactus {
+using namespace tactus;
+
 namespace {
 
 struct Answer {
@@ -85,6 +85,3 @@ TEST_CASE("check: bad files and bad options have their own exit codes", "[check]
   std::ofstream{file} << "format = 1\n[nodes]\nx = { type = \"sprung\" }\n";
   CHECK(check(folder, file).exit == 3);
 }
-
-}  // namespace tactus
-#endif

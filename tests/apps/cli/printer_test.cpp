@@ -1,4 +1,3 @@
-#if defined(__unix__) || defined(__APPLE__)
 #include "apps/cli/printer.h"
 
 #include <fcntl.h>
@@ -77,4 +76,3 @@ TEST_CASE("printer: nobody waits for a pipe that is full, and what is too much i
   CHECK(err.text.find("line 0\n") != std::string::npos);
   CHECK(err.text.find("line 2499\n") == std::string::npos);
 }
-#endif

@@ -1,4 +1,3 @@
-#if defined(__unix__) || defined(__APPLE__)
 #include "apps/cli/stop_loop.h"
 
 #include <atomic>
@@ -69,4 +68,3 @@ TEST_CASE("stop loop: where it is blocked every output fades, and starts softly 
   CHECK(play(1) < 1.0);
   CHECK(play(1) == 1.0);
 }
-#endif

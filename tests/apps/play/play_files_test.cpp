@@ -6,9 +6,7 @@
 #include "engine/scene/measures/measure.h"
 #include "tests/support/temporary_folder.h"
 
-#if defined(TACTUS_PROGRAM) && defined(__unix__)
 #include <cstdlib>
-#endif
 
 using namespace tactus;
 using namespace tactus::app;
@@ -70,7 +68,6 @@ TEST_CASE("play files: a carrier for a sensor is not listened to", "[apps]") {
   CHECK(drive_names(played.recording) == std::vector<std::string>{"shaker", "tones"});
 }
 
-#if defined(TACTUS_PROGRAM) && defined(__unix__)
 namespace {
 
 int render(const std::string& arguments) {
@@ -94,4 +91,3 @@ TEST_CASE("render: all outputs in one file, what is to be listened to in another
   CHECK(render("bouncing_ball --duration '0.1 s' --sound " + sound) == 2);
   CHECK(render("cellomobo --duration '0.1 s' --sound " + (folder.path() / "no" / "x.wav").string()) == 2);
 }
-#endif

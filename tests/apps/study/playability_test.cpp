@@ -2,7 +2,6 @@
 
 #include "apps/study/study.h"
 
-#if defined(TACTUS_PROGRAM) && defined(__unix__)
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -11,7 +10,6 @@
 #include "tests/support/child_process.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/wait_until.h"
-#endif
 
 using namespace tactus;
 using namespace tactus::app;
@@ -147,7 +145,6 @@ TEST_CASE("playability report: the JSON has every run with what was read of it",
   CHECK(json["runs"][1]["variant"] == "as written");
 }
 
-#if defined(TACTUS_PROGRAM) && defined(__unix__)
 namespace {
 
 const std::string kDrum = std::string{TACTUS_SOURCE_DIR} + "/instruments/haptic_drum";
@@ -202,4 +199,3 @@ TEST_CASE("study playability: Ctrl-C ends it with 5 and keeps what is done", "[a
   for (std::string line; std::getline(lines, line);) last = line;
   CHECK(last.ends_with("}"));
 }
-#endif

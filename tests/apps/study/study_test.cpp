@@ -70,7 +70,6 @@ TEST_CASE("study: each run is a row of the Markdown table", "[apps]") {
   CHECK(table.find("| explicit | 1 | 24 kHz |  |  | unstable |  |") != std::string::npos);
 }
 
-#if defined(TACTUS_PROGRAM) && defined(__unix__)
 namespace {
 
 const std::string kBall = std::string{TACTUS_SOURCE_DIR} + "/instruments/bouncing_ball/table_scene.toml";
@@ -106,4 +105,3 @@ TEST_CASE(
   CHECK(study(brief + "--over plant.gamma=1.3:1.5:14:log").first == 2);
   CHECK(study(brief + "--over 'plant.gamma=1:2:3 m'").first == 2);
 }
-#endif

@@ -1,4 +1,3 @@
-#if defined(TACTUS_PROGRAM) && defined(__unix__)
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <filesystem>
@@ -85,4 +84,3 @@ TEST_CASE("sweep command: a table for people, and a plot", "[apps][sweep]") {
     CHECK(out.text.find(column) != std::string::npos);
   CHECK(text_of(svg).starts_with("<svg"));
 }
-#endif

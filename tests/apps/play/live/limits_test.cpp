@@ -75,7 +75,6 @@ TEST_CASE("live limits: no option replaces what the rig says of device, channels
   CHECK(refused(device) == std::pair{std::string{"--device"}, int{app::kUsage}});
 }
 
-#if defined(__unix__) && defined(TACTUS_PROGRAM)
 namespace {
 
 /// Of an output in the guard's report.
@@ -150,4 +149,3 @@ TEST_CASE("live limits: a rig that was just saved protects its actuators at once
   REQUIRE(ran.exit == 0);
   CHECK(limit_of(ran.json(), 0, "ceiling")["value"] == 0.2);  // 1 V of 5 V
 }
-#endif

@@ -1,5 +1,4 @@
 // The program itself, on a simulated card: however it is stopped, its drive fades out.
-#if defined(__unix__) || defined(__APPLE__)
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -200,4 +199,3 @@ fade_out   = "10 ms"
   for (std::size_t n = 1; n < drive.size(); ++n)
     if (std::abs(drive[n] - drive[n - 1]) > 3.0 / 48'000 + 1e-7) FAIL("a step at frame " << n);
 }
-#endif
