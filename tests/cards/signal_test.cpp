@@ -44,6 +44,14 @@ struct Run {
   const NoiseProbe& probe() const { return guarded->probe; }
 };
 
+/// Whether an input heard an output all the time, if there are both.
+bool heard_all(const NoiseProbe& probe, const StreamRequest& request) {
+  bool heard = request.in_channels == 0 || request.out_channels == 0;
+  for (int in = 0; in < request.in_channels && !heard; ++in)
+    for (int out = 0; out < request.out_channels; ++out) heard = heard || probe.delay(in, out);
+  return heard;
+}
+
 /// Nothing when frames were lost.
 std::optional<Run> run_once(const Way& way, const CardOnServer& rig, const StreamRequest& request,
                             int kept_frames) {
@@ -64,8 +72,15 @@ std::optional<Run> run_once(const Way& way, const CardOnServer& rig, const Strea
   return Run{stream->granted(), std::move(guarded)};
 }
 
+/// The ALSA plugin of JACK loses frames on a busy machine without a report. So a run in which nothing came
+/// back whole is repeated, twice at most: the last one counts.
 Run play(const Way& way, const CardOnServer& rig, const StreamRequest& request, int kept_frames = 48000) {
-  return test::undisturbed("frames were lost", [&] { return run_once(way, rig, request, kept_frames); });
+  int repetitions = way.alsa ? 2 : 0;
+  return test::undisturbed("frames were lost", [&] {
+    auto run = run_once(way, rig, request, kept_frames);
+    if (run && !heard_all(run->probe(), request) && repetitions-- > 0) run.reset();
+    return run;
+  });
 }
 
 std::string refusal(const Way& way, const StreamRequest& request) {
