@@ -1,6 +1,7 @@
 #include "apps/play/midi_map.h"
 
 #include <catch2/catch.hpp>
+#include <random>
 
 using namespace tactus;
 using namespace tactus::app;
@@ -114,4 +115,34 @@ TEST_CASE("midi_map: learns fine pairs, notes and the wheel for what they are", 
   map.handle(event(Kind::PitchBend, 0, 8192 + 600));
   CHECK(map.take_learnt()->kind == RigMidi::Kind::PitchBend);
   CHECK_FALSE(map.take_learnt());
+}
+
+TEST_CASE("midi_map: a thousand hostile streams move controls within their range and bind what exists",
+          "[midi]") {
+  std::mt19937 random{1};
+  const auto below = [&](unsigned limit) { return random() % limit; };
+  for (int stream = 0; stream < 1000; ++stream) {
+    auto fine = binding("fine", RigMidi::Kind::Controller, static_cast<int>(below(32)));
+    fine.fine = true;
+    MidiMap map{{fine, binding("coarse", RigMidi::Kind::Controller, static_cast<int>(below(128))),
+                 binding("note", RigMidi::Kind::Note, static_cast<int>(below(128)))}};
+    for (int n = 0; n < 200; ++n) {
+      if (below(20) == 0) map.learn("learnt");
+      std::vector<std::uint8_t> bytes(below(6));
+      for (auto& byte : bytes) byte = static_cast<std::uint8_t>(below(256));
+      if (!bytes.empty() && below(2) == 0) {  // as if it were a message
+        bytes.resize(3);
+        bytes[0] = static_cast<std::uint8_t>(0x80 | bytes[0]);
+        bytes[1] &= 127, bytes[2] &= 127;
+      }
+      const auto message = parse_midi(bytes);
+      if (!message) continue;
+      for (const auto& move : map.handle({"alsa:" + std::to_string(below(3)), *message})) {
+        CHECK(move.position >= 0.0);
+        CHECK(move.position <= 1.0);
+      }
+      if (const auto learnt = map.take_learnt()) CHECK(learnt->control == "learnt");
+    }
+    CHECK(map.bindings().size() <= 4);
+  }
 }
