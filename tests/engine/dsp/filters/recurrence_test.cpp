@@ -12,6 +12,7 @@ using namespace tactus::test;
 
 namespace {
 
+using Signal = std::vector<double>;
 constexpr int kFrames = 3000;
 
 /// Coefficients of a group: a stable pair of poles that wanders.
@@ -31,9 +32,9 @@ std::array<double, Order> coefficients(std::int64_t group, bool modulated) {
 }
 
 template <int Order>
-Samples in_blocks(const Samples& v, std::span<const int> lengths, std::int64_t first_frame, bool modulated) {
+Signal in_blocks(const Signal& v, std::span<const int> lengths, std::int64_t first_frame, bool modulated) {
   Recurrence<Order> recurrence;
-  Samples y(v.size());
+  Signal y(v.size());
   int from = 0;
   for (int length : lengths)
     while (length > 0) {
@@ -49,7 +50,7 @@ Samples in_blocks(const Samples& v, std::span<const int> lengths, std::int64_t f
 }
 
 template <int Order>
-std::vector<long double> direct(const Samples& v, std::int64_t first_frame, bool modulated) {
+std::vector<long double> direct(const Signal& v, std::int64_t first_frame, bool modulated) {
   std::vector<long double> y(v.size());
   for (std::size_t n = 0; n < v.size(); ++n) {
     const auto a = coefficients<Order>((first_frame + static_cast<std::int64_t>(n)) / kGroup, modulated);
@@ -73,7 +74,7 @@ void check_against_direct(bool modulated, std::int64_t first_frame) {
 }
 
 template <int Order>
-void check_cuttings(const Samples& v, bool modulated, std::int64_t first_frame) {
+void check_cuttings(const Signal& v, bool modulated, std::int64_t first_frame) {
   const Outputs whole{in_blocks<Order>(v, std::vector{kFrames}, first_frame, modulated)};
   for (unsigned seed = 0; seed < 20; ++seed) {
     const auto lengths = random_cutting(kFrames, seed, seed % 2 ? 64 : 10);
@@ -119,7 +120,7 @@ TEST_CASE("recurrence: the impulse response of one pole is its powers", "[dsp]")
   constexpr double kHalf = 0.5;  // exact in binary
   recurrence.design(&kHalf);
   auto v = impulse(40);
-  Samples y(v.size());
+  Signal y(v.size());
   recurrence.run(v.data(), y.data(), 40, 0);
   for (std::size_t n = 0; n < y.size(); ++n) CHECK(y[n] == std::pow(0.5, static_cast<double>(n)));
 }
