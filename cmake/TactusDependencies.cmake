@@ -8,12 +8,12 @@ find_package(tl-expected REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(SNDFILE REQUIRED IMPORTED_TARGET sndfile)
 
-# Libraries for sound cards and MIDI, each with the name of its package in pkg-config. A line here registers the
-# backend in the folder of that name, in the order in which they are asked for a device; one that is not installed
-# is left out, and `tactus devices` says so.
+# Libraries for sound cards and MIDI, each with the name of its package in pkg-config and the versions that can be
+# used. A line here registers the backend in the folder of that name, in the order in which they are asked for a device;
+# one that is not installed, or only in another version, is left out.
 set(sound_libraries
   jack jack
-  rtaudio rtaudio
+  rtaudio rtaudio<6  # 6.0 replaced the numbers of devices and the exceptions
   portaudio portaudio-2.0)
 set(midi_libraries
   rtmidi rtmidi)
@@ -32,6 +32,11 @@ foreach(kind sound midi)
     if(${library}_FOUND)
       list(APPEND TACTUS_${KIND}_LIBRARIES ${library})
       set(TACTUS_HAS_${library} ON)
+    elseif(package MATCHES "^([^<>=]+)[<>=]")
+      pkg_check_modules(${library}_any QUIET ${CMAKE_MATCH_1})
+      if(${library}_any_FOUND)
+        message(WARNING "${library} ${${library}_any_VERSION} cannot be used, and its backend is left out; install ${package}")
+      endif()
     endif()
   endwhile()
 endforeach()
