@@ -1,3 +1,11 @@
+# Which instructions the compiler may use; on a processor without them the program ends with a message (apps/processor).
+set(TACTUS_MARCH "")
+if(TACTUS_ARCH)
+  set(TACTUS_MARCH -march=${TACTUS_ARCH})
+elseif(TACTUS_NATIVE AND CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
+  set(TACTUS_MARCH -march=native)
+endif()
+
 # The flags that every target of the project shares.
 add_library(tactus_flags INTERFACE)
 target_compile_features(tactus_flags INTERFACE cxx_std_20)
@@ -15,7 +23,7 @@ target_compile_options(tactus_flags INTERFACE
   $<$<AND:$<CXX_COMPILER_ID:Clang>,$<VERSION_GREATER_EQUAL:$<CXX_COMPILER_VERSION>,20>>:-Wno-deprecated-declarations
     -Wno-c2y-extensions>
   $<$<CXX_COMPILER_ID:GNU,Clang,AppleClang>:$<IF:$<BOOL:${TACTUS_WERROR}>,-Werror,-w>>
-  $<$<AND:$<BOOL:${TACTUS_NATIVE}>,$<CXX_COMPILER_ID:GNU,Clang,AppleClang>>:-march=native>)
+  ${TACTUS_MARCH})
 # g++ 12 loses the zeros of a constant that it copies: with AVX2 or AVX-512 tuning {1, 1, 0, 0} becomes
 # {1, 1, 1, 1}. Where it may not move general registers to vector registers it does not try.
 # tests/compiler_test.cpp watches it.
