@@ -12,7 +12,7 @@ int skipped_test_cases = 0;
 bool current_is_skipped = false;
 
 struct CountTestCases : Catch::TestEventListenerBase {
-  using TestEventListenerBase::TestEventListenerBase;
+  using Catch::TestEventListenerBase::TestEventListenerBase;
   void testCaseStarting(const Catch::TestCaseInfo&) override {
     ++started_test_cases;
     current_is_skipped = false;
