@@ -152,7 +152,7 @@ class ElementwiseNode final : public Node {
 
   void process(const NodeBlock& block) noexcept override {
     if (Width > 1 || block.frames > 1) return process_frames(block);
-    run_single_frame<kInputs>(block, [this](auto... in) { return value(in...); });
+    run_single_frame<kInputs>(block, [this](auto... in) { return this->value(in...); });
   }
   void reset() noexcept override {}
 
@@ -171,7 +171,7 @@ class ElementwiseNode final : public Node {
   // Not inlined: the setup for many frames would delay a single one.
   [[gnu::noinline]] void process_frames(const NodeBlock& block) const noexcept {
     if constexpr (Width == 1) {
-      run_frames<kInputs>(block, [this](auto... in) { return value(in...); });
+      run_frames<kInputs>(block, [this](auto... in) { return this->value(in...); });
     } else {
       std::array<Signal, kInputs> signals;
       std::copy_n(block.in, kInputs, signals.begin());
