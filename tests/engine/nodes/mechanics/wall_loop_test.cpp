@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -165,5 +166,6 @@ TEST_CASE("wall loop: a spring behind a delay gives pi K X^2 sin(w tau) in every
   for (std::size_t n = 9600; n < 48000; ++n)
     given += 0.5 * (out[1][n] + out[1][n - 1]) * (out[0][n] - out[0][n - 1]);
   const double cycles = 0.8 * 50;
-  CHECK(given / cycles == within(M_PI * 300 * 4e-6 * std::sin(2 * M_PI * 50 * delay_s), 0.01));
+  CHECK(given / cycles ==
+        within(std::numbers::pi * 300 * 4e-6 * std::sin(2 * std::numbers::pi * 50 * delay_s), 0.01));
 }

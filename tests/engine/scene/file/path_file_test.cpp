@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "engine/dsp/delays/resample.h"
 #include "engine/nodes/table.h"
@@ -20,7 +21,7 @@ namespace {
 PathFile woofer(Hertz rate) {
   PathFile path{"woofer \"and\" microphone", "resonance 60 Hz, Q 1\npolarity +", "calibrate", rate, {}};
   for (int k = 0; k < 0.3 * rate.value; ++k) {
-    const double t = k / rate.value - 0.002, w = 2 * M_PI * 60;
+    const double t = k / rate.value - 0.002, w = 2 * std::numbers::pi * 60;
     path.taps.push_back(t < 0 ? 0 : -1e-3 * std::exp(-0.5 * w * t) * std::sin(0.75 * w * t));
   }
   return path;

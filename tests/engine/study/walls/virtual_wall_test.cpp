@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "engine/core/find_root.h"
 #include "tests/support/wall_theory.h"
@@ -79,7 +80,7 @@ TEST_CASE("virtual_wall: where the loop is fast, the exact border is that of a p
   const auto border = wall_border(device, loop);
   CHECK(border.stiffness == within(stiffest_behind_delay(device, lag), 1e-4));
   // It swings at phi / tau: K sin phi = b phi / tau.
-  const double phi = 2 * M_PI * border.frequency.value * lag.value;
+  const double phi = 2 * std::numbers::pi * border.frequency.value * lag.value;
   CHECK(border.stiffness * std::sin(phi) == within(device.damping * phi / lag.value, 1e-3));
 }
 
@@ -94,7 +95,7 @@ TEST_CASE("virtual_wall: the factor over b / tau grows from 1 to a quarter turn"
   CHECK(factor(0.5) == Approx(1.0748).epsilon(0).margin(5e-5));
   CHECK(factor(1) == Approx(1.1349).epsilon(0).margin(5e-5));
   CHECK(factor(10) == Approx(1.4434).epsilon(0).margin(5e-5));
-  CHECK(factor(1e6) == Approx(M_PI / 2).epsilon(0).margin(1e-5));
+  CHECK(factor(1e6) == Approx(std::numbers::pi / 2).epsilon(0).margin(1e-5));
   CHECK(stiffest_behind_delay({.mass = 1, .damping = 0}, 1_s) == 0);
 }
 
@@ -154,13 +155,14 @@ TEST_CASE("virtual_wall: the passive limit holds at every frequency and is reach
   const auto needed = [&](double t) {
     return 0.5e-3 / (1 - std::cos(t)) * stiffness * (std::cos(frames * t) - std::cos((frames + 1) * t));
   };
-  for (int i = 1; i <= 1000; ++i) CHECK(needed(i * M_PI / 1000) <= kHandle.damping * (1 + 1e-9));
+  for (int i = 1; i <= 1000; ++i) CHECK(needed(i * std::numbers::pi / 1000) <= kHandle.damping * (1 + 1e-9));
   CHECK(needed(1e-3) == within(kHandle.damping, 1e-4));
 }
 
 TEST_CASE("virtual_wall: dry friction and steps", "[analysis]") {
   // A servo arm of 10 cm with 4000 counts a turn and 0.2 N of friction.
-  CHECK(stiffest_by_friction({.friction = 0.2, .quantum = 2 * M_PI * 0.1 / 4000}) == within(2546.5, 1e-4));
+  CHECK(stiffest_by_friction({.friction = 0.2, .quantum = 2 * std::numbers::pi * 0.1 / 4000}) ==
+        within(2546.5, 1e-4));
   CHECK(std::isinf(stiffest_by_friction({.friction = 0.2})));
 }
 
@@ -173,8 +175,8 @@ TEST_CASE("virtual_wall: the cycle around an encoder's edge is that of a relay",
   // The describing function of a relay, for small b tau / m: w = sqrt(b / (m tau)), (2/pi) K tau / b.
   const WallDevice slow{.mass = 50, .damping = 0.5, .quantum = 1e-3};
   const auto wide = encoder_edge_cycle(slow, 10, 1_ms);
-  CHECK(2 * M_PI * wide->frequency.value == within(std::sqrt(0.5 / (50 * 1e-3)), 0.11));
-  CHECK(wide->counts == within(2 / M_PI * 10 * 1e-3 / 0.5, 0.25));
+  CHECK(2 * std::numbers::pi * wide->frequency.value == within(std::sqrt(0.5 / (50 * 1e-3)), 0.11));
+  CHECK(wide->counts == within(2 / std::numbers::pi * 10 * 1e-3 / 0.5, 0.25));
   auto rough = device;
   rough.friction = 0.5 * 100 * device.quantum;
   CHECK_FALSE(encoder_edge_cycle(rough, 100, Seconds{2.05e-3}));
@@ -185,5 +187,5 @@ TEST_CASE("virtual_wall: the amplitude at which a cut spring comes to rest", "[a
   CHECK(cut_cycle_amplitude(2000, 1000, 4) == within(2.4753 * 4 / 2000, 1e-3));
   CHECK(cut_cycle_amplitude(1000.001, 1000, 4) == within(4e-3, 1e-3));  // hardly cut
   // Far above the border the force is a square wave: 4 F / pi = K_border x.
-  CHECK(cut_cycle_amplitude(1e6, 1000, 4) == within(4 / M_PI * 4 / 1000, 1e-3));
+  CHECK(cut_cycle_amplitude(1e6, 1000, 4) == within(4 / std::numbers::pi * 4 / 1000, 1e-3));
 }

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <mutex>
+#include <numbers>
 #include <vector>
 
 #include "engine/study/sweep/evaluate_runs.h"
@@ -121,7 +122,7 @@ TEST_CASE("wall_device: a scene says what its walls push, as its plant's control
   CHECK(device->bare.mass == Approx(9e-3));
   CHECK(device->bare.damping == Approx(0.05));
   CHECK(device->bare.friction == Approx(0.2));
-  CHECK(device->bare.quantum == Approx(2 * M_PI * 0.1 / 4000).epsilon(1e-4));
+  CHECK(device->bare.quantum == Approx(2 * std::numbers::pi * 0.1 / 4000).epsilon(1e-4));
   CHECK(device->bare.force_limit == Approx(6.37));
   CHECK(device->held().mass == Approx(16e-3));
   CHECK(device->held().damping == Approx(2.05));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "engine/study/walls/virtual_wall.h"
@@ -148,7 +149,7 @@ TEST_CASE("wall_simulation: far above the border it swings like a relay with the
 
 TEST_CASE("wall_simulation: whole numbers of 16 bits round the stiffness, and nothing else that can be felt",
           "[analysis]") {
-  const double quantum = 2 * M_PI * 0.1 / 4000;
+  const double quantum = 2 * std::numbers::pi * 0.1 / 4000;
   WallRun run{.device = {.mass = 0.05, .damping = 0.1, .quantum = quantum, .force_limit = 6.37},
               .loop = {20_kHz, Seconds{50e-6}},
               .stiffness = 1000};
