@@ -13,7 +13,9 @@
 namespace tactus {
 
 namespace fs = std::filesystem;
+namespace {
 using Kind = JournalEntry::Kind;
+}
 
 constexpr int kTakeVersion = 3;  // 1: without fades; 2: without control_set and dead_man
 constexpr std::array kKinds = {"control",   "arm",         "mute", "system_delay", "lost_frames", "coil_heat",
