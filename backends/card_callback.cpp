@@ -16,14 +16,20 @@ double seconds(std::chrono::steady_clock::duration time) {
   return std::chrono::duration<double>(time).count();
 }
 
+/// `blocks` of the granted ones.
+std::chrono::nanoseconds duration_of(int blocks, int block_frames, const StreamGranted& granted) {
+  return std::chrono::nanoseconds{
+      std::llround(1e9 * blocks * block_frames / granted.format.sample_rate.value)};
+}
+
 }  // namespace
 
 CardCallback::CardCallback(Guarded& processor, const StreamRequest& request, const StreamGranted& granted)
     : processor_(processor),
       format_(granted.format),
-      patience_(std::max<std::chrono::nanoseconds>(
-          kStall, std::chrono::nanoseconds{std::llround(4e9 * granted.format.max_frames /
-                                                        granted.format.sample_rate.value)})),
+      patience_(
+          std::max<std::chrono::nanoseconds>(kStall, duration_of(4, granted.format.max_frames, granted))),
+      buffer_(duration_of(granted.periods, granted.block_frames, granted)),
       in_map_(channels_of(request.in_map, granted.format.in_channels)),
       out_map_(channels_of(request.out_map, granted.format.out_channels)),
       clock_(granted.format.sample_rate.value) {
@@ -133,6 +139,7 @@ void CardCallback::convert_input(const float* const* in, int offset, int frames)
 /// The clock finds missing frames at the end of the half second after a gap: if the library reported no gap
 /// in that time, it missed it.
 void CardCallback::watch(int frames, Clock::time_point now) noexcept {
+  watch_buffer(now);
   last_block_.store(now, std::memory_order_relaxed);
   const auto missing = clock_.block(frames_, frames, seconds(now.time_since_epoch()));
   frames_ += frames;
@@ -140,6 +147,15 @@ void CardCallback::watch(int frames, Clock::time_point now) noexcept {
   const double since_gap = seconds(now - last_gap_.load(std::memory_order_relaxed));
   if (since_gap > 3 * FrameWatch::kWindowSeconds) meter_.gap(Gap::Unsaid);
   meter_.lost(missing);
+}
+
+/// When a block begins later than the driver's buffer lasts after the one before, the buffer has run dry.
+/// RtAudio tells ALSA to go on then and reports nothing: the blocks that follow come at once until none is
+/// missing, and the clock finds nothing either.
+void CardCallback::watch_buffer(Clock::time_point now) noexcept {
+  const auto before = last_block_.load(std::memory_order_relaxed);
+  if (frames_ == 0 || buffer_ == buffer_.zero() || now - before <= buffer_) return;
+  if (last_gap_.load(std::memory_order_relaxed) < before) gap(Gap::Unsaid);
 }
 
 void CardCallback::lost(std::int64_t frames) noexcept {

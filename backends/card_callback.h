@@ -115,10 +115,12 @@ class CardCallback {
   bool process(const float* const* in, float* const* out, int offset, int frames, Stage stage) noexcept;
   void convert_input(const float* const* in, int offset, int frames) noexcept;
   void watch(int frames, Clock::time_point now) noexcept;
+  void watch_buffer(Clock::time_point now) noexcept;
 
   Guarded& processor_;
   const StreamFormat format_;
   const std::chrono::nanoseconds patience_;
+  const std::chrono::nanoseconds buffer_;  ///< how long the driver's lasts; 0: unknown
   std::vector<int> in_map_, out_map_;
   ChannelBuffers in_, out_;
   std::atomic<Stage> stage_{Stage::Silent};

@@ -38,10 +38,12 @@ class Adder final : public BlockProcessor {
 /// A callback on a device of some planes, behind guards that let everything through.
 struct Card {
   Card(int inputs, int outputs, int max_frames, StreamRequest request = {},
-       GuardedChannel guard = {DriveGuard::Kind::Audio, DriveLimits{}})
+       GuardedChannel guard = {DriveGuard::Kind::Audio, DriveLimits{}}, int periods = 0)
       : guarded(adder, std::vector<GuardedChannel>(static_cast<std::size_t>(outputs), guard)) {
     StreamGranted granted;
     granted.format = {48_kHz, inputs, outputs, max_frames};
+    granted.block_frames = max_frames;
+    granted.periods = periods;
     REQUIRE(guarded.prepare(granted.format));
     guarded.disable_sensor_watch();
     guarded.skip_soft_start();
@@ -251,4 +253,21 @@ TEST_CASE("card callback: a suspended stream can be stopped", "[backends]") {
   CHECK(card.callback->finish());
   done = true;
   library.join();
+}
+
+TEST_CASE("card callback: a block that comes later than the driver's buffer lasts is a gap", "[backends]") {
+  constexpr int kBlock = 48;  // two of them last 2 ms
+  for (const int periods : {0, 2, 1'000'000}) {
+    CAPTURE(periods);
+    Card card{1, 1, kBlock, {}, {DriveGuard::Kind::Audio, DriveLimits{}}, periods};
+    card.callback->play();
+    card.block({plane(kBlock, 0)}, 1, kBlock);
+    std::this_thread::sleep_for(3ms);  // part of what is tested
+    card.block({plane(kBlock, 0)}, 1, kBlock);
+    CHECK(card.callback->health().xruns == (periods == 2 ? 1 : 0));
+    std::this_thread::sleep_for(3ms);
+    card.callback->gaps(false, false, true);  // the library reports it
+    card.block({plane(kBlock, 0)}, 1, kBlock);
+    CHECK(card.callback->health().xruns == (periods == 2 ? 2 : 1));
+  }
 }
