@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <condition_variable>
+#include <filesystem>
 #include <map>
 #include <mutex>
 #include <thread>
@@ -26,6 +27,14 @@ std::string without_address(const std::string& name) {
   const auto client = name.find_last_not_of("0123456789", end - 1);
   const bool address = client != std::string::npos && name[client] == ' ' && client + 1 < end;
   return address ? name.substr(0, client) : name;
+}
+
+/// What the library reports, or its cause where that is known.
+std::string explained(const std::string& error) {
+  std::error_code ignored;
+  if (error.find("ALSA sequencer") != std::string::npos && !std::filesystem::exists("/dev/snd/seq", ignored))
+    return "the kernel's MIDI sequencer is not loaded; load it with: sudo modprobe snd-seq";
+  return error;
 }
 
 /// A port that is open. Its thread is the library's.
@@ -62,7 +71,7 @@ class Worker final : public MidiInputs {
         if (scout_ != nullptr) update_ports();
       } catch (const std::exception& error) {
         scout_.reset();
-        report_error(error.what());
+        report_error(explained(error.what()));
       }
       std::unique_lock lock{mutex_};
       if (wake_.wait_for(lock, interval_, [this] { return stop_; })) break;

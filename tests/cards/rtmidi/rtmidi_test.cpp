@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
+#include <filesystem>
 #include <memory>
 
 #include "backends/midi.h"
 #include "engine/core/spsc_queue.h"
+#include "tests/support/skip.h"
 #include "tests/support/sound_server.h"
 #include "tests/support/wait_until.h"
 
@@ -85,6 +87,16 @@ bool arrives(MidiInputs& inputs, Keyboard& keyboard) {
   });
 }
 
+std::string first_news(const std::string& api) {
+  const auto inputs = make_rtmidi(api);
+  std::vector<std::string> news;
+  REQUIRE(test::wait_until([&] {
+    for (auto& text : inputs->news()) news.push_back(text);
+    return !news.empty();
+  }));
+  return news.front();
+}
+
 }  // namespace
 
 TEST_CASE("rtmidi: every message of a keyboard comes in order, by the id of its port", "[cards]") {
@@ -152,16 +164,16 @@ TEST_CASE("rtmidi: a server that hangs holds up nobody, not even the end", "[car
   server->go_on();
 }
 
-TEST_CASE("rtmidi: without a server there are no ports, and no complaint of an API that is not there is lost",
+TEST_CASE("rtmidi: without a server there are no ports, and an API that is not there is reported",
           "[cards]") {
   const auto none = jack_inputs();
   CHECK(none->ports().empty());
   CHECK(none->poll().empty());
-  const auto wrong = make_rtmidi("telegraph");
-  std::vector<std::string> news;
-  REQUIRE(test::wait_until([&] {
-    for (auto& text : wrong->news()) news.push_back(text);
-    return !news.empty();
-  }));
-  CHECK(news.front() == "no MIDI: this program was built without the MIDI backend 'telegraph'");
+  CHECK(first_news("telegraph") == "no MIDI: this program was built without the MIDI backend 'telegraph'");
+}
+
+TEST_CASE("rtmidi: where the kernel has no sequencer, the command that loads it is printed", "[cards]") {
+  if (std::filesystem::exists("/dev/snd/seq")) test::skip("the sequencer is loaded on this machine");
+  CHECK(first_news("alsa") ==
+        "no MIDI: the kernel's MIDI sequencer is not loaded; load it with: sudo modprobe snd-seq");
 }
