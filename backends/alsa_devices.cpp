@@ -23,6 +23,26 @@ std::map<int, std::string> card_names(const fs::path& root) {
   return names;
 }
 
+/// A line of the file that begins with `key`, without that.
+std::string value_after(const fs::path& path, const std::string& key) {
+  std::ifstream file{path};
+  for (std::string line; std::getline(file, line);) {
+    if (!line.starts_with(key)) continue;
+    const auto value = line.find_first_not_of(" :\t", key.size());
+    return value == std::string::npos ? "" : line.substr(value);
+  }
+  return {};
+}
+
+/// Of one substream: "closed", or its state and the thread that opened it. Empty: it is free.
+std::string substream_user(const fs::path& status, const fs::path& root) {
+  const auto thread = value_after(status, "owner_pid");
+  if (thread.empty()) return {};
+  const auto state = root / "proc" / thread / "status";
+  const auto name = value_after(state, "Name:"), process = value_after(state, "Tgid:");
+  return name.empty() ? "another program" : name + " (process " + process + ")";
+}
+
 }  // namespace
 
 std::string alsa_hardware(int card, const fs::path& root) {
@@ -52,6 +72,29 @@ std::vector<AlsaDevice> alsa_devices(const fs::path& root) {
     devices.push_back(std::move(found));
   }
   return devices;
+}
+
+std::string alsa_user(int card, int device, bool inputs, const fs::path& root) {
+  const auto pcm = root / "proc/asound" / ("card" + std::to_string(card)) /
+                   ("pcm" + std::to_string(device) + (inputs ? "c" : "p"));
+  std::string user;
+  std::error_code missing;
+  for (const auto& substream : fs::directory_iterator(pcm, missing)) {
+    if (!substream.path().filename().string().starts_with("sub")) continue;
+    user = substream_user(substream.path() / "status", root);
+    if (user.empty()) return {};
+  }
+  return user;
+}
+
+Error with_alsa_users(Error error, const fs::path& root) {
+  if (error.code != Errc::UnknownName || error.what.find(":alsa:") == std::string::npos) return error;
+  for (const auto& pcm : alsa_devices(root))
+    for (const bool inputs : {true, false})
+      if (const auto user = alsa_user(pcm.card, pcm.device, inputs, root); !user.empty())
+        error.remedy += "; the " + std::string{inputs ? "inputs" : "outputs"} + " of 'hw:" + pcm.name + "," +
+                        std::to_string(pcm.device) + "' are in use by " + user;
+  return error;
 }
 
 Status same_cards(const std::vector<AlsaDevice>& before) {

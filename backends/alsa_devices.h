@@ -26,6 +26,14 @@ std::vector<AlsaDevice> alsa_devices(const std::filesystem::path& root = "/");
 /// connected; this does not. Empty: unknown.
 std::string alsa_hardware(int card, const std::filesystem::path& root = "/");
 
+/// [control] The program that has this device open for all inputs, or for all outputs, so that no other can
+/// open it: "aplay (process 267)". Empty: it is free, or there is no such device.
+std::string alsa_user(int card, int device, bool inputs, const std::filesystem::path& root = "/");
+
+/// [control] The same error, with the devices that are in use in its remedy if it says that a device is not
+/// there and its id names ALSA: libraries do not list what is in use.
+Error with_alsa_users(Error error, const std::filesystem::path& root = "/");
+
 /// [control] Libraries open devices by a number in a list that may be old. Errors: Device, if cards came or
 /// went since `before` was read.
 Status same_cards(const std::vector<AlsaDevice>& before);

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <set>
 
+#include "backends/alsa_devices.h"
 #include "engine/core/index.h"
 
 namespace tactus {
@@ -29,9 +31,24 @@ std::string listed(const std::vector<Device>& devices) {
 
 std::string with_hardware(const std::string& id, const std::string& hardware) { return id + "@" + hardware; }
 
-Status fits(int channels, const std::vector<int>& map, int available, const char* what,
-            const std::string& device) {
-  const auto at = "'" + device + "'";
+/// The program that has this direction of an ALSA card's device open: "hw:USB Audio,0" of RtAudio,
+/// "USB Audio: - (hw:1,0)" of PortAudio. Empty: none.
+std::string user_of(const Device& device, bool inputs) {
+  const auto comma = device.library_name.rfind(',');
+  int number = 0;
+  if (device.api != "alsa" || comma == std::string::npos ||
+      std::sscanf(device.library_name.c_str() + comma, ",%d", &number) != 1)
+    return {};
+  for (const auto& pcm : alsa_devices())
+    if (pcm.device == number && (device.hardware + ",").starts_with(pcm.hardware + ","))
+      return alsa_user(pcm.card, number, inputs);
+  return {};
+}
+
+Status fits(int channels, const std::vector<int>& map, bool inputs, const Device& device) {
+  const auto at = "'" + device.id + "'";
+  const auto* what = inputs ? "inputs" : "outputs";
+  const int available = inputs ? device.in_channels : device.out_channels;
   if (channels < 0)
     return fail(Errc::BadArgument, "", fmt::format("there cannot be {} {}", channels, what), "");
   if (!map.empty() && map.size() != index(channels))
@@ -39,6 +56,10 @@ Status fits(int channels, const std::vector<int>& map, int available, const char
                 fmt::format("{} {} of the device are chosen, but {} are needed", map.size(), what, channels),
                 "choose one for each");
   const int last = channels_to_open(channels, map);
+  if (last > available)
+    if (const auto user = user_of(device, inputs); !user.empty())
+      return fail(Errc::Device, "", fmt::format("the {} of {} are in use by {}", what, at, user),
+                  "end that program, or choose another device");
   if (last > available || (!map.empty() && *std::min_element(map.begin(), map.end()) < 0))
     return fail(
         Errc::OutOfRange, "",
@@ -63,11 +84,8 @@ Status fits(const StreamRequest& request, const Device& device) {
 }
 
 Status fits(const StreamRequest& request, const Device& input, const Device& output) {
-  if (auto status = fits(request.in_channels, request.in_map, input.in_channels, "inputs", input.id); !status)
-    return status;
-  if (auto status = fits(request.out_channels, request.out_map, output.out_channels, "outputs", output.id);
-      !status)
-    return status;
+  if (auto status = fits(request.in_channels, request.in_map, true, input); !status) return status;
+  if (auto status = fits(request.out_channels, request.out_map, false, output); !status) return status;
   if (const std::set<int> used{request.out_map.begin(), request.out_map.end()};
       used.size() != request.out_map.size())
     return fail(Errc::BadArgument, "", "two outputs share a channel, where they would be added",
@@ -83,6 +101,15 @@ Status fits(const StreamRequest& request, const Device& input, const Device& out
 }
 
 }  // namespace
+
+std::string two_devices_text(const Device& input, const Device& output, std::pair<int, int> channels,
+                             double rate) {
+  return fmt::format(
+      "{} inputs of '{}' and {} outputs of '{}' cannot be opened together at {:g} Hz, nor with the same "
+      "number "
+      "of channels",
+      channels.first, input.id, channels.second, output.id, rate);
+}
 
 int channels_to_open(int channels, const std::vector<int>& map) {
   return map.empty() ? channels : *std::max_element(map.begin(), map.end()) + 1;
@@ -128,8 +155,8 @@ Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequ
   auto output = request.out_channels == 0 ? to_input()
                                           : device_with_id(devices, request.device, before.output.hardware);
   auto input = request.in_channels == 0 ? output : to_input();
-  if (!output) return tl::unexpected(output.error());
-  if (!input) return tl::unexpected(input.error());
+  if (!output) return tl::unexpected(with_alsa_users(output.error()));
+  if (!input) return tl::unexpected(with_alsa_users(input.error()));
   if (request.out_channels == 0) output = input;
   auto asked = request;
   asked.sample_rate = request.sample_rate.value_or(output->default_rate);

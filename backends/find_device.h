@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "backends/backend.h"
@@ -24,10 +25,11 @@ struct DeviceChoice {
   StreamGranted granted;  ///< without what only the driver reports
 };
 
-/// [any] The devices that `request` means, at the rate it asks for or else at the default one of the outputs.
-/// Of a device that returns, that on the same hardware where several have its name.
-/// Errors: those of `device_with_id`; BadArgument and OutOfRange for a rate, a block, channels or channel
-/// maps that they do not have, for no channel at all, and for devices of two APIs.
+/// [control] The devices that `request` means, at the rate it asks for or else at the default one of the
+/// outputs. Of a device that returns, that on the same hardware where several have its name. Errors: those of
+/// `device_with_id`; BadArgument and OutOfRange for a rate, a block, channels or channel maps that they do
+/// not have, for no channel at all, and for devices of two APIs; Device for an ALSA device that another
+/// program has open.
 Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequest& request);
 
 /// [any] Devices of the same id get their hardware added to it: "ID@HARDWARE". Where that is unknown, or the
@@ -37,6 +39,10 @@ void distinguish_same_ids(std::vector<Device>& devices);
 /// [any] In what a device that returned differs from what it was, one sentence each for the user; empty: it
 /// is the same one, as far as the library can tell.
 std::vector<std::string> differences(const StreamGranted& before, const StreamGranted& now);
+
+/// [any] For an error: these numbers of channels of two devices cannot be had together.
+std::string two_devices_text(const Device& input, const Device& output, std::pair<int, int> channels,
+                             double rate);
 
 /// [any] Channels that a library must open to reach those of a map.
 int channels_to_open(int channels, const std::vector<int>& map);

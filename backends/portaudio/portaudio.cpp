@@ -249,30 +249,54 @@ PaStreamParameters parameters(const Device& at, int channels, bool input, const 
   return wanted;
 }
 
+// Asked for a certain block, PortAudio's ALSA part divides by zero or aborts at some: a latency it takes.
+int fixed_block(const Line& line, const StreamRequest& request) {
+  return line.own_thread ? 0 : request.block_frames.value_or(0);
+}
+
+/// With so many channels of both devices.
+Status open_once(const std::shared_ptr<Line>& line, const Device& input, const Device& output,
+                 std::pair<int, int> channels, const StreamRequest& request, double rate) {
+  line->out_planes = channels.second;
+  const auto from = parameters(input, channels.first, true, request, rate);
+  const auto to = parameters(output, channels.second, false, request, rate);
+  return in_portaudio([=, block = fixed_block(*line, request)] {
+    // Dithered, zeros would not be played as zeros.
+    return Pa_OpenStream(&line->stream, from.channelCount > 0 ? &from : nullptr,
+                         to.channelCount > 0 ? &to : nullptr, rate, static_cast<unsigned long>(block),
+                         paDitherOff, bring_block, line.get());
+  });
+}
+
+/// Two devices of one ALSA card may be the ends of one wire (snd-aloop), which then has as many channels at
+/// one end as at the other.
+Status open_both(const std::shared_ptr<Line>& line, const Device& input, const Device& output,
+                 const StreamRequest& request, double rate) {
+  const std::pair wanted{channels_to_open(request.in_channels, request.in_map),
+                         channels_to_open(request.out_channels, request.out_map)};
+  auto status = open_once(line, input, output, wanted, request, rate);
+  const bool two = wanted.first > 0 && wanted.second > 0 && input.index != output.index;
+  if (status || is_over() || input.api != "alsa" || !two) return status;
+  const int both = std::max(wanted.first, wanted.second);
+  status = open_once(line, input, output, {both, both}, request, rate);
+  if (!status)
+    status.error().what = two_devices_text(input, output, wanted, rate) + "; " + status.error().what;
+  return status;
+}
+
 Status open_line(const std::shared_ptr<Line>& line, const Device& input, const Device& output,
                  const StreamRequest& request, StreamGranted& granted) {
   const double rate = granted.format.sample_rate.value;
-  const int ins = channels_to_open(request.in_channels, request.in_map);
-  line->out_planes = channels_to_open(request.out_channels, request.out_map);
-  const auto from = parameters(input, ins, true, request, rate);
-  const auto to = parameters(output, line->out_planes, false, request, rate);
-  // Asked for a certain block, PortAudio's ALSA part divides by zero or aborts at some: a latency it takes.
-  const int block = line->own_thread ? 0 : request.block_frames.value_or(0);
+  const int block = fixed_block(*line, request);
 #if __has_include(<pa_linux_alsa.h>)
   if (line->own_thread) PaAlsa_SetNumPeriods(std::max(1, request.periods.value_or(kUsualPeriods) - 1));
 #endif
   line->session->occupied = true;
-  if (auto status = in_portaudio([=] {
-        return Pa_OpenStream(&line->stream, from.channelCount > 0 ? &from : nullptr,
-                             to.channelCount > 0 ? &to : nullptr, rate, static_cast<unsigned long>(block),
-                             paNoFlag, bring_block, line.get());
-      });
-      !status)
-    return status;
+  if (auto status = open_both(line, input, output, request, rate); !status) return status;
   const auto* info = Pa_GetStreamInfo(line->stream);
   granted.block_frames = block;
   granted.format.max_frames = block > 0 ? block : kMaxBlock;
-  if (ins > 0) granted.input_latency_frames = believable(info->inputLatency, rate);
+  if (request.in_channels > 0) granted.input_latency_frames = believable(info->inputLatency, rate);
   if (line->out_planes > 0) granted.output_latency_frames = believable(info->outputLatency, rate);
   granted.xruns_move_delay = line->own_thread;
   granted.comes_back = !line->session->has_jack;

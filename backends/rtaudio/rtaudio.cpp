@@ -130,7 +130,7 @@ class Line {
                  RtAudio::StreamOptions& options) {
     const auto open = [&] { open_once(unsigned(input.index), unsigned(output.index), block, options); };
     const bool two = !in_.empty() && !out_.empty() && input.index != output.index;
-    const auto wanted = std::pair{in_.size(), out_.size()};
+    const std::pair wanted{static_cast<int>(in_.size()), static_cast<int>(out_.size())};
     try {
       open();
     } catch (const RtAudioError& error) {
@@ -141,18 +141,11 @@ class Line {
       try {
         open();
       } catch (const RtAudioError&) {
-        throw RtAudioError{"open: " + two_devices_text(input, output, wanted) + plain_message(error.what())};
+        throw RtAudioError{"open: " + two_devices_text(input, output, wanted, rate_) + "; " +
+                           plain_message(error.what())};
       }
     }
   }
-  std::string two_devices_text(const Device& input, const Device& output,
-                               std::pair<std::size_t, std::size_t> channels) const {
-    return fmt::format(
-        "{} inputs of '{}' and {} outputs of '{}' cannot be opened together as 32-bit float at {} Hz, "
-        "nor with the same number of channels; ",
-        channels.first, input.id, channels.second, output.id, rate_);
-  }
-
   void open_once(unsigned input, unsigned output, unsigned& block, RtAudio::StreamOptions& options) {
     RtAudio::StreamParameters in{input, static_cast<unsigned>(in_.size()), 0};
     RtAudio::StreamParameters out{output, static_cast<unsigned>(out_.size()), 0};
@@ -252,33 +245,44 @@ Device described(const std::string& api, unsigned index, const RtAudio::DeviceIn
   return device;
 }
 
-/// Hardware of RtAudio's ALSA devices, which it lists in ALSA's order. None is assigned when cards came or
-/// went meanwhile.
-void add_hardware(Devices& found, const std::vector<AlsaDevice>& before) {
-  if (alsa_devices() != before) return;
-  for (auto& device : found) {
-    if (index(device.index) >= before.size()) continue;
-    const auto& pcm = before[index(device.index)];
-    if (device.library_name == "hw:" + pcm.name + "," + std::to_string(pcm.device))
-      device.hardware = pcm.hardware;
-  }
+/// Whether RtAudio's ALSA devices from number `first` on are these, in ALSA's order.
+bool is_aligned(const Devices& found, const std::vector<AlsaDevice>& pcms, int first) {
+  return std::all_of(found.begin(), found.end(), [&](const Device& device) {
+    const auto at = index(device.index - first);
+    return device.library_name == "default" ||
+           (at < pcms.size() &&
+            device.library_name == "hw:" + pcms[at].name + "," + std::to_string(pcms[at].device));
+  });
+}
+
+/// Hardware of RtAudio's ALSA devices. Of the `count` that it lists, "default" comes before the hardware (or
+/// after it, until RtAudio 5.1), if there is one. None is assigned when cards came or went meanwhile.
+void add_hardware(Devices& found, int count, const std::vector<AlsaDevice>& pcms) {
+  if (alsa_devices() != pcms) return;
+  int first = count - static_cast<int>(pcms.size());
+  if (!is_aligned(found, pcms, first)) first = 0;
+  if (!is_aligned(found, pcms, first)) return;
+  for (auto& device : found)
+    if (device.library_name != "default") device.hardware = pcms[index(device.index - first)].hardware;
 }
 
 Devices probe(RtAudio::Api api) {
   Devices found;
+  unsigned count = 0;
   const bool alsa = api == RtAudio::LINUX_ALSA;
   const auto pcms = alsa ? alsa_devices() : std::vector<AlsaDevice>{};
   try {
     RtAudio library{api};
     library.showWarnings(false);
-    for (unsigned i = 0, count = library.getDeviceCount(); i < count; ++i) {
+    count = library.getDeviceCount();
+    for (unsigned i = 0; i < count; ++i) {
       const auto info = library.getDeviceInfo(i);
       if (info.probed && info.inputChannels + info.outputChannels > 0 && !info.sampleRates.empty())
         found.push_back(described(RtAudio::getApiName(api), i, info));
     }
   } catch (const std::exception&) {  // a device went away while it was asked: those before it are there
   }
-  if (alsa) add_hardware(found, pcms);
+  if (alsa) add_hardware(found, static_cast<int>(count), pcms);
   return found;
 }
 

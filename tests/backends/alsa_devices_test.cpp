@@ -57,3 +57,28 @@ TEST_CASE("alsa devices: without ALSA there are none, and a card that is gone ha
   CHECK(alsa_hardware(0, empty.path()).empty());
   CHECK(alsa_hardware(7, Cards{}.folder.path()).empty());
 }
+
+TEST_CASE("alsa devices: a device is in use when all of its substreams are, and by whom", "[backends]") {
+  const Cards cards;
+  const auto& folder = cards.folder;
+  const auto user = [&](bool inputs) { return alsa_user(1, 0, inputs, folder.path()); };
+  const std::string open = "state: RUNNING\nowner_pid   : 268\ntrigger_time: 1.0\n";
+  folder.write("proc/268/status", "Name:\taplay\nUmask:\t0022\nTgid:\t267\nPid:\t268\n");
+  CHECK(user(false).empty());
+  folder.write("proc/asound/card1/pcm0p/info", "card: 1\n");
+  folder.write("proc/asound/card1/pcm0p/sub0/status", open);
+  folder.write("proc/asound/card1/pcm0c/sub0/status", "closed\n");
+  CHECK(user(false) == "aplay (process 267)");
+  CHECK(user(true).empty());
+  folder.write("proc/asound/card1/pcm0p/sub1/status", "closed\n");
+  CHECK(user(false).empty());
+}
+
+TEST_CASE("alsa devices: where a device is missing, those that are in use are named", "[backends]") {
+  const Cards cards;
+  const Error missing{Errc::UnknownName, "", "there is no device 'rtaudio:alsa:hw:x,0'", "there is 'y'"};
+  CHECK(with_alsa_users(missing, cards.folder.path()).remedy == "there is 'y'");
+  cards.folder.write("proc/asound/card1/pcm0p/sub0/status", "state: OPEN\nowner_pid   : 9\n");
+  CHECK(with_alsa_users(missing, cards.folder.path()).remedy ==
+        "there is 'y'; the outputs of 'hw:UMC204HD 192k,0' are in use by another program");
+}
