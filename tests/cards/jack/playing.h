@@ -24,7 +24,9 @@ inline std::string constant(const std::string& level) {
 /// `tactus play` with keys for stdin and one log for what it says.
 class Playing {
  public:
-  explicit Playing(const std::vector<std::string>& arguments) : process_(command(arguments), Logged) {}
+  explicit Playing(const std::vector<std::string>& arguments,
+                   const std::vector<std::string>& program = {TACTUS_PROGRAM, "play"})
+      : process_(command(program, arguments), Logged) {}
 
   void press(const std::string& key) { REQUIRE(process_.type(key)); }
   /// Presses a twice, at a distance that arms; again where a busy machine made it too long. Until `answer`.
@@ -59,9 +61,10 @@ class Playing {
     return count;
   }
   static constexpr auto Logged = ChildProcess::Stdout::Logged;
-  static std::vector<std::string> command(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), {TACTUS_PROGRAM, "play"});
-    return arguments;
+  static std::vector<std::string> command(std::vector<std::string> program,
+                                          const std::vector<std::string>& arguments) {
+    program.insert(program.end(), arguments.begin(), arguments.end());
+    return program;
   }
   ChildProcess process_;
 };
