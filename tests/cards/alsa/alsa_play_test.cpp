@@ -1,0 +1,69 @@
+// The program itself on a real card, which is pulled out while it plays.
+#include <cstdlib>
+
+#include "tests/cards/alsa/cable_card.h"
+#include "tests/cards/jack/playing.h"
+
+using namespace tactus;
+using test::alsa_ways;
+using test::CableCard;
+using test::Playing;
+using test::wait_until;
+
+namespace {
+
+constexpr std::chrono::milliseconds kPatience = std::chrono::seconds{120};
+
+int times(const char* variable, int usual) {
+  const char* text = std::getenv(variable);
+  return text == nullptr ? usual : std::atoi(text);
+}
+
+int count(const std::string& text, const std::string& words) {
+  int found = 0;
+  for (auto at = text.find(words); at != std::string::npos; at = text.find(words, at + 1)) ++found;
+  return found;
+}
+
+/// Until it has printed this `many` times.
+bool says(Playing& play, const std::string& words, int many) {
+  return wait_until([&] { return count(play.log(), words) >= many || !play.process().running(); },
+                    kPatience) &&
+         count(play.log(), words) == many;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "alsa: a card pulled out while armed and playing is reported, and plays again armed when it is back",
+    "[.alsa]") {
+  const CableCard card;
+  const test::TemporaryFolder folder;
+  const auto tone = folder.write("tone.toml", test::constant("0.2")).string();
+  for (const auto& way : alsa_ways()) {
+    const auto backend = way.backend();
+    const auto request = card.request(*backend, 48000, 2048);
+    Playing play{{tone, "--device", request.device, "--input-device", request.input_device, "--block", "2048",
+                  "--arm", "--json"}};
+    REQUIRE(says(play, "delay ", 1));
+    const int pulls = times("TACTUS_PULLS", 3);
+    for (int turn = 1; turn <= pulls; ++turn) {
+      CAPTURE(way.name, turn, play.log());
+      card.pull();
+      REQUIRE(says(play, "disconnected", turn));
+      card.plug();
+      REQUIRE(says(play, "reconnected after", turn));
+      // On a slow machine it may have been away for more than 10 s.
+      if (count(play.log(), "away for more than") < count(play.log(), "drives disarmed:")) FAIL("disarmed");
+      if (count(play.log(), "drives disarmed:") > count(play.log(), "drives armed")) play.arm();
+    }
+    play.press("q");
+    CHECK(play.ends() == 0);
+    const auto report = play.report();
+    INFO(play.log());
+    REQUIRE(report.is_object());
+    CHECK(report["highest_input"]["heard"].get<double>() > 0.19);
+    WARN(way.name << ": " << pulls << " pulls, " << count(play.log(), "drives disarmed:")
+                  << " of them for more than 10 s");
+  }
+}
