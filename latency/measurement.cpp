@@ -89,15 +89,17 @@ void add_event(Findings& findings, const GuardEvent& event, int input, bool driv
   }
 }
 
-void add_lost(Findings& findings, const Health& before, const Health& after) {
+/// Whether the driver reported gaps.
+bool add_lost(Findings& findings, const Health& before, const Health& after) {
   const auto gaps = after.xruns - before.xruns;
   const auto lost = after.lost_frames - before.lost_frames;
-  if (gaps == 0 && lost == 0) return;
+  if (gaps == 0 && lost == 0) return false;
   findings.emplace_back(
       Verdict::LostFrames,
       fmt::format("the driver counted {} gap{} and {} lost frames while the probes were played", gaps,
                   gaps == 1 ? "" : "s", lost),
       kAgainstGaps);
+  return true;
 }
 
 void add_mismatch(Findings& findings, const StreamGranted& granted, const Health& before,
@@ -318,7 +320,7 @@ class Session {
     for (GuardEvent event; guarded_.take_event(event);)
       add_event(findings, event, input_, settings_.guard.kind == DriveGuard::Kind::Drive);
     const auto &before = player_.health_before(), &after = player_.health_after();
-    add_lost(findings, before, after);
+    const bool lost = add_lost(findings, before, after);
     add_mismatch(findings, opening.granted, before, after);
     opening.recording = player_.take_recording();
     if (player_.outcome() == ProbePlayer::Outcome::Played) {
@@ -327,7 +329,9 @@ class Session {
       if (analysis) {
         opening.analysis = std::move(*analysis);
         explain_noise(opening.analysis.finding, player_.level());
-        findings.push_back(opening.analysis.finding);
+        // A probe with a gap in it has the harmonics of one that is clipped.
+        if (!lost || opening.analysis.finding.verdict != Verdict::Clipping)
+          findings.push_back(opening.analysis.finding);
         remember(opening.analysis);
       }
     }

@@ -268,12 +268,19 @@ Status open_once(const std::shared_ptr<Line>& line, const Device& input, const D
   });
 }
 
+/// Where a driver has an even number of channels and an odd one is opened, PortAudio's ALSA part plays the
+/// last of them on the next channel too, which nothing guards: an even number is opened.
+int outputs_to_open(const StreamRequest& request, const Device& output) {
+  const int count = channels_to_open(request.out_channels, request.out_map);
+  return output.api == "alsa" && count < output.out_channels ? count + count % 2 : count;
+}
+
 /// Two devices of one ALSA card may be the ends of one wire (snd-aloop), which then has as many channels at
 /// one end as at the other.
 Status open_both(const std::shared_ptr<Line>& line, const Device& input, const Device& output,
                  const StreamRequest& request, double rate) {
   const std::pair wanted{channels_to_open(request.in_channels, request.in_map),
-                         channels_to_open(request.out_channels, request.out_map)};
+                         outputs_to_open(request, output)};
   auto status = open_once(line, input, output, wanted, request, rate);
   const bool two = wanted.first > 0 && wanted.second > 0 && input.index != output.index;
   if (status || is_over() || input.api != "alsa" || !two) return status;

@@ -43,6 +43,13 @@ TEST_CASE("measurement: a gap that the driver tells counts although nothing is m
   expect(measured({card}), Verdict::LostFrames);
 }
 
+TEST_CASE("measurement: a gap that the driver reports is no clipping, though it has harmonics too",
+          "[latency][measurement]") {
+  auto card = named("gain=40dB,noise=-40dB,clip=0.1");
+  card.drops = {{Seconds{3.0}, Seconds{0.0}, 0}};
+  expect(measured({card}), Verdict::LostFrames);
+}
+
 TEST_CASE("measurement: gaps before the sweeps are none", "[latency][measurement]") {
   auto card = named("20ms");
   card.drops = {{Seconds{0.05}, Seconds{0.0}, 100}, {Seconds{0.1}, Seconds{0.0}, -100}};

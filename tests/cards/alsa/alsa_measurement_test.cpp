@@ -88,7 +88,7 @@ TEST_CASE("alsa: a measurement that loses frames is refused as LOST_FRAMES", "[.
     const auto request = card.request(*way.backend(), 48000, 2048);
     test::ChildProcess latency{
         {TACTUS_PROGRAM, "latency", "measure", "--device", request.device, "--input-device",
-         request.input_device, "--rate", "48 kHz", "--block", "2048", "--openings", "1", "--json"},
+         request.input_device, "--rate", "48 kHz", "--block", "2048", "--openings", "1", "--cable", "--json"},
         test::ChildProcess::Stdout::Logged};
     const auto runs = [&] {
       std::string state;
