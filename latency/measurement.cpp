@@ -61,8 +61,7 @@ void explain_noise(Finding& finding, const PathLevel& level) {
 void add_event(Findings& findings, const GuardEvent& event, int input, bool drive) {
   switch (event.kind) {
     case GuardEvent::Kind::Feedback:
-      findings.emplace_back(Verdict::Feedback,
-                            "the drive guard limited the output for more than 100 ms and faded it out",
+      findings.emplace_back(Verdict::Feedback, "the drive guard found feedback and faded the output out",
                             "measure at a lower level, or give the limits of the connected actuator");
       return;
     case GuardEvent::Kind::SensorRailed:
@@ -202,6 +201,12 @@ std::string second_arrival(const Opening& before, const Opening& again) {
                            : "a connection in software from the card's input to its output");
 }
 
+/// What is played does not depend on what is captured; the level search looks for feedback itself.
+GuardedChannel without_feedback(GuardedChannel channel) {
+  channel.feedback = {false, false};
+  return channel;
+}
+
 /// As loud as the probe may be before the guard changes its shape.
 double loudest(const MeasureSettings& settings, Hertz rate) {
   const auto& limits = settings.guard.limits;
@@ -227,7 +232,10 @@ Status check(const MeasureSettings& settings) {
 class Session {
  public:
   Session(Backend& backend, const MeasureSettings& settings, const MeasureProgress& progress)
-      : backend_(backend), settings_(settings), progress_(progress), guarded_(player_, {settings.guard}) {
+      : backend_(backend),
+        settings_(settings),
+        progress_(progress),
+        guarded_(player_, {without_feedback(settings.guard)}) {
     guarded_.set_tap(&player_);
     guarded_.set_dead_mans_switch(settings.dead_mans_switch);
     if (!settings.watch_sensors) guarded_.disable_sensor_watch();

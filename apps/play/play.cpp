@@ -133,7 +133,7 @@ int run_play(const PlayOptions& options) {
     print(report);
     fmt::print("\n  written\n    {}\n", fmt::join(written, "\n    "));
   }
-  return report.passed() ? kDone : kNo;
+  return report.passed() && !played.recording.guard.faded() ? kDone : kNo;
 }
 
 }  // namespace

@@ -60,19 +60,20 @@ int render_scene(const RenderOptions& options, const std::filesystem::path& file
   write_signals(files, recording);
   const auto events = events_of(recording).json();
   files.close(events);
+  const int exit_code = recording.guard.faded() ? kNo : kDone;
   if (options.json) {
     print_json({{"scene", scene.name},
                 {"events", count_of(events)},
                 {"run_seconds", recording.run_seconds},
                 {"guard", guard_json(recording.guard, rate)},
                 {"ports", ports_json(recording.ports)}});
-    return kDone;
+    return exit_code;
   }
   fmt::print("{}: {:.3f} s, {} events, {:.0f} times real time\n", scene.name, recording.seconds(),
              count_of(events), recording.seconds() / recording.run_seconds);
   print_guard(recording.guard, rate);
   print_ports(recording.ports);
-  return kDone;
+  return exit_code;
 }
 
 std::string error_text(const WorkPrecision& result) {

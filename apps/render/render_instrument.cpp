@@ -161,7 +161,8 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
   const auto& name = loaded.spec->name;
   if (!options.delay.empty()) announce_delay(*loaded.spec, compiling.system_delay.value);
   const auto rendered = run(engine, input, compiling.taps, limits, options);
-  if (!options.json) return print(options, name, input, engine, rendered), kDone;
+  const int exit_code = rendered.guard.faded() ? kNo : kDone;
+  if (!options.json) return print(options, name, input, engine, rendered), exit_code;
   print_json({{"instrument", name},
               {"sample_rate_hz", input.sample_rate.value},
               {"frames", input.frames},
@@ -170,7 +171,7 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
               {"bad_input_samples", engine.bad_input_samples()},
               {"faults", faults_json(engine.faults())},
               {"guard", guard_json(rendered.guard, input.sample_rate)}});
-  return kDone;
+  return exit_code;
 }
 
 }  // namespace tactus::app

@@ -205,8 +205,11 @@ int render_other(const RenderOptions& options, OpenTake& open) {
   for (std::size_t i = 0; i < inputs.size(); ++i)
     if (sensors[i] < 0) text += fmt::format("\nthe take has no sensor '{}': it was silent", inputs[i]);
   if (!open.take.edits.empty()) text += "\nedits made during the recording are ignored";
-  report(options, open, loaded.spec->name, replayed, {{"outputs", output_names(engine.plan())}}, text);
-  return kDone;
+  const auto guard = report_of(guarded, engine.plan(), limits);
+  report(options, open, loaded.spec->name, replayed,
+         {{"outputs", output_names(engine.plan())}, {"guard", guard_json(guard, header.sample_rate)}}, text);
+  if (!options.json && !guard.idle()) print_guard(guard, header.sample_rate);
+  return guard.faded() ? kNo : kDone;
 }
 
 }  // namespace

@@ -17,9 +17,11 @@ namespace {
 using Kind = JournalEntry::Kind;
 }
 
-constexpr int kTakeVersion = 3;  // 1: without fades; 2: without control_set and dead_man
-constexpr std::array kKinds = {"control",   "arm",         "mute", "system_delay", "lost_frames", "coil_heat",
-                               "body_heat", "replacement", "halt", "fade",         "control_set", "dead_man"};
+// 1: without fades; 2: without control_set, dead_man, dc_time, sensor_noise and feedback_path
+constexpr int kTakeVersion = 3;
+constexpr std::array kKinds = {"control",     "arm",       "mute",        "system_delay", "lost_frames",
+                               "coil_heat",   "body_heat", "replacement", "halt",         "fade",
+                               "control_set", "dead_man",  "dc_time",     "sensor_noise", "feedback_path"};
 constexpr std::array kDriveKinds = {"drive", "audio"};
 
 // The keys of each line, for both directions; docs/takes.md describes them.
@@ -56,6 +58,12 @@ void fields(Io& io, T& origin) {
   io("raised_from", origin.raised_from);
 }
 
+template <class Io, Of<FeedbackPath> T>
+void fields(Io& io, T& path) {
+  io("from_input", path.from_input);
+  io("internal_loop", path.internal_loop);
+}
+
 template <class Io, Of<GuardedChannel> T>
 void fields(Io& io, T& channel) {
   auto& limits = channel.limits;
@@ -68,6 +76,8 @@ void fields(Io& io, T& channel) {
   io("travel", limits.excursion);
   io.name("kind", channel.kind, kDriveKinds);
   io.later("origins", channel.origins);
+  if constexpr (!std::is_const_v<T>) channel.feedback = {false, false};  // where the key is missing
+  io.later("feedback", channel.feedback);
 }
 
 template <class Io, Of<JournalEntry> T>

@@ -28,6 +28,10 @@ struct JournalEntry {
     ControlSet,     ///< as ControlChange, but at once, without the control's ramp
     DeadMan,        ///< `index`: kAllChannels; `value`: 1: the dead man's switch expired, every output fades
                     ///< out; 0: it is refreshed again
+    DcTime,         ///< `index`: output channel; `value`: lower bound of the time that DC has lasted [s]
+    SensorNoise,    ///< `index`: input channel, on which noise was observed
+    FeedbackPath,   ///< `index`: output channel; `value`: 1 an input leads there, 2 a loop of the graph, 3
+                    ///< both
   };
 
   static constexpr int kAllChannels = -1;

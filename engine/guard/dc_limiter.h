@@ -47,6 +47,10 @@ class DcLimiter {
   }
 
   const GroupGain& gain() const noexcept { return gain_; }
+  /// [control & stopped] `spent`.
+  double spent_s() const noexcept { return spent_s_; }
+  /// [realtime] At least so much of `time` is spent.
+  void spend(double seconds) noexcept { spent_s_ = std::max(spent_s_, std::min(seconds, time_s_)); }
 
  private:
   bool limited_;

@@ -31,7 +31,7 @@ double sum_of_absolutes(const double* samples, int frames) noexcept {
 
 }  // namespace
 
-DriveGuard::DriveGuard(Kind kind, const DriveLimits& limits, Hertz sample_rate)
+DriveGuard::DriveGuard(Kind kind, const DriveLimits& limits, Hertz sample_rate, FeedbackPath path)
     : kind_(kind),
       ceiling_(limits.ceiling),
       largest_step_(kind == Kind::Drive ? limits.slew_per_second / sample_rate.value
@@ -42,7 +42,7 @@ DriveGuard::DriveGuard(Kind kind, const DriveLimits& limits, Hertz sample_rate)
       swing_frames_(1 + static_cast<std::int64_t>(
                             std::min(static_cast<double>(crest_frames_), 4.0 * ceiling_ / largest_step_))),
       dc_(kind == Kind::Drive ? limits.dc : DcLimits{}, sample_rate),
-      feedback_(sample_rate) {
+      feedback_(path, sample_rate, limits.ceiling) {
   if (kind != Kind::Drive) return;
   if (limits.heat) heat_.emplace(*limits.heat, ceiling_, limits.slew_per_second, sample_rate);
   if (limits.excursion) excursion_.emplace(*limits.excursion, largest_step_, sample_rate);
@@ -58,6 +58,8 @@ bool DriveGuard::stop(double* samples, int frames) noexcept {
   gain_ = {};
   for (int n = 0; n < frames; ++n)
     samples[n] = last_ = std::clamp(0.0, last_ - largest_step_, last_ + largest_step_);
+  last_allowed_ = last_;
+  feedback_.forget();
   return last_ == 0.0;
 }
 
@@ -74,7 +76,7 @@ void DriveGuard::process(double* samples, int frames, std::int64_t first_frame) 
     const double sum = excursion_ ? sum_of_absolutes(samples, length) : 0.0;
     if (passes(samples, length, first_frame, sum)) {
       dc_.observe(samples, length, position);
-      last_ = samples[length - 1];
+      last_ = last_allowed_ = samples[length - 1];
       if (excursion_) excursion_->observe(samples, length, position, sum);
     } else {
       std::array<double, kGuardGroup> wanted;
@@ -94,7 +96,7 @@ void DriveGuard::process(double* samples, int frames, std::int64_t first_frame) 
 /// True if no stage can have anything to do in this block.
 bool DriveGuard::passes(const double* samples, int frames, std::int64_t first_frame,
                         double sum_of_absolutes) const noexcept {
-  if (!gain_.done(first_frame) || gain_.to != 1.0) return false;
+  if (!gain_.done(first_frame) || gain_.to != 1.0 || feedback_.probing()) return false;
   if (!dc_.gain().idle() || (heat_ && !heat_->gain().idle())) return false;
   GroupSum bad;
   bad.add(0, frames, [=, this](int n) { return beyond(samples[n], ceiling_); });
@@ -119,20 +121,27 @@ double DriveGuard::shape(double sample, double& wanted, std::int64_t frame, int 
   if (heat_) y = scaled(y, heat_->gain().at(position), GuardStage::Heat);
   wanted = y *= gain_.at(frame);
   y = scaled(y, dc_.gain().at(position), GuardStage::Dc);
-  const double steep = within(y);
-  if (steep != y) y = held_back(y, steep, GuardStage::Slew, frame, swing_frames_);
+  const bool probing = feedback_.probing();
+  const double last = probing ? last_allowed_ : last_;
+  const double steep = within(y, last);
+  if (steep != y) held_back(y, steep, GuardStage::Slew, frame, swing_frames_);
+  double allowed = y = steep;
   if (excursion_) {
-    const double allowed = within(excursion_->allow(y, last_, position));
-    if (allowed != y) y = held_back(y, allowed, GuardStage::Excursion, frame, crest_frames_);
-    excursion_->record(y, position);
+    allowed = excursion_->allow(steep, last_, position);
+    y = within(allowed, last);
+    if (y != steep) y = held_back(steep, y, GuardStage::Excursion, frame, crest_frames_);
   }
+  feedback_.observe(sample, steep, position);
+  last_allowed_ = y;
+  if (probing) y = within(feedback_.gain_at(position) * allowed, last_);
+  if (excursion_) excursion_->record(y, position);
   return last_ = y;
 }
 
 double DriveGuard::held_back(double from, double to, GuardStage::Index stage, std::int64_t frame,
                              std::int64_t hold) noexcept {
   count(std::abs(from - to), stage);
-  if (kind_ == Kind::Drive) feedback_.limited(frame, hold);
+  feedback_.limited(frame, hold);
   return to;
 }
 
@@ -156,12 +165,11 @@ GuardCounts DriveGuard::counts() const noexcept {
 }
 
 /// Ceiling and slew.
-double DriveGuard::within(double x) const noexcept {
-  return std::clamp(std::clamp(x, last_ - largest_step_, last_ + largest_step_), -ceiling_, ceiling_);
+double DriveGuard::within(double x, double last) const noexcept {
+  return std::clamp(std::clamp(x, last - largest_step_, last + largest_step_), -ceiling_, ceiling_);
 }
 
 void DriveGuard::end_group(std::int64_t frame) noexcept {
-  if (kind_ != Kind::Drive) return;
   if (heat_) heat_->end_group();
   if (excursion_) excursion_->end_group();
   dc_.end_group();

@@ -46,20 +46,20 @@ using GuardCounts = std::array<StageCount, kGuardStages>;
 /// two values that do. Within its limits, and with the ramps at 1, the output is the input bit for bit; there
 /// is no delay. The block size does not matter.
 ///
-/// A drive that is held back by the ceiling, the slew limit, the excursion limit or for not being finite
-/// through more than half of 200 ms (feedback_detector.h) fades out and stays silent until it is opened
-/// again.
+/// An output that returns to itself and grows (feedback_detector.h) fades out and stays silent until it is
+/// opened again. While it is limited and may return, a gain g <= 1 is on it to find out:
+///   y[n] = clamp(g x[n], y[n-1] - s, y[n-1] + s),  x: what the stages above would let out without it
 class DriveGuard {
  public:
   enum class Kind {
     Drive,  ///< moves something: all stages
-    Audio,  ///< for ears: finite, ramps, ceiling
+    Audio,  ///< for ears: finite, ramps, ceiling, feedback
   };
   /// A frame counts as limited by ceiling or excursion for this long after: peaks of a loop above 10 Hz.
   static constexpr Seconds kCrest{0.015};
 
   /// [control] `limits` must have passed `check`.
-  DriveGuard(Kind kind, const DriveLimits& limits, Hertz sample_rate);
+  DriveGuard(Kind kind, const DriveLimits& limits, Hertz sample_rate, FeedbackPath path = {});
 
   /// [realtime] Lets sound through from `frame` on (soft start), or fades it out. Asking twice changes
   /// nothing.
@@ -88,6 +88,15 @@ class DriveGuard {
     if (heat_) heat_->warm_to(state);
   }
 
+  /// [control & stopped] How long DC has lasted (dc_limiter.h).
+  double dc_time_s() const noexcept { return dc_.spent_s(); }
+  /// [realtime] At least so long.
+  void spend_dc_time(double seconds) noexcept { dc_.spend(seconds); }
+  /// [control & stopped]
+  const FeedbackPath& feedback_path() const noexcept { return feedback_.path(); }
+  /// [realtime] From here on also through this path.
+  void add_feedback_path(const FeedbackPath& path) noexcept { feedback_.add(path); }
+
   Kind kind() const noexcept { return kind_; }
   /// [any]
   GuardCounts counts() const noexcept;
@@ -100,7 +109,7 @@ class DriveGuard {
                    std::int64_t hold) noexcept;
   double scaled(double x, double gain, GuardStage::Index stage) noexcept;
   void count(double less, GuardStage::Index stage) noexcept;
-  double within(double x) const noexcept;
+  double within(double x, double last) const noexcept;
   void end_group(std::int64_t frame) noexcept;
 
   Kind kind_;
@@ -114,7 +123,8 @@ class DriveGuard {
   DcLimiter dc_;
   FeedbackDetector feedback_;
   std::optional<std::int64_t> feedback_frame_;
-  double last_ = 0.0;
+  double last_ = 0.0;          ///< of the output
+  double last_allowed_ = 0.0;  ///< before the probe
   struct Counter {
     std::atomic<std::int64_t> frames{0};
     std::atomic<double> most{0.0};

@@ -57,7 +57,7 @@ Status check(const ExcursionLimits& excursion) {
 
 DriveLimits conservative_limits() {
   return {.ceiling = 0.5,
-          .slew_per_second = 1000.0,
+          .slew_per_second = 6300.0,
           .soft_start = Seconds{0.5},
           .fade_out = Seconds{0.01},
           .dc = {0.15, Seconds{5.0}}};

@@ -1,12 +1,15 @@
 #include "engine/guard/guarded.h"
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <utility>
 
 #include "engine/core/index.h"
 
 namespace tactus {
+
+using Kind = JournalEntry::Kind;
 
 Guarded::Guarded(BlockProcessor& inner, std::vector<GuardedChannel> channels, bool armed)
     : inner_(inner), config_(std::move(channels)), armed_at_start_(armed) {}
@@ -26,23 +29,34 @@ Status Guarded::prepare(const StreamFormat& format) {
   stopped_ = false;
   silent_ = true;
   dead_mans_watch_.start(dead_man_, format.sample_rate, format.max_frames, expired_);
-  sensors_.assign(index(format.in_channels), SensorWatch{format.sample_rate});
+  const auto watched = std::exchange(
+      sensors_, std::vector<SensorWatch>(index(format.in_channels), SensorWatch{format.sample_rate}));
+  for (std::size_t c = 0; c < std::min(watched.size(), sensors_.size()); ++c)
+    if (watched[c].is_noisy()) sensors_[c].set_noisy();
   inbox_.drop_posted();
   std::deque<Channel> before;
   before.swap(channels_);
   for (std::size_t c = 0; c < outputs; ++c) {
-    const auto config =
-        c < config_.size() ? config_[c] : GuardedChannel{DriveGuard::Kind::Drive, conservative_limits()};
-    auto& channel = channels_.emplace_back(config, format.sample_rate, armed_at_start_);
-    if (c >= before.size()) continue;
-    channel.armed = before[c].armed;
-    channel.muted = before[c].muted;
-    if (const auto warm = before[c].guard.thermal_state(); warm != ThermalState{})
-      channel.guard.warm_to(warm);
+    auto& channel =
+        channels_.emplace_back(config_of(static_cast<int>(c)), format.sample_rate, armed_at_start_);
+    if (c < before.size()) restore(before[c], channel);
   }
   take_pending([this](const JournalEntry& command) { (void)apply_command(command); });
   open_guards(0);  // commands that came while no block did hold from the first frame on
   return {};
+}
+
+GuardedChannel Guarded::config_of(int channel) const {
+  return index(channel) < config_.size() ? config_[index(channel)]
+                                         : GuardedChannel{DriveGuard::Kind::Drive, conservative_limits()};
+}
+
+void Guarded::restore(const Channel& before, Channel& channel) noexcept {
+  channel.armed = before.armed;
+  channel.muted = before.muted;
+  channel.guard.warm_to(before.guard.thermal_state());
+  channel.guard.spend_dc_time(before.guard.dc_time_s());
+  channel.guard.add_feedback_path(before.guard.feedback_path());
 }
 
 /// Entries for now, then the switches, which no queue can hold back.
@@ -60,21 +74,33 @@ void Guarded::take_pending(Apply apply) noexcept {
 
 /// False: there is no such channel. The guards are still to be opened.
 bool Guarded::apply_command(const JournalEntry& command) noexcept {
-  using Kind = JournalEntry::Kind;
   const bool all = command.index == JournalEntry::kAllChannels;
   if (command.kind == Kind::Fade) faded_ = command.value > 0.5;
   if (command.kind == Kind::DeadMan) expired_ = command.value > 0.5;
+  if (command.kind == Kind::SensorNoise) {
+    const bool known = !all && index(command.index) < sensors_.size();
+    if (known) sensors_[index(command.index)].set_noisy();
+    return known;
+  }
   bool known = all;
   for (std::size_t c = 0; c < channels_.size(); ++c) {
     if (!all && command.index != static_cast<int>(c)) continue;
     known = true;
-    auto& channel = channels_[c];
-    if (command.kind == Kind::Arm) channel.armed = command.value > 0.5;
-    if (command.kind == Kind::Mute) channel.muted = command.value > 0.5;
-    if (command.kind == Kind::CoilHeat) channel.guard.warm_to({command.value, 0.0});
-    if (command.kind == Kind::BodyHeat) channel.guard.warm_to({0.0, command.value});
+    apply_to(channels_[c], command);
   }
   return known;
+}
+
+void Guarded::apply_to(Channel& channel, const JournalEntry& command) noexcept {
+  const bool on = command.value > 0.5;
+  auto& guard = channel.guard;
+  if (command.kind == Kind::Arm && (on || channel.is_drive() || command.index != JournalEntry::kAllChannels))
+    channel.armed = on;
+  if (command.kind == Kind::Mute) channel.muted = on;
+  if (command.kind == Kind::CoilHeat) guard.warm_to({command.value, 0.0});
+  if (command.kind == Kind::BodyHeat) guard.warm_to({0.0, command.value});
+  if (command.kind == Kind::DcTime) guard.spend_dc_time(command.value);
+  if (command.kind == Kind::FeedbackPath) guard.add_feedback_path(FeedbackPath::of(command.value));
 }
 
 void Guarded::open_guards(std::int64_t frame) noexcept {
@@ -157,7 +183,8 @@ void Guarded::guard_frames(const BlockIo& io, int from, int to, std::int64_t fir
   const int fault = first_sensor_fault(io, from, to, first_frame);
   guard_outputs(io, from, fault, first_frame);
   if (fault == to) return;
-  for (auto& channel : channels_) channel.armed = false;
+  for (auto& channel : channels_)
+    if (channel.is_drive()) channel.armed = false;
   open_guards(first_frame + fault);
   guard_outputs(io, fault, to, first_frame);
 }
@@ -199,27 +226,33 @@ void Guarded::apply(JournalEntry entry, std::int64_t frame) noexcept {
 }
 
 std::vector<JournalEntry> Guarded::state() const {
-  using Kind = JournalEntry::Kind;
   std::vector<JournalEntry> entries;
   if (faded_) entries.push_back({0, Kind::Fade, JournalEntry::kAllChannels, 1.0});
   if (expired_) entries.push_back({0, Kind::DeadMan, JournalEntry::kAllChannels, 1.0});
   for (int c = 0; c < static_cast<int>(channels_.size()); ++c) {
     const auto& channel = channels_[index(c)];
     const auto heat = channel.guard.thermal_state();
-    if (channel.armed != armed_at_start_) entries.push_back({0, Kind::Arm, c, channel.armed ? 1.0 : 0.0});
+    if (channel.armed != (armed_at_start_ || !channel.is_drive()))
+      entries.push_back({0, Kind::Arm, c, channel.armed ? 1.0 : 0.0});
     if (channel.muted) entries.push_back({0, Kind::Mute, c, 1.0});
     if (heat.coil > 0.0) entries.push_back({0, Kind::CoilHeat, c, heat.coil});
     if (heat.body > 0.0) entries.push_back({0, Kind::BodyHeat, c, heat.body});
+    if (const double dc_s = channel.guard.dc_time_s(); dc_s > 0.0)
+      entries.push_back({0, Kind::DcTime, c, dc_s});
+    const auto path = channel.guard.feedback_path();
+    if (path != config_of(c).feedback) entries.push_back({0, Kind::FeedbackPath, c, path.value()});
   }
+  for (int c = 0; c < static_cast<int>(sensors_.size()); ++c)
+    if (sensors_[index(c)].is_noisy()) entries.push_back({0, Kind::SensorNoise, c, 1.0});
   return entries;
 }
 
 bool Guarded::post(const JournalEntry& entry) noexcept {
-  using Kind = JournalEntry::Kind;
-  const bool ours = entry.kind == Kind::Arm || entry.kind == Kind::Mute || entry.kind == Kind::Fade ||
-                    entry.kind == Kind::DeadMan || entry.kind == Kind::CoilHeat ||
-                    entry.kind == Kind::BodyHeat;
-  return ours && (entry.frame == JournalEntry::kNow ? at_once_.push(entry) : inbox_.post(entry));
+  constexpr std::array kOurs = {Kind::Arm,     Kind::Mute,        Kind::Fade,
+                                Kind::DeadMan, Kind::CoilHeat,    Kind::BodyHeat,
+                                Kind::DcTime,  Kind::SensorNoise, Kind::FeedbackPath};
+  return std::ranges::find(kOurs, entry.kind) != kOurs.end() &&
+         (entry.frame == JournalEntry::kNow ? at_once_.push(entry) : inbox_.post(entry));
 }
 
 }  // namespace tactus

@@ -29,14 +29,15 @@ struct LimitOrigin {
 /// What is connected to an output channel.
 struct GuardedChannel {
   DriveGuard::Kind kind = DriveGuard::Kind::Drive;
-  DriveLimits limits;
+  DriveLimits limits = {};
+  FeedbackPath feedback = {};             ///< through which the output may return to itself
   std::vector<LimitOrigin> origins = {};  ///< of `limits`, as far as they are known
 };
 
 /// Why drives faded out. They come back only when the user arms them again, but for DeadMan.
 struct GuardEvent {
   enum class Kind : std::uint8_t {
-    Feedback,         ///< `channel`: the output that was limited for more than half of 200 ms
+    Feedback,         ///< `channel`: the output that returned to itself and grew
     SensorRailed,     ///< `channel`: the input; all drives fade out
     SensorStuck,      ///< the same
     DeadMan,          ///< the dead man's switch is 500 ms old: every output fades out until it is refreshed
@@ -78,18 +79,20 @@ class GuardSwitch {
 /// accept nothing else, so nothing reaches an actuator unguarded. It also turns denormals off around
 /// `process`: processors inside need not.
 ///
-/// A drive is open while it is armed, not muted and not faded; an audio output while it is neither muted nor
-/// faded. A user mutes; `fade` is for the program, which stops. Where the dead man's switch is not refreshed,
-/// everything is faded as well.
+/// An output is open while it is armed, not muted and not faded. A drive is armed and disarmed by the user;
+/// an audio output is armed from the start, and only feedback or an entry that names it disarms it. A user
+/// mutes; `fade` is for the program, which stops. Where the dead man's switch is not refreshed, everything is
+/// faded as well.
 class Guarded final : public BlockProcessor {
  public:
   /// [control] `inner` must outlive this. Channels beyond the list are drives with the conservative limits.
   Guarded(BlockProcessor& inner, std::vector<GuardedChannel> channels, bool armed = true);
 
   /// [control & stopped] Prepares `inner` and starts again at frame 0, with every guard closed and its soft
-  /// start ahead of it. Thermal state is kept: the length of the pause is unknown. What was
-  /// muted or not armed stays so, orders for now that still waited hold from frame 0, and entries for a frame
-  /// are dropped. Errors: of `inner`; BadArgument for more guards than outputs; OutOfRange for a limit.
+  /// start ahead of it. Thermal state, the time that DC has lasted and which sensors were noisy are kept: the
+  /// length of the pause is unknown. Feedback paths are kept. What was muted or not armed stays so, orders
+  /// for now that still waited hold from frame 0, and entries for a frame are dropped. Errors: of `inner`;
+  /// BadArgument for more guards than outputs; OutOfRange for a limit.
   [[nodiscard]] Status prepare(const StreamFormat& format) override;
   /// [realtime & prepared]
   void process(const BlockIo& io) noexcept TACTUS_NONBLOCKING override;
@@ -112,9 +115,11 @@ class Guarded final : public BlockProcessor {
   void arm(bool on) noexcept { arm_.set(on); }
   void mute(bool on) noexcept { mute_.set(on); }
   void fade(bool on) noexcept { fade_.set(on); }
-  /// [control, one thread] Kinds Arm, Mute, Fade, DeadMan, CoilHeat and BodyHeat, in frame order; a late
-  /// entry is applied at once, and one for kNow before all that wait for their frame. A heat can only make
-  /// warmer. False: the queue is full, try again after a block; or it is another kind.
+  /// [control, one thread] Kinds Arm, Mute, Fade, DeadMan, CoilHeat, BodyHeat, DcTime, SensorNoise and
+  /// FeedbackPath, in frame order; a late entry is applied at once, and one for kNow before all that wait for
+  /// their frame. A heat can only make warmer, a DC time only longer, and a feedback path is only added:
+  /// before an edit that adds one takes over, post it for kNow. False: the queue is full, try again after a
+  /// block; or it is another kind.
   [[nodiscard]] bool post(const JournalEntry& entry) noexcept;
   /// [control, one thread] What made drives fade out, oldest first. False: nothing new.
   [[nodiscard]] bool take_event(GuardEvent& event) noexcept { return events_.pop(event); }
@@ -127,7 +132,7 @@ class Guarded final : public BlockProcessor {
   /// [any] Every output ended the last block closed and at zero.
   bool silent() const noexcept { return silent_.load(std::memory_order_relaxed); }
   /// [control & stopped] What brings a new Guarded of the same channels to the state of this one, as entries
-  /// for frame 0: arms, mutes, fades and heats that are not those of a fresh one.
+  /// for frame 0: all that differs from a fresh one.
   std::vector<JournalEntry> state() const;
 
   /// [any]
@@ -142,8 +147,9 @@ class Guarded final : public BlockProcessor {
  private:
   struct Channel {
     Channel(const GuardedChannel& with, Hertz sample_rate, bool is_armed)
-        : guard(with.kind, with.limits, sample_rate), armed(is_armed) {}
-    bool is_enabled() const { return !muted && (armed || guard.kind() == DriveGuard::Kind::Audio); }
+        : guard(with.kind, with.limits, sample_rate, with.feedback), armed(is_armed || !is_drive()) {}
+    bool is_drive() const { return guard.kind() == DriveGuard::Kind::Drive; }
+    bool is_enabled() const { return !muted && armed; }
 
     DriveGuard guard;
     bool armed, muted = false;
@@ -160,6 +166,9 @@ class Guarded final : public BlockProcessor {
   void take_pending(Apply apply) noexcept;
   void apply(JournalEntry entry, std::int64_t frame) noexcept;
   bool apply_command(const JournalEntry& command) noexcept;
+  static void apply_to(Channel& channel, const JournalEntry& command) noexcept;
+  GuardedChannel config_of(int channel) const;
+  void restore(const Channel& before, Channel& channel) noexcept;
   void open_guards(std::int64_t frame) noexcept;
 
   BlockProcessor& inner_;

@@ -35,6 +35,10 @@ class SensorWatch {
     same_ = railed_ = 0;
     reported_ = false;
   }
+  /// [control & stopped] Noise was observed: the sensor lives, and may be found stuck.
+  bool is_noisy() const noexcept { return noisy_; }
+  /// [realtime] It was observed before.
+  void set_noisy() noexcept { noisy_ = true; }
 
  private:
   static constexpr int kWindow = 512;

@@ -14,19 +14,22 @@ struct NamedText {
   const char* name;
   const char* text;  ///< of an event; "{}" is its time
 };
-constexpr std::array<NamedText, kGuardStages> kStages = {{
-    {"nonfinite", "non-finite values were replaced"},
-    {"heat", "the heat limit attenuated it"},
-    {"direct", "the DC limit attenuated it"},
-    {"travel", "the excursion limit attenuated it"},
-    {"ceiling", "the ceiling clipped it"},
-    {"slew", "the slew rate limit smoothed it"},
+struct StageText : NamedText {
+  const char* limit;  ///< for --raise-limit; empty: there is none
+};
+constexpr std::array<StageText, kGuardStages> kStages = {{
+    {"nonfinite", "non-finite values were replaced", ""},
+    {"heat", "the heat limit attenuated it", "power"},
+    {"direct", "the DC limit attenuated it", "direct_level"},
+    {"travel", "the excursion limit attenuated it", "travel"},
+    {"ceiling", "the ceiling clipped it", "ceiling"},
+    {"slew", "the slew rate limit smoothed it", "slew"},
 }};
 
 constexpr std::array<NamedText, 5> kEvents = {{
     {"howl",
-     "feedback at {:.3f} s: the guard limited this drive for more than half of 200 ms and faded it out; "
-     "lower the loop gain, and arm it again"},
+     "feedback at {:.3f} s: this output returned to itself, through a sensor or a loop of the instrument, "
+     "and grew, so it was faded out; lower the loop gain, and arm it again"},
     {"sensor railed",
      "the sensor was at the limit of its range for 40 ms at {:.3f} s, and all drives were faded out; check "
      "its cable and power supply, and arm the drives again"},
@@ -39,6 +42,15 @@ constexpr std::array<NamedText, 5> kEvents = {{
     {"stop inputs blocked for 5 s",
      "keys and signals were not handled for 5 s at {:.3f} s, and all drives were disarmed; arm them again"},
 }};
+
+std::string remedy_of(const GuardedOutput& output, std::size_t stage) {
+  const std::string limit = kStages[stage].limit;
+  if (limit.empty()) return "find the node that produces them";
+  const auto origin = std::ranges::find(output.limits, limit, &LimitOrigin::limit);
+  if (origin == output.limits.end()) return "lower its level";
+  return fmt::format("the limit is from {}; --raise-limit {}.{}=… would allow more", origin->source,
+                     output.name, limit);
+}
 
 /// What an event is about.
 std::string subject_of(const GuardReport& report, const GuardEvent& event) {
@@ -110,7 +122,11 @@ std::vector<std::string> sound_names(const Plan& schedule, const std::vector<Rol
 
 std::vector<GuardedChannel> guarded_channels(const Plan& schedule, const LimitBook& limits) {
   std::vector<GuardedChannel> channels;
-  for (const auto& output : limited_outputs(schedule)) channels.push_back(limits.of(output));
+  for (const auto& channel : schedule.channels) {
+    if (channel.use == OutputUse::Tap) continue;
+    channels.push_back(limits.of({channel.name, channel.use}));
+    channels.back().feedback = {channel.from_input, channel.from_loop};
+  }
   return channels;
 }
 
@@ -164,9 +180,9 @@ std::vector<std::string> describe(const GuardReport& report, Hertz sample_rate) 
     for (std::size_t s = 0; s < kGuardStages; ++s) {
       const auto& count = output.counts[s];
       if (count.frames == 0) continue;
-      lines.push_back(fmt::format("{}: {} for {:.3g} s, by up to {:.2g} full scale", output.name,
+      lines.push_back(fmt::format("{}: {} for {:.3g} s, by up to {:.2g} full scale; {}", output.name,
                                   kStages[s].text, static_cast<double>(count.frames) / sample_rate.value,
-                                  count.most));
+                                  count.most, remedy_of(output, s)));
     }
   return lines;
 }

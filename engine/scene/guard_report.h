@@ -31,11 +31,13 @@ struct GuardReport {
   bool idle() const;
   /// True if --raise-limit raised a limit.
   bool any_raised() const;
+  /// True if outputs were faded out: by feedback, since a sensor failed, or by the dead man's switch.
+  bool faded() const { return !events.empty(); }
 };
 
 /// "nonfinite", "heat", "direct", "travel", "ceiling", "slew"
 const char* name_of(GuardStage::Index stage);
-/// "howl", "sensor railed", "sensor stuck"
+/// "howl", "sensor railed", "sensor stuck", "stop inputs blocked", "stop inputs blocked for 5 s"
 const char* name_of(GuardEvent::Kind kind);
 
 /// Names of the outputs that a schedule gives to the outside.
@@ -61,7 +63,8 @@ std::vector<std::string> describe_limits(const std::vector<std::string>& outputs
 /// Those that --raise-limit raised: "woofer: the limit 'ceiling' is raised from 0.5 (…) to 0.8".
 std::vector<std::string> describe_raises(const std::string& output, const std::vector<LimitOrigin>& limits);
 
-/// As text, a line each: "woofer: the excursion limit attenuated it for 0.42 s, by up to 0.3 full scale".
+/// As text, a line each: "woofer: the excursion limit attenuated it for 0.42 s, by up to 0.3 full scale; …",
+/// with where the limit is from and what would allow more.
 std::vector<std::string> describe(const GuardReport& report, Hertz sample_rate);
 
 }  // namespace tactus

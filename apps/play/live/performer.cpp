@@ -47,6 +47,17 @@ Edit edit_by(Fill fill) {
   return edit;
 }
 
+/// The guard must watch for feedback before the plan that makes it possible takes over.
+void watch_paths(Guarded& guarded, const Plan& plan) {
+  const auto channels = guarded_channels(plan, {});
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    const JournalEntry path{JournalEntry::kNow, JournalEntry::Kind::FeedbackPath, static_cast<int>(c),
+                            channels[c].feedback.value()};
+    if (path.value > 0 && !guarded.post(path))
+      exit_with({Errc::OutOfRange, "", "too many changes are pending", "save the file again"});
+  }
+}
+
 class LiveInstrument final : public Performer {
  public:
   explicit LiveInstrument(PerformerSetup setup) : setup_(std::move(setup)) {
@@ -87,7 +98,9 @@ class LiveInstrument final : public Performer {
       edit.files = files_of(*loaded);
       edit.warning = warning(*loaded);
       const auto plan = std::make_shared<std::unique_ptr<Plan>>(compile_files(*loaded));
-      edit.take_over = [this, loaded, plan] { take_over(std::move(*loaded), std::move(*plan)); };
+      edit.take_over = [this, loaded, plan](Guarded& guarded) {
+        take_over(guarded, std::move(*loaded), std::move(*plan));
+      };
     });
   }
 
@@ -120,7 +133,8 @@ class LiveInstrument final : public Performer {
     return delay_s > 0 ? delay_warning(*loaded.spec, delay_s) : "";
   }
 
-  void take_over(LoadedGraph loaded, std::unique_ptr<Plan> plan) {
+  void take_over(Guarded& guarded, LoadedGraph loaded, std::unique_ptr<Plan> plan) {
+    watch_paths(guarded, *plan);
     or_exit(engine_->replace(std::move(plan)));
     name = loaded.spec->name;
     loaded_ = std::move(loaded);
@@ -174,6 +188,7 @@ class LiveWorld final : public Performer, private BlockProcessor {
       monitor_.push_back(static_cast<int>(std::ranges::find(all, outputs.back()) - all.begin()));
     }
     guards.resize(outputs.size(), combine_limits(OutputTarget::Sound, {}));
+    for (auto& guard : guards) guard.feedback = {false, false};
   }
 
   BlockProcessor& processor() override { return *this; }
@@ -186,7 +201,7 @@ class LiveWorld final : public Performer, private BlockProcessor {
       if (read->compiled.delay_frames != built_.delay_frames)
         exit_with({Errc::BadArgument, setup_.file.string(), "the delay cannot be changed during playback",
                    "start again"});
-      edit.take_over = [this, read] { take_over(read->compiled); };
+      edit.take_over = [this, read](Guarded&) { take_over(read->compiled); };
     });
   }
 
@@ -211,6 +226,7 @@ class LiveWorld final : public Performer, private BlockProcessor {
   }
 
   void take_over(CompiledScene& compiled) {
+    watch_paths(guarded_, *compiled.instrument);
     if (names_of(compiled.plant_taps) != names_of(built_.plant_taps)) watching_ = false;
     or_exit(built_.instrument->replace(std::move(compiled.instrument)));
     or_exit(built_.plant->replace(std::move(compiled.plant)));

@@ -24,9 +24,10 @@ struct Edit {
   std::vector<std::filesystem::path> files;  ///< that were read; empty: not known
   std::vector<Error> errors;                 ///< why they cannot be played
   std::string warning;                       ///< or empty
-  /// [control, while it plays] Replaces what plays. Throws a CommandError; the previous version then keeps
-  /// playing.
-  std::function<void()> take_over;
+  /// [control, while it plays] Replaces what plays. The guard that is given, which is around the processor of
+  /// the performer, first gets the feedback paths that the edit adds. Throws a CommandError; the previous
+  /// version then keeps playing.
+  std::function<void(Guarded&)> take_over;
 };
 
 /// What a live session plays: an instrument, or an instrument in its simulated world.
@@ -65,8 +66,8 @@ struct PerformerSetup {
   int speakers = 2;        ///< channels for the monitor output of a scene
 };
 
-/// An instrument on a sound card. Without a rig it is unknown what is connected: all outputs, sound too, are
-/// then guarded as drives. Throws a CommandError.
+/// An instrument on a sound card. Without a rig it is unknown what is connected: outputs of kind "audio" are
+/// then guarded as drives too, but without a slew limit. Throws a CommandError.
 std::unique_ptr<Performer> make_instrument(PerformerSetup setup);
 
 /// A scene, its simulated world run in real time: the monitor output goes to the speakers, the sensors where

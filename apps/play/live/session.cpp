@@ -136,7 +136,7 @@ void Session::take_over(const Edit& edit) {
   if (!edit.warning.empty()) messages_.push_back(edit.warning);
   try {
     if (!edit.errors.empty()) exit_with(edit.errors);
-    edit.take_over();
+    edit.take_over(guarded_);
     controls_.renew();
     note_edit();
     messages_.push_back(performer_.name + ": edit applied");
@@ -153,6 +153,7 @@ void Session::report_guard_events() {
   while (guarded_.take_event(event)) {
     // One of several drives may still be armed: what is shown is true for all.
     if (event.kind != GuardEvent::Kind::DeadMan) switches_.disarm();
+    if (event.kind == GuardEvent::Kind::Feedback) view_.drives = true;
     events_.push_back(event);
     names.events = {event};
     for (auto& line : describe(names, granted().format.sample_rate)) messages_.push_back(std::move(line));

@@ -94,7 +94,7 @@ class LevelMeter final : public BlockTap {
 
 /// The state of a session, for a status line.
 struct SessionView {
-  bool drives = false;  ///< there is something to arm
+  bool drives = false;  ///< there is something to arm: a drive, or sound that feedback disarmed
   bool armed = false, muted = false;
   StreamState state = StreamState::Stopped;
   struct Level {
@@ -161,7 +161,7 @@ class Session {
   DriveSwitches& switches() { return switches_; }
   /// The longest time that fading out takes.
   Seconds closing_time() const { return guarded_.closing_time(); }
-  /// Is there an actuator drive? Audio outputs need no arming.
+  /// Is there something to arm? Audio outputs need it only after feedback.
   bool has_drives() const { return view_.drives; }
   bool armed() const { return switches_.armed(); }
   bool muted() const { return switches_.muted(); }

@@ -27,6 +27,7 @@ class Builder {
     name_sources(frozen_controls);
     for (const auto& section : sections) add_section(section);
     add_channels();
+    find_feedback_paths(*plan_);
     find_readers_at_rest();
     for (auto& vertex : plan_->vertices) vertex.origin = {};
     return std::move(plan_);

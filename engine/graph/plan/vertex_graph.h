@@ -83,6 +83,8 @@ struct OutputChannel {
   // Set when the plan is built.
   Wire from{};
   Signal signal{};
+  bool from_input = false;  ///< a path leads to it from an input of the graph
+  bool from_loop = false;   ///< a loop of the graph reaches it, or a network, which is a loop in itself
 };
 
 /// Something of the file that does not run, and why.
@@ -158,6 +160,10 @@ struct OrderedSection {
 /// world outside is put between all outputs and all inputs. Errors: one Cycle for each part of the graph with
 /// a loop without a delay, naming the loop edge by edge.
 Checked<std::vector<OrderedSection>> order(const VertexGraph& graph, bool closed_outside);
+
+/// Sets `from_input` and `from_loop` of every channel. A path goes through vertices of every kind, whatever
+/// their parameters are: a gain that is 0 now may be raised by a control.
+void find_feedback_paths(VertexGraph& graph);
 
 /// Lays the ordered vertices out as a flat list of steps over one arena.
 std::unique_ptr<Plan> build_plan(VertexGraph graph, const FlatGraph& flat,

@@ -30,7 +30,8 @@ TakeHeader full_header() {
   DriveLimits limits = conservative_limits();
   limits.heat = HeatLimits{1.5, 2.5, Seconds{3.5}, Seconds{4.5}, 0.25, 80};
   limits.excursion = ExcursionLimits{0.001, 0.002, 50_Hz, 0.7};
-  header.guard = {{DriveGuard::Kind::Drive, limits}, {DriveGuard::Kind::Audio, {}}};
+  header.guard = {{DriveGuard::Kind::Drive, limits, FeedbackPath{true, false}},
+                  {DriveGuard::Kind::Audio, {}}};
   header.armed = false;
   header.soft_start = false;
   header.trusted_sensors = true;
@@ -60,6 +61,7 @@ TEST_CASE("take: a header comes back as it was, to the last bit", "[take]") {
   CHECK(header.guard[1].limits.slew_per_second == std::numeric_limits<double>::infinity());
   CHECK(header.guard[0].limits.heat->body_time == Seconds{4.5});
   CHECK(header.guard[1].kind == DriveGuard::Kind::Audio);
+  CHECK(header.guard[0].feedback == FeedbackPath{true, false});
   CHECK(header.state == full_header().state);
   CHECK(header.files.texts == full_header().files.texts);
 }

@@ -106,7 +106,7 @@ TEST_CASE("travel: a force that holds the mass just within its limit passes, and
 TEST_CASE("travel: what it lets through is what reaches the limit, not less", "[core]") {
   // Far below resonance the mass follows the force: at twice the limit it must come to stand at the limit.
   const ExcursionLimits travel{.metres = 5e-3, .metres_at_full_scale = 10e-3, .resonance = 30_Hz, .q = 0.7};
-  DriveGuard guard{DriveGuard::Kind::Drive, {.excursion = travel}, kRate};
+  DriveGuard guard{DriveGuard::Kind::Drive, {.excursion = travel}, kRate, FeedbackPath{false, false}};
   guard.set_open(true, 0);
   std::vector<double> samples(4800, 1.0);
   guard.process(samples.data(), 4800, 0);

@@ -1,6 +1,8 @@
 #include "engine/guard/guarded.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <vector>
 
 #include "tests/support/error_summary.h"
@@ -300,4 +302,65 @@ TEST_CASE("guarded: recordings may hold silence after noise", "[core]") {
   double* to[] = {out.data()};
   guarded.process({from, to, 48'000});
   CHECK(out.back() == (trusted ? 1.0 : 0.0));
+}
+
+TEST_CASE("guarded: the time that DC has lasted outlives a restart, and is part of the state", "[core]") {
+  const std::vector<GuardedChannel> guards = {
+      {DriveGuard::Kind::Drive, {.soft_start = Seconds{0}, .dc = {0.2, Seconds{2.0}}}}};
+  Level level{0.8};
+  Guarded guarded{level, guards};
+  const StreamFormat format{.out_channels = 1, .max_frames = 96'000};
+  REQUIRE(guarded.prepare(format));
+  CHECK(play(guarded, 1, 96'000)[0].back() == 0.8);
+  REQUIRE(guarded.prepare(format));
+  // The mean, of a time constant of 0.5 s, is above the level from 0.5 s ln(0.8 / 0.6) = 0.144 s on.
+  const auto state = guarded.state();
+  REQUIRE(state.size() == 1);
+  CHECK(state[0].kind == Kind::DcTime);
+  CHECK(state[0].value == Approx(2.0 - 0.144).margin(0.003));
+
+  Level other{0.8};
+  Guarded restored{other, guards};
+  REQUIRE(restored.prepare(format));
+  REQUIRE(restored.post(state[0]));
+  const auto out = play(guarded, 1, 96'000)[0];
+  CHECK(out == play(restored, 1, 96'000)[0]);
+  // A drive that begins anew holds 0.8 for two seconds; this one is at level / mean of it by then.
+  CHECK(out.back() == Approx(0.8 * 0.2 / (0.8 * (1 - std::exp(-4.0)))).epsilon(1e-3));
+}
+
+TEST_CASE("guarded: a sensor that died while the device was away is found after its return", "[core]") {
+  Level level{0.5};
+  Guarded guarded{level, {kDrive}};
+  const StreamFormat format{.in_channels = 1, .out_channels = 1, .max_frames = 4096};
+  REQUIRE(guarded.prepare(format));
+  std::vector<double> in(4096), out(4096);
+  const double* from[] = {in.data()};
+  double* to[] = {out.data()};
+  for (std::size_t n = 0; n < in.size(); ++n) in[n] = static_cast<double>(n * 2654435761u % 1000) * 1e-4;
+  guarded.process({from, to, 4096});
+  CHECK(out.back() == 0.5);
+  REQUIRE(guarded.prepare(format));
+  CHECK(guarded.state() == std::vector<JournalEntry>{{0, Kind::SensorNoise, 0, 1.0}});
+  std::fill(in.begin(), in.end(), 0.25);
+  guarded.process({from, to, 4096});  // 85 ms
+  GuardEvent event;
+  REQUIRE(guarded.take_event(event));
+  CHECK(event == GuardEvent{1920, GuardEvent::Kind::SensorStuck, 0});
+  CHECK(out.back() == 0.0);
+}
+
+TEST_CASE("guarded: a feedback path that an edit adds is kept, and part of the state", "[core]") {
+  Level level{0.5};
+  const GuardedChannel drive{DriveGuard::Kind::Drive, kAtOnce, FeedbackPath{false, false}};
+  Guarded guarded{level, {drive, drive}};
+  REQUIRE(guarded.prepare({.out_channels = 2}));
+  CHECK(guarded.state().empty());
+  REQUIRE(guarded.post({JournalEntry::kNow, Kind::FeedbackPath, 1, 1.0}));
+  REQUIRE(guarded.post({JournalEntry::kNow, Kind::FeedbackPath, 1, 2.0}));
+  play(guarded, 2, 8);
+  const std::vector<JournalEntry> both{{0, Kind::FeedbackPath, 1, 3.0}};
+  CHECK(guarded.state() == both);
+  REQUIRE(guarded.prepare({.out_channels = 2}));
+  CHECK(guarded.state() == both);
 }

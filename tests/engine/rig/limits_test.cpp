@@ -138,7 +138,7 @@ TEST_CASE("limits: of every combination of sources --raise-limit raises what is 
     double strictness;
   };
   for (unsigned bits = 0; bits < 1u << kSources.size(); ++bits)
-    for (const auto& raise : {Raise{"ceiling", "0.99", 0.99}, Raise{"slew", "1500", 1500}}) {
+    for (const auto& raise : {Raise{"ceiling", "0.99", 0.99}, Raise{"slew", "9000", 9000}}) {
       CAPTURE(bits, raise.limit);
       auto channel = combine_limits(OutputTarget::Drive, chosen(bits));
       const auto before = strictness(channel.limits);

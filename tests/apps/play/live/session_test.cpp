@@ -35,8 +35,22 @@ class SlowToCompile final : public Performer {
   std::unique_ptr<Performer> inner_;
 };
 
+/// A loop of 5 ms that grows by half each time.
+const std::string kFeedback = R"(format = 1
+name = "feedback"
+[nodes]
+kick = { type = "sine", level = 0.01, frequency = "100 Hz" }
+x = "kick + 1.5 * echo"
+echo = { type = "delay", in = "x", time = "5 ms" }
+[outputs]
+tone = { from = "x" }
+)";
+
 struct Stage {
-  Stage() { request.out_channels = 1; }
+  explicit Stage(const std::string& graph = constant("0.1"))
+      : performer{make_instrument({folder.write("tone.toml", graph), folder.path()})} {
+    request.out_channels = 1;
+  }
   bool says(Session& session, const std::string& words) {
     return wait_until([&] {
       session.tick();
@@ -47,7 +61,7 @@ struct Stage {
   }
 
   test::TemporaryFolder folder;
-  SlowToCompile performer{make_instrument({folder.write("tone.toml", constant("0.1")), folder.path()})};
+  SlowToCompile performer;
   LoopBackend backend;
   StreamRequest request;
 };
@@ -79,6 +93,20 @@ TEST_CASE("session: a compiled edit takes over, and a broken one changes nothing
   stage.folder.write("tone.toml", constant("0.25"));
   CHECK(stage.says(session, "edit applied"));
   CHECK(wait_until([&] { return session.view().outputs[0].peak == Approx(0.25); }));
+}
+
+TEST_CASE("session: sound that feedback faded can be armed again", "[live]") {
+  Stage stage{kFeedback};
+  stage.performer.guards[0].kind = DriveGuard::Kind::Audio;
+  Session session{stage.performer, stage.backend, stage.request, false};
+  CHECK_FALSE(session.has_drives());
+  REQUIRE(session.open({}));
+  REQUIRE(session.start());
+  CHECK(stage.says(session, "tone: feedback at"));
+  CHECK(session.has_drives());
+  session.switches().order_arm();
+  REQUIRE(session.arm(true));
+  CHECK(stage.says(session, "tone: feedback at"));  // it played again
 }
 
 TEST_CASE("recording monitor: each message once, and none about a disk that is full already", "[live]") {

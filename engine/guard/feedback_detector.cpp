@@ -1,0 +1,61 @@
+#include "engine/guard/feedback_detector.h"
+
+#include <algorithm>
+
+namespace tactus {
+
+void FeedbackDetector::forget() noexcept {
+  std::ranges::fill(window_, 0);
+  count_ = 0;
+  until_ = 0;
+  probe_rest_ = trial_rest_ = resting_ = undecided_ = 0;
+  growth_.forget();
+  probe_.forget();
+  trial_.forget();
+}
+
+/// Enters a group into the window.
+bool FeedbackDetector::update(bool busy) noexcept {
+  auto& oldest = window_[next_];
+  count_ = count_ - oldest + (busy ? 1 : 0);
+  oldest = busy ? 1 : 0;
+  next_ = next_ + 1 == window_.size() ? 0 : next_ + 1;
+  const bool mostly = 2 * count_ > window_.size();
+  const bool grows = growth_.end_group() && mostly;
+  if (count_ == 0) growth_.forget();
+  return (path_.from_input && returns(busy && count_ > suspect_, mostly)) || grows;
+}
+
+/// Whether the output returns through an input.
+bool FeedbackDetector::returns(bool suspect, bool mostly) noexcept {
+  const bool probed = probe_.running();
+  const auto verdict = trial_.end_group(suspect);
+  probe_.mute(trial_.is_muted());
+  if (probe_.end_group() || verdict == FeedbackTrial::Verdict::Feedback) return true;
+  rest(suspect);
+  if (verdict == FeedbackTrial::Verdict::Outside) {
+    probe_rest_ = 2 * second_;
+    trial_rest_ = 10 * second_;
+  }
+  if (probe_.running() || trial_.active()) return false;
+  if (probed) {
+    ++undecided_;
+    probe_rest_ = second_ / 50;
+  } else if (suspect && probe_rest_ == 0) {
+    if (undecided_ > 0 && mostly && trial_rest_ == 0)
+      trial_.begin();
+    else if (undecided_ < 1 || mostly)
+      probe_.begin();
+  }
+  return false;
+}
+
+/// Counts the rests down; two seconds after the last limit everything starts again.
+void FeedbackDetector::rest(bool suspect) noexcept {
+  probe_rest_ = std::max(0, probe_rest_ - 1);
+  trial_rest_ = std::max(0, trial_rest_ - 1);
+  resting_ = suspect ? 2 * second_ : std::max(0, resting_ - 1);
+  if (resting_ == 0) undecided_ = trial_rest_ = 0;
+}
+
+}  // namespace tactus

@@ -1,0 +1,81 @@
+#pragma once
+// Thread: [realtime] unless stated otherwise
+
+#include <array>
+#include <vector>
+
+#include "engine/core/units.h"
+#include "engine/guard/feedback_regression.h"
+#include "engine/guard/guard_group.h"
+
+namespace tactus {
+
+/// A known pattern in the gain g of a drive, and whether what the drive is asked to do follows it. Through a
+/// loop the wanted signal is the past output, w(t) = G y(t - D), so its level falls and rises with every dip
+/// of the output, D later; an outside signal does not know the pattern. Levels are logarithms of the power of
+/// 64-frame slots (at 48 kHz; 1.3 ms), each smoothed with the same time constant s:
+///
+///   A  of the wanted signal,  U  of what the limits left of it,  Y = U with the gain g
+///   r_k = A_k - U_{k-m},  x_k = Y_{k-m} - U_{k-m}      lag m up to 48 ms, s of 1, 4, 8 and 16 slots
+///   r_k = a + b k + β x_k + ε_k                        (feedback_regression.h)
+///   R   = exp(mean(r - x))                             how much louder than the output it returns
+///
+/// A - U cancels what the signal does by itself where it returns. A pure loop has β = 1 and R = G, whatever
+/// its delay; an outside signal has β = 0; of a stable loop, β R is the gain at most. So feedback is
+///
+///   0.5 < β < 1.7  and  β R > 0.9  and  t > 8 (1 + log2(s) / 2),  after at least seven changes of the gain
+///
+/// for a lag and a smoothing. The pattern alternates 0 and -6 dB for lengths that grow from 4 to 39 ms, so
+/// that no tremolo follows it; it lasts 0.25 s.
+class FeedbackProbe {
+ public:
+  /// [control]
+  FeedbackProbe(Hertz sample_rate, double ceiling);
+
+  /// The gain is not 1 or may leave it.
+  bool active() const noexcept { return running_ || muted_ || !gain_.idle(); }
+  /// The pattern is running.
+  bool running() const noexcept { return running_; }
+  double gain_at(int position) const noexcept { return gain_.at(position); }
+  void begin() noexcept;
+  /// Takes the drive to silence while no pattern runs.
+  void mute(bool on) noexcept { muted_ = on; }
+  /// A frame while `active`: what was wanted, and what the limits left of it, before the gain.
+  void observe(double wanted, double allowed, int position) noexcept {
+    const double out = gain_at(position) * allowed;
+    wanted_ += wanted * wanted;
+    allowed_ += allowed * allowed;
+    out_ += out * out;
+  }
+  /// A group is over. True: the wanted signal follows the pattern.
+  bool end_group() noexcept;
+  void forget() noexcept;
+
+ private:
+  static constexpr int kLags = 37;
+  /// Smoothing of the wanted signal and of the output, in slots. They differ where a resonance smooths.
+  struct Smoothing {
+    int wanted, out;
+  };
+  static constexpr std::array<Smoothing, 5> kSmoothings{{{1, 1}, {4, 4}, {4, 16}, {8, 8}, {16, 16}}};
+  struct Levels {
+    double wanted = 0.0, allowed = 0.0, out = 0.0;  ///< smoothed powers
+    std::array<double, kLags> u{}, x{};             ///< of the last slots
+    std::array<FeedbackRegression, kLags> lags{};
+  };
+
+  bool end_slot() noexcept;
+  bool advance(Levels& levels, const Smoothing& smoothing) noexcept;
+  void next_run() noexcept;
+
+  int groups_;  ///< of a slot
+  double floor_;
+  GroupGain gain_;
+  bool running_ = false, muted_ = false;
+  int group_ = 0, slot_ = 0, run_ = 0, left_ = 0;
+  std::array<int, kLags> runs_{};                    ///< of the last slots
+  double wanted_ = 0.0, allowed_ = 0.0, out_ = 0.0;  ///< sums of squares of this slot
+  std::vector<Levels> levels_;
+};
+
+}  // namespace tactus
