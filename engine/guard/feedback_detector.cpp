@@ -8,7 +8,7 @@ void FeedbackDetector::forget() noexcept {
   std::ranges::fill(window_, 0);
   count_ = 0;
   until_ = 0;
-  probe_rest_ = trial_rest_ = resting_ = undecided_ = 0;
+  probe_rest_ = trial_rest_ = resting_ = 0;
   growth_.forget();
   probe_.forget();
   trial_.forget();
@@ -31,21 +31,22 @@ bool FeedbackDetector::returns(bool suspect, bool mostly) noexcept {
   const bool probed = probe_.running();
   const auto verdict = trial_.end_group(suspect);
   probe_.mute(trial_.is_muted());
-  if (probe_.end_group() || verdict == FeedbackTrial::Verdict::Feedback) return true;
+  const bool follows = probe_.end_group();
+  if ((follows && trial_rest_ == 0) || verdict == FeedbackTrial::Verdict::Feedback) return true;
+  if (trial_.active()) return false;
   rest(suspect);
+  if (follows) trial_rest_ = 0;
   if (verdict == FeedbackTrial::Verdict::Outside) {
     probe_rest_ = 2 * second_;
     trial_rest_ = 10 * second_;
+  } else if (probed && !probe_.running()) {
+    probe_rest_ = 2 * second_;
   }
-  if (probe_.running() || trial_.active()) return false;
-  if (probed) {
-    ++undecided_;
-    probe_rest_ = second_ / 50;
-  } else if (suspect && probe_rest_ == 0) {
-    if (undecided_ > 0 && mostly && trial_rest_ == 0)
-      trial_.begin();
-    else if (undecided_ < 1 || mostly)
-      probe_.begin();
+  if ((follows || mostly) && trial_rest_ == 0) {
+    probe_.stop();
+    trial_.begin();
+  } else if (suspect && !probe_.running() && probe_rest_ == 0) {
+    probe_.begin();
   }
   return false;
 }
@@ -55,7 +56,7 @@ void FeedbackDetector::rest(bool suspect) noexcept {
   probe_rest_ = std::max(0, probe_rest_ - 1);
   trial_rest_ = std::max(0, trial_rest_ - 1);
   resting_ = suspect ? 2 * second_ : std::max(0, resting_ - 1);
-  if (resting_ == 0) undecided_ = trial_rest_ = 0;
+  if (resting_ == 0 || (suspect && trial_.is_louder())) trial_rest_ = 0;
 }
 
 }  // namespace tactus

@@ -20,10 +20,8 @@ struct FeedbackPath {
   bool internal_loop = true;  ///< a loop of the graph reaches it
 
   /// As one number: 1 for an input, 2 for a loop, 3 for both.
-  double value() const noexcept { return (from_input ? 1.0 : 0.0) + (internal_loop ? 2.0 : 0.0); }
-  static FeedbackPath of(double value) noexcept {
-    return {value == 1.0 || value == 3.0, value == 2.0 || value == 3.0};
-  }
+  int bits() const noexcept { return (from_input ? 1 : 0) + (internal_loop ? 2 : 0); }
+  static FeedbackPath of(int bits) noexcept { return {(bits & 1) != 0, (bits & 2) != 0}; }
   bool exists() const noexcept { return from_input || internal_loop; }
   bool operator==(const FeedbackPath&) const = default;
 };
@@ -36,11 +34,12 @@ struct FeedbackPath {
 ///           without bound: a loop of the graph
 ///   probe   (feedback_probe.h) limited for 16 ms of the last 200 ms: what is wanted follows a pattern in
 ///           the output, through an input
-///   trial   (feedback_trial.h) after an undecided probe, limited in more than half of the last 200 ms: what
-///           is wanted falls whenever the output is silenced
+///   trial   (feedback_trial.h) limited in more than half of the last 200 ms: the output is silenced at once,
+///           and what is wanted falls whenever it is
 ///
 /// A limited frame counts for a while after, because a loop may touch the limit only at its peaks. An outside
-/// signal that stays limited is probed every 2 s, and put to trial every 10 s at most.
+/// signal that stays limited is probed every 2 s, and put to trial every 10 s at most, or when it is three
+/// times as loud as at the last trial.
 class FeedbackDetector {
  public:
   static constexpr Seconds kWindow{0.2}, kLimited{0.016};
@@ -56,11 +55,9 @@ class FeedbackDetector {
         trial_(sample_rate) {}
 
   const FeedbackPath& path() const noexcept { return path_; }
-  void add(const FeedbackPath& path) noexcept {
-    path_ = {path_.from_input || path.from_input, path_.internal_loop || path.internal_loop};
-  }
+  void add(const FeedbackPath& path) noexcept { path_ = FeedbackPath::of(path_.bits() | path.bits()); }
 
-  /// The gain is used, and every frame must be observed.
+  /// The gain is used.
   bool probing() const noexcept { return probe_.active() || trial_.active(); }
   double gain_at(int position) const noexcept { return probe_.gain_at(position); }
   /// The drive was limited at `frame`, which counts for `hold` frames.
@@ -72,9 +69,8 @@ class FeedbackDetector {
     constexpr double kMost = 1e60;  // its square is finite
     const double finite = std::abs(wanted) < kMost ? wanted : kMost;
     growth_.observe(finite);
-    if (!probing()) return;
     trial_.observe(finite);
-    probe_.observe(finite, allowed, position);
+    if (probing()) probe_.observe(finite, allowed, position);
   }
   /// The group before `frame` is over. True: feedback.
   bool end_group(std::int64_t frame) noexcept {
@@ -99,7 +95,6 @@ class FeedbackDetector {
   std::size_t next_ = 0, count_ = 0;
   std::int64_t until_ = 0;
   int probe_rest_ = 0, trial_rest_ = 0, resting_ = 0;  ///< groups
-  int undecided_ = 0;                                  ///< patterns
   FeedbackGrowth growth_;
   FeedbackProbe probe_;
   FeedbackTrial trial_;

@@ -11,6 +11,7 @@ namespace {
 /// Lengths of the parts of the pattern in slots, the first at full gain.
 constexpr std::array kRuns{3, 3, 3, 4, 4, 6, 5, 8, 7, 11, 10, 15, 14, 21, 19, 29, 27};
 constexpr double kDip = 0.5;
+constexpr double kMutePerGroup = 0.25, kReturnPerGroup = 0.0625;
 constexpr double kSlotsPerSecond = 750.0;
 constexpr double kFloor = 1e-4;  ///< of the power at the ceiling: quieter is silence
 constexpr int kLeastRuns = 7;
@@ -53,7 +54,8 @@ void FeedbackProbe::begin() noexcept {
 
 bool FeedbackProbe::end_group() noexcept {
   if (!running_) {
-    gain_.move_to(muted_ ? 0.0 : 1.0);
+    gain_.move_to(muted_ ? std::max(0.0, gain_.now() - kMutePerGroup)
+                         : std::min(1.0, gain_.now() + kReturnPerGroup));
     return false;
   }
   gain_.move_to(gain_.now());

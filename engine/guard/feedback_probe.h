@@ -38,7 +38,9 @@ class FeedbackProbe {
   bool running() const noexcept { return running_; }
   double gain_at(int position) const noexcept { return gain_.at(position); }
   void begin() noexcept;
-  /// Takes the drive to silence while no pattern runs.
+  /// Without a result.
+  void stop() noexcept { running_ = false; }
+  /// Takes the drive to silence and back, in 5 and 21 ms at 48 kHz, while no pattern runs.
   void mute(bool on) noexcept { muted_ = on; }
   /// A frame while `active`: what was wanted, and what the limits left of it, before the gain.
   void observe(double wanted, double allowed, int position) noexcept {

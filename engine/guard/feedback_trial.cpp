@@ -2,58 +2,60 @@
 
 #include <utility>
 
-#include "engine/core/index.h"
-
 namespace tactus {
 namespace {
 
-constexpr double kFallen = 0.6, kBack = 0.5;                              ///< of the level before
-constexpr int kLongestFall = 40, kLongestRise = 940, kLeastPlaying = 14;  ///< steps
-constexpr int kNeeded = 4;
-/// How long the drive plays before each silence, in times of the first fall: no rhythm falls with all of
-/// them.
-constexpr std::array kPlaying{1.5, 2.5, 2.0};
+constexpr double kFallen = 0.6, kFallenPlaying = 0.5, kBack = 0.4;  ///< of the level before
+constexpr double kSteady = 0.95, kSilent = 0.3;                     ///< the same
+constexpr double kRise = 1.2, kRiseShare = 0.1;  ///< of the lowest level, and of the level before
+constexpr int kSteadySteps = 15, kLongestFall = 40, kSilentSteps = 30, kSilentFalls = 2;
+constexpr int kLongestRise = 940, kLeastPlaying = 18;
+constexpr double kPlayingFalls = 1.5;
 
 }  // namespace
 
 void FeedbackTrial::begin() noexcept {
-  go(State::First);
-  group_ = cycles_ = 0;
-  peak_ = 0.0;
-  peaks_.fill(0.0);
+  go(State::Falling);
+  first_fall_ = fall_ = 0;
+  reference_ = level();
 }
 
 FeedbackTrial::Verdict FeedbackTrial::end_group(bool limited) noexcept {
-  if (!active() || ++group_ < groups_) return Verdict::None;
+  if (++group_ < groups_) return Verdict::None;
   group_ = 0;
   std::rotate(peaks_.begin(), peaks_.begin() + 1, peaks_.end());
   peaks_.back() = std::exchange(peak_, 0.0);
+  if (!active()) return Verdict::None;
   ++steps_;
-  const auto verdict = step(*std::ranges::max_element(peaks_), limited);
+  const auto verdict = step(level(), limited);
   if (verdict != Verdict::None) go(State::Idle);
-  if (verdict == Verdict::Feedback) disagreements_ = 0;
   return verdict;
 }
 
 FeedbackTrial::Verdict FeedbackTrial::step(double level, bool limited) noexcept {
-  if (state_ == State::Muted) return muted(level);
-  if (state_ == State::Playing) return playing(level, limited);
-  if (steps_ == std::ssize(peaks_)) {
-    reference_ = level;
-    go(State::Muted);
+  if (state_ == State::Falling) return falling(level);
+  if (state_ == State::Silent) return silent(level);
+  return playing(level, limited);
+}
+
+FeedbackTrial::Verdict FeedbackTrial::falling(double level) noexcept {
+  if (level > kFallen * reference_) {
+    const bool steady = steps_ == kSteadySteps && level > kSteady * reference_;
+    return steady || steps_ > kLongestFall ? outside() : Verdict::None;
   }
+  fall_ = steps_;
+  go(State::Silent);
   return Verdict::None;
 }
 
-FeedbackTrial::Verdict FeedbackTrial::muted(double level) noexcept {
-  if (level > kFallen * reference_) {
-    if (steps_ <= kLongestFall) return Verdict::None;
-    disagreements_ = 0;
-    return Verdict::Outside;
-  }
-  falls_[index(cycles_++)] = steps_;
-  if (cycles_ == kNeeded) return judge();
-  wait_ = kLeastPlaying + static_cast<int>(kPlaying[index(cycles_ - 1)] * falls_[0]);
+FeedbackTrial::Verdict FeedbackTrial::silent(double level) noexcept {
+  lowest_ = steps_ == 1 ? level : std::min(lowest_, level);
+  if (level > kRise * lowest_ + kRiseShare * reference_) return outside();
+  if (steps_ < kSilentSteps + kSilentFalls * fall_) return Verdict::None;
+  if (level > kSilent * reference_) return outside();
+  if (first_fall_ > 0) return judge();
+  first_fall_ = fall_;
+  wait_ = kLeastPlaying + static_cast<int>(kPlayingFalls * fall_);
   limited_again_ = false;
   highest_ = 0.0;
   go(State::Playing);
@@ -61,22 +63,26 @@ FeedbackTrial::Verdict FeedbackTrial::muted(double level) noexcept {
 }
 
 FeedbackTrial::Verdict FeedbackTrial::playing(double level, bool limited) noexcept {
-  if (limited && level >= kBack * reference_) limited_again_ = true;
-  if (!limited_again_) return steps_ > kLongestRise ? Verdict::Outside : Verdict::None;
+  if (limited && level > kBack * reference_) limited_again_ = true;
+  if (!limited_again_) return steps_ > kLongestRise ? outside() : Verdict::None;
   highest_ = std::max(highest_, level);
-  if (level <= kFallen * highest_) {
-    disagreements_ = 0;
-    return Verdict::Outside;
-  }
+  if (level < kFallenPlaying * highest_) return outside();
   if (--wait_ > 0) return Verdict::None;
   reference_ = level;
-  go(State::Muted);
+  go(State::Falling);
   return Verdict::None;
 }
 
+FeedbackTrial::Verdict FeedbackTrial::outside() noexcept {
+  disagreements_ = 0;
+  return Verdict::Outside;
+}
+
 FeedbackTrial::Verdict FeedbackTrial::judge() noexcept {
-  const auto [shortest, longest] = std::minmax_element(falls_.begin(), falls_.begin() + kNeeded);
-  return *longest <= 2 * *shortest + 1 || ++disagreements_ == 2 ? Verdict::Feedback : Verdict::Outside;
+  const auto [shorter, longer] = std::minmax(first_fall_, fall_);
+  if (longer > 2 * shorter + 1 && ++disagreements_ < 2) return Verdict::Outside;
+  disagreements_ = 0;
+  return Verdict::Feedback;
 }
 
 }  // namespace tactus

@@ -10,15 +10,19 @@
 
 namespace tactus {
 
-/// For loops that smooth what `FeedbackProbe` does, or hide it behind a limiter of their own: the drive is
-/// silenced until the wanted signal has fallen by 4.4 dB, and let through again, four times. In between it
-/// plays for longer than it took to fall, and must not fall then.
+/// Silences a drive that has been limited for long, and observes what it is then asked to do. Through a loop
+/// the wanted signal falls because the output is silent, and stays low as long as it is; it comes back when
+/// the drive is let through again.
 ///
 ///   level    the peak of the wanted signal over the last 53 ms, every 11 ms
-///   outside  it does not fall within 0.43 s of silence, or it falls while the drive plays, or the drive is
-///            not limited again within 10 s
-///   loop     it falls four times, in times that agree within a factor of 2; or in two trials it fell four
-///            times
+///   falling  the drive is silent until the level has fallen by 4.4 dB
+///   silent   it stays silent for 0.32 s and twice the time of the fall
+///   playing  it is let through, until it has been limited again for 0.19 s and 1.5 times the time of the
+///            fall: longer than it was limited before and took to fall, so no rhythm falls with both silences
+///   loop     it fell twice, in times that agree within a factor of 2; or it did so in two trials
+///   outside  the level is above 95 % after 0.16 s of silence, or has not fallen after 0.43 s, or it rises
+///            again during the silence or is not below 30 % after it, or it falls by 6 dB while the
+///            drive plays, or the drive is not limited again within 10 s
 class FeedbackTrial {
  public:
   enum class Verdict { None, Feedback, Outside };
@@ -28,33 +32,39 @@ class FeedbackTrial {
       : groups_(std::max(1, static_cast<int>(std::lround(kStep_s * sample_rate.value / kGuardGroup)))) {}
 
   bool active() const noexcept { return state_ != State::Idle; }
-  bool is_muted() const noexcept { return state_ == State::Muted; }
+  bool is_muted() const noexcept { return state_ == State::Falling || state_ == State::Silent; }
+  /// It is much louder than when the last trial ended: perhaps a loop that was not loud enough to be noticed
+  /// then.
+  bool is_louder() const noexcept { return level() > kLouder * reference_; }
   void begin() noexcept;
   void forget() noexcept { *this = FeedbackTrial{groups_}; }
-  /// A frame while `active`: what was wanted.
+  /// A frame that did not pass as it was: what was wanted.
   void observe(double wanted) noexcept { peak_ = std::max(peak_, std::abs(wanted)); }
   /// A group is over; `limited`: the drive is being limited.
   Verdict end_group(bool limited) noexcept;
 
  private:
-  enum class State { Idle, First, Muted, Playing };
+  enum class State { Idle, Falling, Silent, Playing };
   static constexpr double kStep_s = 0.0107;
-  static constexpr int kCycles = 6;
+  static constexpr double kLouder = 3.0;
 
   explicit FeedbackTrial(int groups) : groups_(groups) {}
+  double level() const noexcept { return std::max(peak_, *std::ranges::max_element(peaks_)); }
   Verdict step(double level, bool limited) noexcept;
-  Verdict muted(double level) noexcept;
+  Verdict falling(double level) noexcept;
+  Verdict silent(double level) noexcept;
   Verdict playing(double level, bool limited) noexcept;
+  Verdict outside() noexcept;
   Verdict judge() noexcept;
   void go(State state) noexcept { state_ = state, steps_ = 0; }
 
   int groups_;  ///< of a step
   State state_ = State::Idle;
-  int group_ = 0, steps_ = 0, wait_ = 0, cycles_ = 0, disagreements_ = 0;
+  int group_ = 0, steps_ = 0, wait_ = 0, disagreements_ = 0;
+  int first_fall_ = 0, fall_ = 0;  ///< steps; 0: none yet
   bool limited_again_ = false;
-  double peak_ = 0.0, reference_ = 0.0, highest_ = 0.0;
-  std::array<double, 5> peaks_{};     ///< of the last steps
-  std::array<int, kCycles> falls_{};  ///< steps that each fall took
+  double peak_ = 0.0, reference_ = 0.0, highest_ = 0.0, lowest_ = 0.0;
+  std::array<double, 5> peaks_{};  ///< of the last steps
 };
 
 }  // namespace tactus

@@ -57,6 +57,26 @@ void Guarded::restore(const Channel& before, Channel& channel) noexcept {
   channel.guard.warm_to(before.guard.thermal_state());
   channel.guard.spend_dc_time(before.guard.dc_time_s());
   channel.guard.add_feedback_path(before.guard.feedback_path());
+  channel.guard.add_feedback_path(FeedbackPath::of(before.new_paths.load(std::memory_order_relaxed)));
+}
+
+void Guarded::add_feedback_paths(const std::vector<FeedbackPath>& paths) noexcept {
+  for (std::size_t c = 0; c < std::min(paths.size(), channels_.size()); ++c)
+    channels_[c].new_paths.fetch_or(paths[c].bits(), std::memory_order_relaxed);
+  has_new_paths_.store(true, std::memory_order_release);
+}
+
+template <class Apply>
+void Guarded::take_new_paths(Apply apply) noexcept {
+  if (!has_new_paths_.load(std::memory_order_relaxed)) return;
+  has_new_paths_.exchange(false, std::memory_order_acquire);
+  for (std::size_t c = 0; c < channels_.size(); ++c) {
+    const int bits = channels_[c].new_paths.exchange(0, std::memory_order_relaxed);
+    const int known = channels_[c].guard.feedback_path().bits();
+    if ((bits | known) == known) continue;
+    apply(
+        JournalEntry{JournalEntry::kNow, Kind::FeedbackPath, static_cast<int>(c), static_cast<double>(bits)});
+  }
 }
 
 /// Entries for now, then the switches, which no queue can hold back.
@@ -70,6 +90,7 @@ void Guarded::take_pending(Apply apply) noexcept {
   flip(arm_, JournalEntry::Kind::Arm);
   flip(mute_, JournalEntry::Kind::Mute);
   flip(fade_, JournalEntry::Kind::Fade);
+  take_new_paths(apply);
 }
 
 /// False: there is no such channel. The guards are still to be opened.
@@ -100,7 +121,8 @@ void Guarded::apply_to(Channel& channel, const JournalEntry& command) noexcept {
   if (command.kind == Kind::CoilHeat) guard.warm_to({command.value, 0.0});
   if (command.kind == Kind::BodyHeat) guard.warm_to({0.0, command.value});
   if (command.kind == Kind::DcTime) guard.spend_dc_time(command.value);
-  if (command.kind == Kind::FeedbackPath) guard.add_feedback_path(FeedbackPath::of(command.value));
+  if (command.kind == Kind::FeedbackPath)
+    guard.add_feedback_path(FeedbackPath::of(static_cast<int>(command.value)));
 }
 
 void Guarded::open_guards(std::int64_t frame) noexcept {
@@ -240,7 +262,8 @@ std::vector<JournalEntry> Guarded::state() const {
     if (const double dc_s = channel.guard.dc_time_s(); dc_s > 0.0)
       entries.push_back({0, Kind::DcTime, c, dc_s});
     const auto path = channel.guard.feedback_path();
-    if (path != config_of(c).feedback) entries.push_back({0, Kind::FeedbackPath, c, path.value()});
+    if (path != config_of(c).feedback)
+      entries.push_back({0, Kind::FeedbackPath, c, static_cast<double>(path.bits())});
   }
   for (int c = 0; c < static_cast<int>(sensors_.size()); ++c)
     if (sensors_[index(c)].is_noisy()) entries.push_back({0, Kind::SensorNoise, c, 1.0});

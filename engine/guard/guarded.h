@@ -115,11 +115,13 @@ class Guarded final : public BlockProcessor {
   void arm(bool on) noexcept { arm_.set(on); }
   void mute(bool on) noexcept { mute_.set(on); }
   void fade(bool on) noexcept { fade_.set(on); }
+  /// [control & prepared] From the next block on outputs may return to themselves in these ways too, by
+  /// channel, whatever waits in a queue, and journalled with its frame: before an edit takes over.
+  void add_feedback_paths(const std::vector<FeedbackPath>& paths) noexcept;
   /// [control, one thread] Kinds Arm, Mute, Fade, DeadMan, CoilHeat, BodyHeat, DcTime, SensorNoise and
   /// FeedbackPath, in frame order; a late entry is applied at once, and one for kNow before all that wait for
-  /// their frame. A heat can only make warmer, a DC time only longer, and a feedback path is only added:
-  /// before an edit that adds one takes over, post it for kNow. False: the queue is full, try again after a
-  /// block; or it is another kind.
+  /// their frame. A heat can only make warmer, a DC time only longer, and a feedback path is only added.
+  /// False: the queue is full, try again after a block; or it is another kind.
   [[nodiscard]] bool post(const JournalEntry& entry) noexcept;
   /// [control, one thread] What made drives fade out, oldest first. False: nothing new.
   [[nodiscard]] bool take_event(GuardEvent& event) noexcept { return events_.pop(event); }
@@ -153,6 +155,7 @@ class Guarded final : public BlockProcessor {
 
     DriveGuard guard;
     bool armed, muted = false;
+    std::atomic<int> new_paths{0};  ///< FeedbackPath::bits that wait for the audio thread
   };
 
   void observe_dead_man(std::int64_t frame) noexcept;
@@ -164,6 +167,8 @@ class Guarded final : public BlockProcessor {
   int first_sensor_fault(const BlockIo& io, int from, int to, std::int64_t first_frame) noexcept;
   template <class Apply>
   void take_pending(Apply apply) noexcept;
+  template <class Apply>
+  void take_new_paths(Apply apply) noexcept;
   void apply(JournalEntry entry, std::int64_t frame) noexcept;
   bool apply_command(const JournalEntry& command) noexcept;
   static void apply_to(Channel& channel, const JournalEntry& command) noexcept;
@@ -185,6 +190,7 @@ class Guarded final : public BlockProcessor {
   std::atomic<std::int64_t> frame_{0};
   std::atomic<bool> silent_{false};
   GuardSwitch arm_, mute_, fade_;
+  std::atomic<bool> has_new_paths_{false};
   ControlInbox inbox_;
   SpscQueue<JournalEntry> at_once_{256};
   SpscQueue<GuardEvent> events_{64};

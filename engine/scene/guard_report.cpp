@@ -43,13 +43,29 @@ constexpr std::array<NamedText, 5> kEvents = {{
      "keys and signals were not handled for 5 s at {:.3f} s, and all drives were disarmed; arm them again"},
 }};
 
-std::string remedy_of(const GuardedOutput& output, std::size_t stage) {
+/// Nothing where the signal grew by feedback: no limit is high enough for that.
+std::string remedy_of(const GuardedOutput& output, std::size_t stage, bool fed_back) {
   const std::string limit = kStages[stage].limit;
-  if (limit.empty()) return "find the node that produces them";
+  if (fed_back) return "";
+  if (limit.empty()) return "; find the node that produces them";
   const auto origin = std::ranges::find(output.limits, limit, &LimitOrigin::limit);
-  if (origin == output.limits.end()) return "lower its level";
-  return fmt::format("the limit is from {}; --raise-limit {}.{}=… would allow more", origin->source,
+  if (origin == output.limits.end()) return "; lower its level";
+  return fmt::format("; the limit is from {}; --raise-limit {}.{}=… would allow more", origin->source,
                      output.name, limit);
+}
+
+bool fed_back(const GuardReport& report, std::size_t output) {
+  return std::ranges::any_of(report.events, [=](const GuardEvent& event) {
+    return event.kind == GuardEvent::Kind::Feedback && index(event.channel) == output;
+  });
+}
+
+std::string count_text(const GuardReport& report, std::size_t output, std::size_t stage, Hertz sample_rate) {
+  const auto& of = report.outputs[output];
+  const auto& count = of.counts[stage];
+  return fmt::format("{}: {} for {:.3g} s, by up to {:.2g} full scale{}", of.name, kStages[stage].text,
+                     static_cast<double>(count.frames) / sample_rate.value, count.most,
+                     remedy_of(of, stage, fed_back(report, output)));
 }
 
 /// What an event is about.
@@ -176,14 +192,9 @@ std::vector<std::string> describe_raises(const std::string& output, const std::v
 std::vector<std::string> describe(const GuardReport& report, Hertz sample_rate) {
   std::vector<std::string> lines;
   for (const auto& event : report.events) lines.push_back(describe(report, event, sample_rate));
-  for (const auto& output : report.outputs)
-    for (std::size_t s = 0; s < kGuardStages; ++s) {
-      const auto& count = output.counts[s];
-      if (count.frames == 0) continue;
-      lines.push_back(fmt::format("{}: {} for {:.3g} s, by up to {:.2g} full scale; {}", output.name,
-                                  kStages[s].text, static_cast<double>(count.frames) / sample_rate.value,
-                                  count.most, remedy_of(output, s)));
-    }
+  for (std::size_t c = 0; c < report.outputs.size(); ++c)
+    for (std::size_t s = 0; s < kGuardStages; ++s)
+      if (report.outputs[c].counts[s].frames > 0) lines.push_back(count_text(report, c, s, sample_rate));
   return lines;
 }
 

@@ -49,13 +49,9 @@ Edit edit_by(Fill fill) {
 
 /// The guard must watch for feedback before the plan that makes it possible takes over.
 void watch_paths(Guarded& guarded, const Plan& plan) {
-  const auto channels = guarded_channels(plan, {});
-  for (std::size_t c = 0; c < channels.size(); ++c) {
-    const JournalEntry path{JournalEntry::kNow, JournalEntry::Kind::FeedbackPath, static_cast<int>(c),
-                            channels[c].feedback.value()};
-    if (path.value > 0 && !guarded.post(path))
-      exit_with({Errc::OutOfRange, "", "too many changes are pending", "save the file again"});
-  }
+  std::vector<FeedbackPath> paths;
+  for (const auto& channel : guarded_channels(plan, {})) paths.push_back(channel.feedback);
+  guarded.add_feedback_paths(paths);
 }
 
 class LiveInstrument final : public Performer {

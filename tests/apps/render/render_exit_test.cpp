@@ -55,6 +55,8 @@ echo = { type = "delay", in = "x", time = "5 ms" })");
   INFO(loop.text);
   CHECK(loop.exit_code == 1);
   CHECK(loop.text.find("shaker: feedback at 0.") != std::string::npos);
+  CHECK(loop.text.find("the ceiling clipped it") != std::string::npos);
+  CHECK(loop.text.find("--raise-limit") == std::string::npos);
 }
 
 #endif

@@ -55,6 +55,35 @@ bool fades(const DriveLimits& limits, double seconds, Signal signal) {
   return faded_at(source, limits, {}, seconds).has_value();
 }
 
+struct Silence {
+  double from_s, to_s;
+};
+
+/// When the output of a guard was silent for 10 ms and more, while the loop or signal wanted to be loud.
+template <class Source>
+std::vector<Silence> silences(Source& source, double seconds) {
+  DriveGuard guard{DriveGuard::Kind::Drive, {}, kRate, kThroughInput};
+  guard.set_open(true, 0);
+  guard.skip_soft_start();
+  std::vector<Silence> found;
+  double loud_s = 0.0, now_s = 0.0;
+  const auto end = [&] {
+    if (now_s - loud_s > 0.01) found.push_back({loud_s, now_s});
+  };
+  for (int n = 0; n < seconds * kRate.value; ++n) {
+    const double wanted = source.next();
+    double y = wanted;
+    guard.process(&y, 1, n);
+    source.took(wanted, y);
+    now_s = n / kRate.value;
+    if (y == 0.0) continue;
+    end();
+    loud_s = now_s;
+  }
+  end();
+  return found;
+}
+
 struct Caught {
   int loops = 0, caught = 0;
   double slowest_s = 0.0;
@@ -138,6 +167,29 @@ TEST_CASE("feedback: a loop through an input is faded within 0.12 s of its first
   const auto at = faded_at(loop, {}, kThroughInput, 30.0, &limited_s);
   REQUIRE(at);
   CHECK(*at - limited_s < 0.12);
+}
+
+TEST_CASE(
+    "feedback: a loop that rings for longer than the pattern is silent as soon as it was limited for 0.1 s",
+    "[core]") {
+  const LoopShape shape{.gain = 28, .delay = 1670, .modes = {Mode::of(25, 18.6)}, .noise = 0.02};
+  Loop loop{shape, 1};
+  double limited_s = 0.0;
+  const auto at = faded_at(loop, {}, kThroughInput, 20.0, &limited_s);
+  REQUIRE(at);
+  Loop again{shape, 1};
+  const auto silent = silences(again, *at);
+  REQUIRE_FALSE(silent.empty());
+  CHECK(silent.front().from_s - limited_s < 0.12);
+}
+
+TEST_CASE("feedback: a steady signal beyond the limit is silenced for 0.2 s in ten seconds", "[core]") {
+  Outside tone{[](int n) { return 3.0 * std::sin(2 * kPi * 400.0 * (n + 0.5) / kRate.value); }};
+  const auto silent = silences(tone, 10.0);
+  REQUIRE(silent.size() == 1);
+  // Limited in more than half of 200 ms, silent after 5 ms and let through after 15 steps of 10.7 ms.
+  CHECK(silent[0].from_s == Approx(0.106).margin(0.003));
+  CHECK(silent[0].to_s - silent[0].from_s == Approx(0.155).margin(0.012));
 }
 
 TEST_CASE("feedback: without a path a drive is limited exactly, whatever is wanted of it", "[core]") {

@@ -356,11 +356,29 @@ TEST_CASE("guarded: a feedback path that an edit adds is kept, and part of the s
   Guarded guarded{level, {drive, drive}};
   REQUIRE(guarded.prepare({.out_channels = 2}));
   CHECK(guarded.state().empty());
-  REQUIRE(guarded.post({JournalEntry::kNow, Kind::FeedbackPath, 1, 1.0}));
-  REQUIRE(guarded.post({JournalEntry::kNow, Kind::FeedbackPath, 1, 2.0}));
+  guarded.add_feedback_paths({{false, false}, {true, false}});
+  play(guarded, 2, 8);
+  guarded.add_feedback_paths({{false, false}, {false, true}});
   play(guarded, 2, 8);
   const std::vector<JournalEntry> both{{0, Kind::FeedbackPath, 1, 3.0}};
   CHECK(guarded.state() == both);
   REQUIRE(guarded.prepare({.out_channels = 2}));
   CHECK(guarded.state() == both);
+}
+
+TEST_CASE("guarded: an edit adds feedback paths to any number of outputs, each journalled once", "[core]") {
+  constexpr int kOutputs = 1000;
+  Level level{0.5};
+  const GuardedChannel drive{DriveGuard::Kind::Drive, kAtOnce, FeedbackPath{false, false}};
+  Guarded guarded{level, std::vector(kOutputs, drive)};
+  RecordedJournal journal;
+  guarded.set_tap(&journal);
+  REQUIRE(guarded.prepare({.out_channels = kOutputs}));
+  const std::vector paths(kOutputs, FeedbackPath{true, false});
+  for (int turn = 0; turn < 2; ++turn) {
+    guarded.add_feedback_paths(paths);
+    play(guarded, kOutputs, 8);
+  }
+  CHECK(journal.entries.size() == kOutputs);
+  CHECK(guarded.state().size() == kOutputs);
 }

@@ -23,10 +23,13 @@ struct Mode {
   double b, a1, a2;
   double x1 = 0, x2 = 0, y1 = 0, y2 = 0;
 
-  static Mode random(std::mt19937& random) {
-    const double w = 2 * kPi * logarithmic(random, 20, 2000) / kLoopRate.value;
-    const double alpha = std::sin(w) / (2 * logarithmic(random, 0.7, 30));
+  static Mode of(double hz, double q) {
+    const double w = 2 * kPi * hz / kLoopRate.value, alpha = std::sin(w) / (2 * q);
     return {alpha / (1 + alpha), -2 * std::cos(w) / (1 + alpha), (1 - alpha) / (1 + alpha)};
+  }
+  static Mode random(std::mt19937& random) {
+    const double hz = logarithmic(random, 20, 2000);
+    return of(hz, logarithmic(random, 0.7, 30));
   }
   double step(double x) {
     const double y = b * (x - x2) - a1 * y1 - a2 * y2;

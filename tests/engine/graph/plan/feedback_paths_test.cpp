@@ -36,6 +36,7 @@ other = { from = "x" }
 
 TEST_CASE("feedback paths: from an input, through nodes and expressions, to drives and sound", "[graph]") {
   const std::string kind = GENERATE("drive", "audio");
+  const std::string output = R"TEXT(y = { from = "max(0.1, 2 * ring)", kind = ")TEXT" + kind + "\" }\n";
   CHECK(path_of(R"GRAPH(
 [inputs]
 x = {}
@@ -43,10 +44,7 @@ x = {}
 hit  = { type = "threshold", in = "x", level = 0.5 }
 ring = { type = "decay", trigger = "hit", time = "10 ms" }
 [outputs]
-y = { from = "max(0.1, 2 * ring)",
-                kind = ")GRAPH" +
-                kind + R"GRAPH(" }
-)GRAPH") == "input");
+)GRAPH" + output) == "input");
 }
 
 TEST_CASE("feedback paths: a control at zero does not cut a path, a constant zero does", "[graph]") {
