@@ -18,7 +18,7 @@ using Kind = JournalEntry::Kind;
 }
 
 // 1: without fades; 2: without control_set, dead_man, dc_time, sensor_noise and feedback_path
-constexpr int kTakeVersion = 3;
+constexpr int kTakeVersion = 3, kLastWithoutPaths = 2;
 constexpr std::array kKinds = {"control",     "arm",       "mute",        "system_delay", "lost_frames",
                                "coil_heat",   "body_heat", "replacement", "halt",         "fade",
                                "control_set", "dead_man",  "dc_time",     "sensor_noise", "feedback_path"};
@@ -168,11 +168,15 @@ Result<TakeHeader> parse_header(const std::string& line, const fs::path& path) {
   };
   try {
     const auto json = nlohmann::ordered_json::parse(line);
-    if (const int version = json.at("tactus_take"); version < 1 || version > kTakeVersion)
+    const int version = json.at("tactus_take");
+    if (version < 1 || version > kTakeVersion)
       return fail(Errc::BadFile, path.string(), "a later version of the program recorded this take",
                   "replay it with that version");
     TakeHeader header;
     JsonReader::read(json, header);
+    if (version <= kLastWithoutPaths)
+      for (auto& channel : header.guard)
+        channel.feedback.limiting_counts = channel.kind == DriveGuard::Kind::Drive;
     return header;
   } catch (const nlohmann::ordered_json::parse_error&) {
     return no_take("its first line is not JSON");

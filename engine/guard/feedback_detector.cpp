@@ -23,7 +23,8 @@ bool FeedbackDetector::update(bool busy) noexcept {
   const bool mostly = 2 * count_ > window_.size();
   const bool grows = growth_.end_group() && mostly;
   if (count_ == 0) growth_.forget();
-  return (path_.from_input && returns(busy && count_ > suspect_, mostly)) || grows;
+  return (path_.from_input && returns(busy && count_ > suspect_, mostly)) || grows ||
+         (path_.limiting_counts && mostly);
 }
 
 /// Whether the output returns through an input.

@@ -14,15 +14,20 @@
 
 namespace tactus {
 
-/// How an output may return to itself. An output with neither is never taken for feedback.
+/// How an output may return to itself. An output with none of these is never taken for feedback.
 struct FeedbackPath {
   bool from_input = true;     ///< a path leads to it from a device input: through air, a hand or an actuator
   bool internal_loop = true;  ///< a loop of the graph reaches it
+  /// For takes of formats 1 and 2, whose guard took an output for feedback that was limited in more than half
+  /// of 200 ms.
+  bool limiting_counts = false;
 
-  /// As one number: 1 for an input, 2 for a loop, 3 for both.
-  int bits() const noexcept { return (from_input ? 1 : 0) + (internal_loop ? 2 : 0); }
-  static FeedbackPath of(int bits) noexcept { return {(bits & 1) != 0, (bits & 2) != 0}; }
-  bool exists() const noexcept { return from_input || internal_loop; }
+  /// As one number: 1 for an input, 2 for a loop, 4 if limiting counts, and their sums.
+  int bits() const noexcept {
+    return (from_input ? 1 : 0) + (internal_loop ? 2 : 0) + (limiting_counts ? 4 : 0);
+  }
+  static FeedbackPath of(int bits) noexcept { return {(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0}; }
+  bool exists() const noexcept { return from_input || internal_loop || limiting_counts; }
   bool operator==(const FeedbackPath&) const = default;
 };
 

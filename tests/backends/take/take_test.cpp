@@ -78,6 +78,22 @@ TEST_CASE("take: headers of formats 1 and 2 are read, those of a later format re
     CHECK(message(folder, with_version(version)) == "take.jsonl BadFile");
 }
 
+TEST_CASE("take: in formats 1 and 2 limiting counts as feedback, of drives, as it did then", "[take]") {
+  const TemporaryFolder folder;
+  auto line = journal_line(full_header());
+  const auto limiting_counts = [&](int version, std::size_t channel) {
+    line[line.find("\"tactus_take\":") + 14] = static_cast<char>('0' + version);
+    folder.write("take.wav", "");
+    folder.write("take.jsonl", line);
+    return read_take(folder.path() / "take.wav")->header.guard[channel].feedback.limiting_counts;
+  };
+  for (const int version : {1, 2}) {
+    CHECK(limiting_counts(version, 0));
+    CHECK_FALSE(limiting_counts(version, 1));
+  }
+  CHECK_FALSE(limiting_counts(3, 0));
+}
+
 TEST_CASE("take: a number that no recording has is refused with its key", "[take]") {
   const TemporaryFolder folder;
   const auto with = [&](const std::string& from, const std::string& to) {

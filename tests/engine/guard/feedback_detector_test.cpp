@@ -208,6 +208,13 @@ TEST_CASE("feedback: without a path a drive is limited exactly, whatever is want
   CHECK_FALSE(guard.take_feedback());
 }
 
+TEST_CASE("feedback: where limiting counts, more than half of 200 ms of it is enough", "[core]") {
+  Outside tone{[](int n) { return 0.9 * std::sin(2 * kPi * 400.0 * n / kRate.value); }};
+  const auto at = faded_at(tone, {.slew_per_second = 1000.0}, {false, false, true}, 1.0);
+  REQUIRE(at);
+  CHECK(*at == Approx(0.1).margin(0.005));
+}
+
 TEST_CASE("feedback: a path that is added later counts from then on", "[core]") {
   DriveGuard guard{DriveGuard::Kind::Drive, {}, kRate, kNone};
   guard.set_open(true, 0);
