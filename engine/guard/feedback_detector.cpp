@@ -32,18 +32,16 @@ bool FeedbackDetector::returns(bool suspect, bool mostly) noexcept {
   const bool probed = probe_.running();
   const auto verdict = trial_.end_group(suspect);
   probe_.mute(trial_.is_muted());
-  const bool follows = probe_.end_group();
-  if ((follows && trial_rest_ == 0) || verdict == FeedbackTrial::Verdict::Feedback) return true;
+  if (probe_.end_group() || verdict == FeedbackTrial::Verdict::Feedback) return true;
   if (trial_.active()) return false;
   rest(suspect);
-  if (follows) trial_rest_ = 0;
   if (verdict == FeedbackTrial::Verdict::Outside) {
-    probe_rest_ = 2 * second_;
+    probe_rest_ = 0;  // a whole pattern: what a mass does that nothing holds is unlike a fall
     trial_rest_ = 10 * second_;
   } else if (probed && !probe_.running()) {
     probe_rest_ = 2 * second_;
   }
-  if ((follows || mostly) && trial_rest_ == 0) {
+  if (mostly && trial_rest_ == 0) {
     probe_.stop();
     trial_.begin();
   } else if (suspect && !probe_.running() && probe_rest_ == 0) {

@@ -8,7 +8,7 @@ namespace {
 constexpr double kFallen = 0.6, kFallenPlaying = 0.5, kBack = 0.4;  ///< of the level before
 constexpr double kSteady = 0.95, kSilent = 0.3;                     ///< the same
 constexpr double kRise = 1.2, kRiseShare = 0.1;  ///< of the lowest level, and of the level before
-constexpr int kSteadySteps = 15, kLongestFall = 40, kSilentSteps = 30, kSilentFalls = 2;
+constexpr int kSteadySteps = 20, kLongestFall = 47, kSilentSteps = 30, kSilentFalls = 2;
 constexpr int kLongestRise = 940, kLeastPlaying = 18;
 constexpr double kPlayingFalls = 1.5;
 
@@ -23,8 +23,8 @@ void FeedbackTrial::begin() noexcept {
 FeedbackTrial::Verdict FeedbackTrial::end_group(bool limited) noexcept {
   if (++group_ < groups_) return Verdict::None;
   group_ = 0;
-  std::rotate(peaks_.begin(), peaks_.begin() + 1, peaks_.end());
-  peaks_.back() = std::exchange(peak_, 0.0);
+  std::rotate(ranges_.begin(), ranges_.begin() + 1, ranges_.end());
+  ranges_.back() = std::exchange(now_, {});
   if (!active()) return Verdict::None;
   ++steps_;
   const auto verdict = step(level(), limited);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "engine/core/units.h"
 #include "engine/guard/guard_group.h"
@@ -14,13 +15,14 @@ namespace tactus {
 /// the wanted signal falls because the output is silent, and stays low as long as it is; it comes back when
 /// the drive is let through again.
 ///
-///   level    the peak of the wanted signal over the last 53 ms, every 11 ms
+///   level    half of what the wanted signal swings over the last 0.13 s, every 11 ms: a mass that a silent
+///            drive no longer holds stops somewhere else, far from zero perhaps
 ///   falling  the drive is silent until the level has fallen by 4.4 dB
 ///   silent   it stays silent for 0.32 s and twice the time of the fall
 ///   playing  it is let through, until it has been limited again for 0.19 s and 1.5 times the time of the
 ///            fall: longer than it was limited before and took to fall, so no rhythm falls with both silences
 ///   loop     it fell twice, in times that agree within a factor of 2; or it did so in two trials
-///   outside  the level is above 95 % after 0.16 s of silence, or has not fallen after 0.43 s, or it rises
+///   outside  the level is above 95 % after 0.21 s of silence, or has not fallen after 0.5 s, or it rises
 ///            again during the silence or is not below 30 % after it, or it falls by 6 dB while the
 ///            drive plays, or the drive is not limited again within 10 s
 class FeedbackTrial {
@@ -39,17 +41,28 @@ class FeedbackTrial {
   void begin() noexcept;
   void forget() noexcept { *this = FeedbackTrial{groups_}; }
   /// A frame that did not pass as it was: what was wanted.
-  void observe(double wanted) noexcept { peak_ = std::max(peak_, std::abs(wanted)); }
+  void observe(double wanted) noexcept { now_.add({wanted, wanted}); }
   /// A group is over; `limited`: the drive is being limited.
   Verdict end_group(bool limited) noexcept;
 
  private:
   enum class State { Idle, Falling, Silent, Playing };
+  struct Range {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    void add(const Range& other) noexcept {
+      low = std::min(low, other.low);
+      high = std::max(high, other.high);
+    }
+  };
   static constexpr double kStep_s = 0.0107;
   static constexpr double kLouder = 3.0;
 
   explicit FeedbackTrial(int groups) : groups_(groups) {}
-  double level() const noexcept { return std::max(peak_, *std::ranges::max_element(peaks_)); }
+  double level() const noexcept {
+    Range all = now_;
+    for (const auto& range : ranges_) all.add(range);
+    return std::max(0.0, (all.high - all.low) / 2.0);
+  }
   Verdict step(double level, bool limited) noexcept;
   Verdict falling(double level) noexcept;
   Verdict silent(double level) noexcept;
@@ -63,8 +76,9 @@ class FeedbackTrial {
   int group_ = 0, steps_ = 0, wait_ = 0, disagreements_ = 0;
   int first_fall_ = 0, fall_ = 0;  ///< steps; 0: none yet
   bool limited_again_ = false;
-  double peak_ = 0.0, reference_ = 0.0, highest_ = 0.0, lowest_ = 0.0;
-  std::array<double, 5> peaks_{};  ///< of the last steps
+  double reference_ = 0.0, highest_ = 0.0, lowest_ = 0.0;
+  Range now_;                       ///< of this step
+  std::array<Range, 12> ranges_{};  ///< of the last steps
 };
 
 }  // namespace tactus
