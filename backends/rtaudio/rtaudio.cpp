@@ -51,7 +51,7 @@ class Line {
   /// [control] `granted` has the rate; the latencies of the driver are added.
   Status open(const Device& input, const Device& output, const StreamRequest& request,
               StreamGranted& granted) {
-    return checked([&] {
+    auto status = checked([&] {
       rate_ = static_cast<unsigned>(granted.format.sample_rate.value);
       auto block = static_cast<unsigned>(request.block_frames.value_or(kUsualBlock));
       RtAudio::StreamOptions options;
@@ -77,6 +77,11 @@ class Line {
       if (latency > 0 && in_.empty()) granted.output_latency_frames = latency;
       if (latency > 0 && out_.empty()) granted.input_latency_frames = latency;
     });
+    // PipeWire lists the outputs that are open by then first, and RtAudio takes them for the device.
+    if (!status && jack && !in_.empty() && !out_.empty())
+      status.error().remedy = "use --device 'jack:" + output.library_name +
+                              "': with PipeWire, RtAudio cannot open inputs and outputs together";
+    return status;
   }
   /// [control & stopped] Blocks begin to flow.
   Status start() {

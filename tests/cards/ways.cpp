@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <stdexcept>
@@ -41,6 +42,11 @@ std::unique_ptr<Backend> backend_named(const std::string& name) {
   for (const auto& backend : sound_backends())
     if (backend.name == name) return backend.make();
   throw std::invalid_argument("this build has no backend " + name);
+}
+
+bool has_backend(const std::string& name) {
+  const auto& all = sound_backends();
+  return std::any_of(all.begin(), all.end(), [&](const SoundBackend& one) { return one.name == name; });
 }
 
 bool has_alsa() {

@@ -16,6 +16,8 @@ struct Way {
   std::unique_ptr<Backend> (*backend)();
   bool alsa = false;
 };
+/// Whether this build has a library.
+bool has_backend(const std::string& name);
 /// A library of this build.
 std::unique_ptr<Backend> backend_named(const std::string& name);
 /// Whether ALSA's JACK plugin is installed; if not, a part of the test case is skipped.

@@ -2,6 +2,7 @@
 #include "tests/cards/pipewire/pipewire.h"
 
 #include "tests/cards/jack/playing.h"
+#include "tests/cards/ways.h"
 #include "tests/support/skip.h"
 #include "tests/support/undisturbed.h"
 
@@ -65,6 +66,17 @@ TEST_CASE_METHOD(OnPipeWire, "pipewire: the round trip over its JACK interface i
   }
 }
 
+TEST_CASE_METHOD(OnPipeWire, "pipewire: through libraries it is one block too, or refused with what works",
+                 "[cards]") {
+  server.force_block(1024);
+  if (test::has_backend("portaudio"))
+    CHECK_THAT(measured("portaudio:jack:cable"), Catch::WithinAbs(1024, 0.001));
+  if (!test::has_backend("rtaudio")) return;
+  Playing play{{tone, "--device", "rtaudio:jack:cable"}, kOverJack};
+  CHECK(play.ends() == 4);
+  CHECK_THAT(play.log(), Catch::Contains("use --device 'jack:cable'"));
+}
+
 TEST_CASE_METHOD(OnPipeWire, "pipewire: another sample rate ends the stream until the granted one is back",
                  "[cards]") {
   Playing play{{tone, "--device", "jack:cable", "--arm", "--json"}, kOverJack};
@@ -83,6 +95,7 @@ TEST_CASE_METHOD(OnPipeWire, "pipewire: as ALSA's default device it plays on whe
                  "[cards]") {
   if (!test::PipeWire::has_alsa()) test::skip("this build has no ALSA");
   for (const std::string backend : {"rtaudio", "portaudio"}) {
+    if (!test::has_backend(backend)) continue;
     CAPTURE(backend);
     server.force_rate(48000);
     Playing play{{tone, "--device", backend + ":alsa:default", "--arm", "--json", "--duration", "5 s"}};
