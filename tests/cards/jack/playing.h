@@ -31,12 +31,20 @@ class Playing {
   void press(const std::string& key) { REQUIRE(process_.type(key)); }
   /// Presses a twice, at a distance that arms; again where a busy machine made it too long. Until `answer`.
   void arm(const std::string& answer = "drives armed") {
-    for (std::size_t seen = answers(answer); process_.log().find(answer) == std::string::npos;) {
+    const auto answers = [&] { return count(answer) + count("press a again"); };
+    for (const auto before = count(answer); count(answer) == before;) {
+      const auto seen = answers();
       press("a");
-      REQUIRE(wait_until([&] { return answers(answer) > seen; }));
-      seen = answers(answer);
+      REQUIRE(wait_until([&] { return answers() > seen; }));
       std::this_thread::sleep_for(150ms);  // part of what is pressed
     }
+  }
+  /// How often it has printed this.
+  int count(const std::string& words) const {
+    const auto log = process_.log();
+    int found = 0;
+    for (auto at = log.find(words); at != std::string::npos; at = log.find(words, at + 1)) ++found;
+    return found;
   }
   /// Waits until it prints this.
   bool says(const std::string& words) {
@@ -52,14 +60,6 @@ class Playing {
   ChildProcess& process() { return process_; }
 
  private:
-  /// To presses of a.
-  std::size_t answers(const std::string& answer) const {
-    const auto log = process_.log();
-    std::size_t count = log.find(answer) == std::string::npos ? 0 : 1;
-    for (auto at = log.find("press a again"); at != std::string::npos; at = log.find("press a again", at + 1))
-      ++count;
-    return count;
-  }
   static constexpr auto Logged = ChildProcess::Stdout::Logged;
   static std::vector<std::string> command(std::vector<std::string> program,
                                           const std::vector<std::string>& arguments) {
