@@ -78,13 +78,13 @@ std::string alsa_user(int card, int device, bool inputs, const fs::path& root) {
   const auto pcm = root / "proc/asound" / ("card" + std::to_string(card)) /
                    ("pcm" + std::to_string(device) + (inputs ? "c" : "p"));
   std::string user;
-  std::error_code missing;
-  for (const auto& substream : fs::directory_iterator(pcm, missing)) {
-    if (!substream.path().filename().string().starts_with("sub")) continue;
-    user = substream_user(substream.path() / "status", root);
+  for (int number = 0;; ++number) {
+    const auto status = pcm / ("sub" + std::to_string(number)) / "status";
+    std::error_code missing;  // the card may go while it is looked at
+    if (!fs::exists(status, missing)) return user;
+    user = substream_user(status, root);
     if (user.empty()) return {};
   }
-  return user;
 }
 
 Error with_alsa_users(Error error, const fs::path& root) {

@@ -128,7 +128,8 @@ Result<Device> device_with_id(const std::vector<Device>& devices, const std::str
   };
   if (const auto found = std::find_if(devices.begin(), devices.end(), chosen); found != devices.end())
     return *found;
-  if (!id.empty() && !hardware.empty()) return device_with_id(devices, with_hardware(id, hardware));
+  if (!id.empty() && !hardware.empty() && !id.ends_with(with_hardware("", hardware)))
+    return device_with_id(devices, with_hardware(id, hardware));
   return fail(Errc::UnknownName, "",
               id.empty() ? "there is no default device" : "there is no device '" + id + "'", remedy);
 }

@@ -21,8 +21,10 @@ int times(const char* variable, int usual) {
 
 /// Until it has printed this `many` times.
 bool says(Playing& play, const std::string& words, int many) {
-  return wait_until([&] { return play.count(words) >= many || !play.process().running(); }, kPatience) &&
-         play.count(words) == many;
+  const bool said =
+      wait_until([&] { return play.count(words) >= many || !play.process().running(); }, kPatience);
+  if (const auto code = play.process().wait(std::chrono::milliseconds{0})) WARN("it ended with " << *code);
+  return said && play.count(words) == many;
 }
 
 }  // namespace
@@ -33,31 +35,31 @@ TEST_CASE(
   const CableCard card;
   const test::TemporaryFolder folder;
   const auto tone = folder.write("tone.toml", test::constant("0.2")).string();
-  for (const auto& way : alsa_ways()) {
-    const auto backend = way.backend();
-    const auto request = card.request(*backend, 48000, 2048);
-    Playing play{{tone, "--device", request.device, "--input-device", request.input_device, "--block", "2048",
-                  "--arm", "--json"}};
-    REQUIRE(says(play, "delay ", 1));
-    const int pulls = times("TACTUS_PULLS", 3);
-    for (int turn = 1; turn <= pulls; ++turn) {
-      CAPTURE(way.name, turn, play.log());
-      card.pull();
-      REQUIRE(says(play, "disconnected", turn));
-      card.plug();
-      REQUIRE(says(play, "reconnected after", turn));
-      // On a slow machine it may have been away for more than 10 s.
-      CHECK(wait_until([&] { return play.count("away for more than") == play.count("drives disarmed:"); }));
-      if (play.count("drives disarmed:") > play.count("drives armed")) play.arm();
-      if (turn % 10 == 0 || turn == pulls)
-        WARN(way.name << ": " << turn << " pulls, " << play.count("drives disarmed:")
-                      << " of them for more than 10 s");
+  for (const auto& way : alsa_ways()) DYNAMIC_SECTION(way.name) {
+      const auto backend = way.backend();
+      const auto request = card.request(*backend, 48000, 2048);
+      Playing play{{tone, "--device", request.device, "--input-device", request.input_device, "--block",
+                    "2048", "--arm", "--json"}};
+      REQUIRE(says(play, "delay ", 1));
+      const int pulls = times("TACTUS_PULLS", 3);
+      for (int turn = 1; turn <= pulls; ++turn) {
+        CAPTURE(way.name, turn, play.log());
+        card.pull();
+        REQUIRE(says(play, "disconnected", turn));
+        card.plug();
+        REQUIRE(says(play, "reconnected after", turn));
+        // On a slow machine it may have been away for more than 10 s.
+        CHECK(wait_until([&] { return play.count("away for more than") == play.count("drives disarmed:"); }));
+        if (play.count("drives disarmed:") > play.count("drives armed")) play.arm();
+        if (turn % 10 == 0 || turn == pulls)
+          WARN(way.name << ": " << turn << " pulls, " << play.count("drives disarmed:")
+                        << " of them for more than 10 s");
+      }
+      play.press("q");
+      CHECK(play.ends() == 0);
+      const auto report = play.report();
+      INFO(play.log());
+      REQUIRE(report.is_object());
+      CHECK(report["highest_input"]["heard"].get<double>() > 0.19);
     }
-    play.press("q");
-    CHECK(play.ends() == 0);
-    const auto report = play.report();
-    INFO(play.log());
-    REQUIRE(report.is_object());
-    CHECK(report["highest_input"]["heard"].get<double>() > 0.19);
-  }
 }
