@@ -334,7 +334,10 @@ Result<Devices> rtaudio_devices(const std::string& text) {
   Devices devices;
   std::string silent;
   for (const auto api : apis) {
-    const auto found = result_with_timeout([api] { return probe(api); });
+    // ALSA opens every device; servers answer at once or never.
+    const auto found = result_with_timeout([api] { return probe(api); },
+                                           api == RtAudio::LINUX_ALSA ? kListingPatience : kPatience,
+                                           "RtAudio is still looking for devices; this may take 30 s");
     if (!found) {
       silent = RtAudio::getApiDisplayName(api);
       continue;
