@@ -45,7 +45,7 @@ TEST_CASE(
       for (int turn = 1; turn <= pulls; ++turn) {
         CAPTURE(way.name, turn, play.log());
         card.pull();
-        REQUIRE(says(play, "disconnected", turn));
+        REQUIRE(says(play, "disconnected; outputs", turn));
         card.plug();
         REQUIRE(says(play, "reconnected after", turn));
         // On a slow machine it may have been away for more than 10 s.
