@@ -9,8 +9,8 @@
 
 namespace tactus::test {
 
-/// A real PipeWire server with its session manager and one virtual device, "cable": a null sink, whose monitor
-/// gives out what was played. It runs in a folder of its own: no other server of the user is touched.
+/// A real PipeWire server with its session manager and one virtual device, "cable": a null sink, whose
+/// monitor gives out what was played. It runs in a folder of its own: no other server of the user is touched.
 /// From its beginning to its end, this process and those that it begins use this server, over JACK's
 /// interface if they are begun by `over_jack`, and as ALSA's default device.
 class PipeWire {

@@ -104,6 +104,6 @@ TEST_CASE_METHOD(OnPipeWire, "pipewire: as ALSA's default device it plays on whe
     REQUIRE(test::wait_until([&] { return devices().find("96 kHz") != std::string::npos; }));
     CHECK(play.ends() == 0);
     CHECK(play.log().find("disconnected") == std::string::npos);
-    CHECK(heard(play) > 0.19);
+    CHECK(heard(play) > 0.1);  // the guard lowers what is constant
   }
 }
