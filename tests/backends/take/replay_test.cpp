@@ -105,7 +105,7 @@ TEST_CASE("takes: one of format 1 plays to its end, and is input times control t
   for (int n = 0; n < 5000; ++n) {
     x.push_back((n * 37 % 2001 - 1000) / 1024.0);
     const double before_guard = (n < 1500 ? 0.5 : 0.25) * (0.5 * x.back());
-    y.push_back(double{as_recorded(before_guard * old_gain(n))});
+    y.push_back(static_cast<double>(as_recorded(before_guard * old_gain(n))));
   }
   const TemporaryFolder folder;
   const auto wav = folder.path() / "old.wav";

@@ -24,8 +24,15 @@ Matrix product(const Matrix& a, const Matrix& b) {
   return c;
 }
 
+Matrix matrix(const double (&rows)[4][4]) {
+  Matrix all{};
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = 0; j < 4; ++j) all[i][j] = static_cast<long double>(rows[i][j]);
+  return all;
+}
+
 /// exp(A t): the series for t / 2^20, squared twenty times.
-Matrix exponential(Matrix a, double t) {
+Matrix exponential(Matrix a, long double t) {
   for (auto& row : a)
     for (auto& x : row) x *= t / 1048576.0L;
   Matrix sum{}, term{};
@@ -50,13 +57,13 @@ TEST_CASE("exact: the step of a woofer is that of its matrix exponential", "[phy
   elements.coils = {{0, -1, bl, re, l, {0, {}}}};
   const auto network = Network::make(elements, 1, 48_kHz, Solver::Exact, 1).value();
   auto state = network.initial_state();
-  const Matrix rates{
-      {{0, 1, 0, 0}, {-k / m, -r / m, bl / m, 0}, {0, -bl / l, -re / l, volt / l}, {0, 0, 0, 0}}};
+  const auto rates =
+      matrix({{0, 1, 0, 0}, {-k / m, -r / m, bl / m, 0}, {0, -bl / l, -re / l, volt / l}, {0, 0, 0, 0}});
   const double scale = bl * volt / re / k;  // where the cone comes to rest
   for (int n = 1; n <= 4800; ++n) {
     network.step(state, &volt);
     if (n % 480 != 0) continue;
-    const auto power = exponential(rates, n / 48e3);
+    const auto power = exponential(rates, n / 48e3L);
     const auto expected = [&](std::size_t i) { return static_cast<double>(power[i][3]); };
     CHECK(network.position(state, 0) == Approx(expected(0)).margin(1e-9 * scale).epsilon(0));
     CHECK(network.velocity(state, 0) == Approx(expected(1)).margin(1e-9).epsilon(0));
