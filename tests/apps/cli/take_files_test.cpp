@@ -1,13 +1,13 @@
 #include "apps/cli/take_files.h"
 
+#include <sys/stat.h>
+
 #include <catch2/catch.hpp>
 
 #include "backends/wav_file.h"
 #include "tests/support/desk.h"
 #include "tests/support/error_summary.h"
 #include "tests/support/temporary_folder.h"
-
-#include <sys/stat.h>
 
 using namespace tactus;
 namespace fs = std::filesystem;

@@ -1,12 +1,11 @@
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 
 #include "apps/play/play_report.h"
 #include "engine/scene/measures/measure.h"
 #include "tests/support/temporary_folder.h"
-
-#include <cstdlib>
 
 using namespace tactus;
 using namespace tactus::app;

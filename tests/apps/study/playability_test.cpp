@@ -1,12 +1,10 @@
 #include <catch2/catch.hpp>
-
-#include "apps/study/study.h"
-
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
+#include "apps/study/study.h"
 #include "tests/support/child_process.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/wait_until.h"
