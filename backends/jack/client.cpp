@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <utility>
 
 #include "engine/core/index.h"
 
@@ -28,18 +29,23 @@ tl::unexpected<Error> no_answer() {
 
 Result<std::shared_ptr<Client>> Client::open(const std::string& name) {
   silence_library_logs();
+  auto hold = JackClientHold::acquire();
+  if (!hold)
+    return fail(Errc::Device, "", "MIDI or another part of the program still uses the JACK server that ended",
+                "wait a moment");
   jack_status_t status{};
   jack_client_t* handle = jack_client_open(name.c_str(), JackNoStartServer, &status);
   if (handle == nullptr)
     return fail(Errc::Device, "", why(status), "start one, as in: jackd -d alsa -d hw:0 -r 48000 -p 64");
-  return std::shared_ptr<Client>(new Client(handle),
+  return std::shared_ptr<Client>(new Client(handle, std::move(hold)),
                                  [](Client* client) { call_with_timeout([client] { delete client; }); });
 }
 
-Client::Client(jack_client_t* opened)
+Client::Client(jack_client_t* opened, std::unique_ptr<JackClientHold> hold)
     : handle(opened),
       sample_rate(static_cast<int>(jack_get_sample_rate(opened))),
-      block_frames(static_cast<int>(jack_get_buffer_size(opened))) {
+      block_frames(static_cast<int>(jack_get_buffer_size(opened))),
+      hold_(std::move(hold)) {
   set_callbacks();
 }
 
@@ -66,7 +72,12 @@ void Client::set_callbacks() {
       },
       this);
   jack_on_info_shutdown(
-      handle, [](jack_status_t, const char*, void* self) { client(self).lost = true; }, this);
+      handle,
+      [](jack_status_t, const char*, void* self) {
+        note_jack_server_death();
+        client(self).lost = true;
+      },
+      this);
 }
 
 Status Client::add_ports(int inputs, int outputs) {

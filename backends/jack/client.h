@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "backends/card_callback.h"
+#include "backends/jack_clients.h"
 #include "backends/library_calls.h"
 
 // As JACK's own headers name them.
@@ -71,7 +72,7 @@ class Client {
   std::atomic<int> rewirings{0};  ///< how often wires were connected or disconnected
 
  private:
-  explicit Client(_jack_client* opened);
+  Client(_jack_client* opened, std::unique_ptr<JackClientHold> hold);
   static Client& client(void* self) { return *static_cast<Client*>(self); }
   void set_callbacks();
   Names connections_of(const std::string& port) const;
@@ -82,6 +83,7 @@ class Client {
   void process(int frames) noexcept;
   void note_lost_frames(int frames) noexcept;
 
+  const std::unique_ptr<JackClientHold> hold_;
   std::vector<_jack_port*> inputs_, outputs_;
   std::vector<const float*> in_;
   std::vector<float*> out_;

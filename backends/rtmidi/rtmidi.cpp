@@ -8,6 +8,7 @@
 #include <thread>
 #include <utility>
 
+#include "backends/jack_clients.h"
 #include "backends/library_calls.h"
 #include "backends/midi.h"
 #include "engine/core/spsc_queue.h"
@@ -66,8 +67,9 @@ class Worker final : public MidiInputs {
     for (int checks = 0;; ++checks) {
       try {
         const bool retry = checks % kChecksPerRetry == 0;
+        if (hold_ != nullptr && jack_clients_must_close()) close();
         if (scout_ != nullptr && retry && server_died()) close();
-        if (scout_ == nullptr && retry) scout_ = make_client();
+        if (scout_ == nullptr && retry) open_scout();
         if (scout_ != nullptr) update_ports();
       } catch (const std::exception& error) {
         scout_.reset();
@@ -131,9 +133,15 @@ class Worker final : public MidiInputs {
     return failed;
   }
 
+  void open_scout() {
+    if (api_ == "jack" && hold_ == nullptr) hold_ = JackClientHold::acquire();
+    if (api_ != "jack" || hold_ != nullptr) scout_ = make_client();
+  }
+
   void close() {
     close_missing({});
     scout_.reset();
+    hold_.reset();
   }
 
   void update_ports() {
@@ -195,6 +203,7 @@ class Worker final : public MidiInputs {
 
   const std::string api_;
   const std::chrono::milliseconds interval_;
+  std::unique_ptr<JackClientHold> hold_;
   std::unique_ptr<RtMidiIn> scout_;  ///< only looks
   std::string reported_error_;
   std::mutex mutex_;  ///< of what follows; never held while the library is called

@@ -1,5 +1,6 @@
 #include <jack/jack.h>
 #include <jack/midiport.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -9,6 +10,8 @@
 
 #include "backends/midi.h"
 #include "engine/core/spsc_queue.h"
+#include "tests/cards/watched_stream.h"
+#include "tests/cards/ways.h"
 #include "tests/support/skip.h"
 #include "tests/support/sound_server.h"
 #include "tests/support/wait_until.h"
@@ -150,6 +153,29 @@ TEST_CASE("rtmidi: lives on when its server is killed, and hears again when ther
   keyboard = std::make_unique<Keyboard>("tactus_keys");
   REQUIRE(opens(*inputs, "jack:tactus_keys:keys"));
   CHECK(arrives(*inputs, *keyboard));
+}
+
+// JACK's library deletes all other clients of the process when one is opened after a death.
+TEST_CASE("rtmidi: beside a stream over JACK, both come back when their server was killed", "[cards]") {
+  const auto server = test::start_sound_server();
+  const auto inputs = jack_inputs();
+  StreamRequest request;
+  request.device = "jack:system";
+  request.in_channels = request.out_channels = 1;
+  request.client_name = "tactus-" + std::to_string(::getpid());
+  test::WatchedStream watched{test::backend_named("jack"), request, 4800, 30s};
+  for (int time = 1; time <= 5; ++time) {
+    server->kill();
+    REQUIRE(watched.until(StreamState::Lost));
+    server->restart();
+    REQUIRE(watched.comes_back(time));
+    {
+      Keyboard keyboard{"tactus_keys"};
+      REQUIRE(opens(*inputs, "jack:tactus_keys:keys"));
+      CHECK(arrives(*inputs, keyboard));
+    }
+    REQUIRE(closes(*inputs));
+  }
 }
 
 TEST_CASE("rtmidi: a server that hangs holds up nobody, not even the end", "[cards]") {

@@ -1,0 +1,29 @@
+#pragma once
+// Thread: [any]
+
+#include <memory>
+
+namespace tactus {
+
+/// JACK's library deletes all clients of the process when one is opened after their server died (1.9.21,
+/// JackLibGlobals::Init), whoever still uses them. So every part of the program that opens clients holds this
+/// from before it opens one until its last one is closed, and after a death nothing is opened before all that
+/// was open is closed.
+class JackClientHold {
+ public:
+  /// Empty: clients of a server that died are still open; try again later.
+  static std::unique_ptr<JackClientHold> acquire();
+  ~JackClientHold();
+  JackClientHold(const JackClientHold&) = delete;
+  JackClientHold& operator=(const JackClientHold&) = delete;
+
+ private:
+  JackClientHold() = default;
+};
+
+/// The server of the clients that are open now died.
+void note_jack_server_death();
+/// It did: whoever has clients open closes them now.
+bool jack_clients_must_close();
+
+}  // namespace tactus
