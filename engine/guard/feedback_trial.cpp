@@ -28,7 +28,7 @@ FeedbackTrial::Verdict FeedbackTrial::end_group(bool limited) noexcept {
   if (!active()) return Verdict::None;
   ++steps_;
   const auto verdict = step(level(), limited);
-  if (verdict != Verdict::None) go(State::Idle);
+  if (verdict == Verdict::Outside) go(State::Idle);  // a loop stays silent until it is forgotten
   return verdict;
 }
 
