@@ -133,7 +133,7 @@ double DriveGuard::shape(double sample, double& wanted, std::int64_t frame, int 
   }
   feedback_.observe(sample, steep, position);
   last_allowed_ = y;
-  if (probing) y = within(feedback_.gain_at(position) * allowed, last_);
+  if (probing) y = within(scaled(allowed, feedback_.gain_at(position), GuardStage::Feedback), last_);
   if (excursion_) excursion_->record(y, position);
   return last_ = y;
 }

@@ -27,9 +27,9 @@ struct StageCount {
 
 /// Indices of GuardCounts.
 struct GuardStage {
-  enum Index : std::size_t { NonFinite, Heat, Dc, Excursion, Ceiling, Slew };
+  enum Index : std::size_t { NonFinite, Heat, Dc, Excursion, Ceiling, Slew, Feedback };
 };
-inline constexpr std::size_t kGuardStages = 6;
+inline constexpr std::size_t kGuardStages = 7;
 
 /// All stages of the guard of one channel.
 using GuardCounts = std::array<StageCount, kGuardStages>;

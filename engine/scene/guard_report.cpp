@@ -15,15 +15,17 @@ struct NamedText {
   const char* text;  ///< of an event; "{}" is its time
 };
 struct StageText : NamedText {
-  const char* limit;  ///< for --raise-limit; empty: there is none
+  const char* limit;   ///< for --raise-limit; empty: there is none
+  const char* remedy;  ///< if there is none
 };
 constexpr std::array<StageText, kGuardStages> kStages = {{
-    {"nonfinite", "non-finite values were replaced", ""},
-    {"heat", "the heat limit attenuated it", "power"},
-    {"direct", "the DC limit attenuated it", "direct_level"},
-    {"travel", "the excursion limit attenuated it", "travel"},
-    {"ceiling", "the ceiling clipped it", "ceiling"},
-    {"slew", "the slew rate limit smoothed it", "slew"},
+    {"nonfinite", "non-finite values were replaced", "", "find the node that produces them"},
+    {"heat", "the heat limit attenuated it", "power", ""},
+    {"direct", "the DC limit attenuated it", "direct_level", ""},
+    {"travel", "the excursion limit attenuated it", "travel", ""},
+    {"ceiling", "the ceiling clipped it", "ceiling", ""},
+    {"slew", "the slew rate limit smoothed it", "slew", ""},
+    {"feedback", "the feedback test silenced or lowered it", "", "lower its level"},
 }};
 
 constexpr std::array<NamedText, 5> kEvents = {{
@@ -47,7 +49,7 @@ constexpr std::array<NamedText, 5> kEvents = {{
 std::string remedy_of(const GuardedOutput& output, std::size_t stage, bool fed_back) {
   const std::string limit = kStages[stage].limit;
   if (fed_back) return "";
-  if (limit.empty()) return "; find the node that produces them";
+  if (limit.empty()) return std::string{"; "} + kStages[stage].remedy;
   const auto origin = std::ranges::find(output.limits, limit, &LimitOrigin::limit);
   if (origin == output.limits.end()) return "; lower its level";
   return fmt::format("; the limit is from {}; --raise-limit {}.{}=… would allow more", origin->source,
