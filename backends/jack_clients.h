@@ -2,6 +2,9 @@
 // Thread: [any]
 
 #include <memory>
+#include <string>
+
+struct _jack_client;
 
 namespace tactus {
 
@@ -13,12 +16,16 @@ class JackClientHold {
  public:
   /// Empty: clients of a server that died are still open; try again later.
   static std::unique_ptr<JackClientHold> acquire();
+  /// For clients that do not report the death of their server, as those of RtMidi: an inactive client `name`
+  /// reports it. Empty besides: no server answers.
+  static std::unique_ptr<JackClientHold> acquire_watched(const std::string& name);
   ~JackClientHold();
   JackClientHold(const JackClientHold&) = delete;
   JackClientHold& operator=(const JackClientHold&) = delete;
 
  private:
   JackClientHold() = default;
+  _jack_client* watch_ = nullptr;
 };
 
 /// The server of the clients that are open now died.

@@ -52,10 +52,7 @@ struct OpenPort {
 };
 
 // Without one, the library prints what it thinks.
-void note_error(RtMidiError::Type type, const std::string&, void* failed) {
-  const bool grave = type != RtMidiError::WARNING && type != RtMidiError::DEBUG_WARNING;
-  if (failed != nullptr && grave) *static_cast<bool*>(failed) = true;
-}
+void ignore_error(RtMidiError::Type, const std::string&, void*) {}
 
 /// Looks for ports and keeps them open, on its own thread; the control thread asks it for what came. Whoever
 /// of the two lives longer keeps it.
@@ -68,7 +65,6 @@ class Worker final : public MidiInputs {
       try {
         const bool retry = checks % kChecksPerRetry == 0;
         if (hold_ != nullptr && jack_clients_must_close()) close();
-        if (scout_ != nullptr && retry && server_died()) close();
         if (scout_ == nullptr && retry) open_scout();
         if (scout_ != nullptr) update_ports();
       } catch (const std::exception& error) {
@@ -118,23 +114,12 @@ class Worker final : public MidiInputs {
     if (api == RtMidi::UNSPECIFIED && !api_.empty())
       throw RtMidiError("this program was built without the MIDI backend '" + api_ + "'");
     auto client = std::make_unique<RtMidiIn>(api, "tactus_midi");
-    client->setErrorCallback(note_error);
+    client->setErrorCallback(ignore_error);
     return client;
   }
 
-  /// A client of a JACK server that died sees its last ports for ever; only a request to the server fails.
-  bool server_died() {
-    if (scout_->getCurrentApi() != RtMidi::UNIX_JACK) return false;
-    bool failed = false;
-    scout_->setErrorCallback(note_error, &failed);
-    scout_->openVirtualPort("check that the server is running");
-    scout_->closePort();
-    scout_->setErrorCallback(note_error);
-    return failed;
-  }
-
   void open_scout() {
-    if (api_ == "jack" && hold_ == nullptr) hold_ = JackClientHold::acquire();
+    if (api_ == "jack" && hold_ == nullptr) hold_ = JackClientHold::acquire_watched("tactus_midi_watch");
     if (api_ != "jack" || hold_ != nullptr) scout_ = make_client();
   }
 
