@@ -7,6 +7,7 @@
 
 #include "apps/cli/console.h"
 #include "apps/cli/json.h"
+#include "apps/cli/rig_files.h"
 #include "engine/core/decibels.h"
 #include "engine/core/index.h"
 #include "engine/graph/file/read_graph.h"
@@ -252,7 +253,7 @@ std::string choose_delay(const CheckOptions& options, CheckJob& job) {
     return "delay of the scene";
   }
   if (!options.rig.empty()) {
-    const auto rig = or_exit(load_rig(options.rig, root_of(options.rig)), kBadFile);
+    const auto rig = open_rig(options.rig);
     if (!rig.measured_delay)
       exit_with(
           {Errc::Missing, options.rig, "this rig has no measured delay",

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "apps/cli/rig_files.h"
 #include "apps/cli/stop_loop.h"
 #include "apps/latency/latency.h"
 #include "engine/core/decibels.h"
@@ -12,8 +13,6 @@
 
 namespace tactus::app {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// Options that the rig sets and the command line may not override.
 void check_against_rig(const LoopOptions& options) {
@@ -26,19 +25,6 @@ void check_against_rig(const LoopOptions& options) {
     if (given)
       exit_with({Errc::BadArgument, option, "cannot be combined with --rig, which sets it",
                  "change the rig file: its measured delay is valid for its own settings only"});
-}
-
-/// The folder with the profiles that a rig names: the instruments beside it, or beside the current folder.
-fs::path profiles_near(const fs::path& rig_file) {
-  std::error_code ignored;
-  const auto beside = fs::absolute(rig_file, ignored).parent_path();
-  for (const auto& start : {beside, fs::current_path(ignored)})
-    for (auto folder = start;; folder = folder.parent_path()) {
-      for (const auto& root : {folder, folder / "instruments"})
-        if (fs::is_directory(root / "profiles", ignored)) return root;
-      if (!folder.has_relative_path()) break;
-    }
-  return beside;
 }
 
 template <class Ports>
@@ -134,7 +120,7 @@ Loop make_loop(const LoopOptions& options) {
   settings.probes = options.probes;
   if (!options.rig.empty()) {
     check_against_rig(options);
-    loop.rig = or_exit(load_rig(options.rig, profiles_near(options.rig)), kBadFile);
+    loop.rig = open_rig(options.rig);
   }
   const auto device = loop.rig ? loop.rig->device : Rig::Device{};
   loop.devices = choose_devices(options, device);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "apps/cli/console.h"
+#include "apps/cli/rig_files.h"
 #include "engine/core/decibels.h"
 #include "engine/core/index.h"
 #include "engine/nodes/table.h"
@@ -65,17 +66,17 @@ void write_sound(const std::string& path, const Signals& signals, Hertz rate,
   written.push_back(path + "  " + named(signals));
 }
 
-DriveLimits limits_of(const GuardOptions& options, const std::filesystem::path& root) {
+LimitSource profile_of(const GuardOptions& options) {
   if (options.profile.empty() || options.volts.empty())
     exit_with({Errc::BadArgument, options.profile.empty() ? "--volts-per-full-scale" : "--profile",
                "the profile and the voltage at full scale must be given together",
                "give both, as in --profile woofer --volts-per-full-scale 8"});
   const double volts = parse_option(options.volts, "V", "volts-per-full-scale", 1e-3, 1000);
-  const auto limits =
-      limits_for(or_exit(load_profile(or_exit(find_profile(options.profile, root, "--profile")))), volts);
+  const auto file = or_exit(find_profile(options.profile, option_profile_folders(), "--profile"));
+  const auto limits = limits_for(or_exit(load_profile(file)), volts);
   if (const auto status = check(limits); !status)
     exit_with({Errc::BadArgument, "--profile", status.error().what, status.error().remedy});
-  return limits;
+  return {LimitSource::Kind::Profile, "--profile " + options.profile + " (" + file.string() + ")", limits};
 }
 
 /// "woofer.ceiling=0.8" or "ceiling=0.8"
@@ -94,10 +95,8 @@ Json limit_json(const LimitOrigin& limit) {
 
 }  // namespace
 
-LimitBook apply(const GuardOptions& options, LimitBook limits, const std::filesystem::path& root) {
-  if (!options.profile.empty() || !options.volts.empty())
-    limits.drives.push_back(
-        {LimitSource::Kind::Profile, "--profile " + options.profile, limits_of(options, root)});
+LimitBook apply(const GuardOptions& options, LimitBook limits) {
+  if (!options.profile.empty() || !options.volts.empty()) limits.drives.push_back(profile_of(options));
   for (const auto& text : options.raise) limits.raises.push_back(parse_raise(text));
   return limits;
 }
@@ -189,7 +188,7 @@ PlayedScene play_file(const std::filesystem::path& file, const PlayerOptions& op
     for (const auto& [name, value] : *compared) changes.set[name] = value;
   if (!options.delay.empty()) changes.delay = parse_delay(options.delay);
   if (!options.rate.empty()) changes.rate = parse_rate(options.rate);
-  scene.drives = apply(options.guard, std::move(scene.drives), root_of(file));
+  scene.drives = apply(options.guard, std::move(scene.drives));
   auto built = or_exit(build_scene(loaded, standard_nodes(), changes));
   if (first) announce_raises(scene.drives, built.instrument->plan());
   const auto* instrument = scene.part("instrument");

@@ -25,8 +25,8 @@ struct GuardOptions {
   std::vector<std::string> raise;  ///< LIMIT=VALUE, OUTPUT.LIMIT=VALUE
 };
 
-/// `limits` with those of the command line. `root`: the folder with the profiles. Throws a CommandError.
-LimitBook apply(const GuardOptions& options, LimitBook limits, const std::filesystem::path& root);
+/// `limits` with those of the command line. Throws a CommandError.
+LimitBook apply(const GuardOptions& options, LimitBook limits);
 /// Warns on stderr of every limit that was raised. Throws a CommandError for a raise without effect.
 void announce_raises(const LimitBook& limits, const Plan& plan);
 

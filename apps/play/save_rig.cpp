@@ -65,7 +65,7 @@ UseAnswer take_volts(double least, const char* least_text, const std::string& ex
 struct Interview {
   Rig& rig;
   int device_inputs, device_outputs;
-  const fs::path& root;
+  const ProfilePlaces& profiles;
   const Dialog& dialog;
 
   void ask_input(const PortSpec& port) {
@@ -90,7 +90,8 @@ struct Interview {
         [&](const std::string& text) { return take_channels(text, output, device_outputs, false); });
     if (audio || output.channels.empty()) return;
     ask("What does '" + port.name +
-            "' drive? woofer, bass_shaker, tactor_lra, …, or a file; unknown: conservative limits",
+            "' drive? woofer, bass_shaker, tactor_lra, …, or a file beside the rig; unknown: conservative "
+            "limits",
         "unknown", [&](const std::string& text) { return take_profile(text, output); });
     // There is no conservative guess: too few volts would allow too much.
     if (output.has_actuator())
@@ -173,7 +174,7 @@ struct Interview {
 
   void take_profile(const std::string& text, RigOutput& output) {
     if (text == "unknown" || text == kNone) return;
-    or_exit(load_profile(or_exit(find_profile(text, root, ""))));
+    or_exit(load_profile(or_exit(find_profile_of_file(text, profiles, {}))));
     output.drive.profile = text;
   }
 };
@@ -181,11 +182,11 @@ struct Interview {
 }  // namespace
 
 Rig ask_for_rig(const GraphSpec& instrument, Rig::Device device, int device_inputs, int device_outputs,
-                const fs::path& root, const Dialog& dialog) {
+                const ProfilePlaces& profiles, const Dialog& dialog) {
   Rig rig;
   rig.name = instrument.name;
   rig.device = std::move(device);
-  Interview interview{rig, device_inputs, device_outputs, root, dialog};
+  Interview interview{rig, device_inputs, device_outputs, profiles, dialog};
   for (const auto& port : instrument.inputs) interview.ask_input(port);
   for (const auto& port : instrument.outputs) interview.ask_output(port);
   interview.ask_actuators();

@@ -155,7 +155,7 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
   compiling.controls = parse_settings(options.set);
   if (!options.delay.empty()) compiling.system_delay = parse_delay(options.delay);
   compiling.taps = event_taps(*loaded.spec, standard_nodes());
-  const auto limits = apply(options.guard, {}, root_of(file));
+  const auto limits = apply(options.guard, {});
   Player engine{or_exit(compile(loaded, standard_nodes(), compiling))};
   announce_raises(limits, engine.plan());
   const auto& name = loaded.spec->name;

@@ -193,7 +193,7 @@ int render_other(const RenderOptions& options, OpenTake& open) {
                                  .controls = parse_settings(options.set),
                                  .taps = {}}))};
   engine.set_journal(journal_for(open.take, engine));
-  const auto limits = apply(options.guard, recorded_limits(header), root_of(file));
+  const auto limits = apply(options.guard, recorded_limits(header));
   announce_raises(limits, engine.plan());
   const auto& inputs = engine.plan().input_names;
   const auto sensors = sensors_for(header, inputs);

@@ -39,29 +39,25 @@ Checked<ActuatorProfile> read(const Result<Value::Table>& table, const std::stri
   return profile;
 }
 
-std::vector<std::string> profiles_in(const std::filesystem::path& folder) {
-  std::vector<std::string> names;
+/// Profiles by their names; of two with one name the first.
+std::map<std::string, std::filesystem::path> profiles_in(const ProfileFolders& folders) {
+  std::map<std::string, std::filesystem::path> files;
   std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator{folder, error})
-    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
-  std::sort(names.begin(), names.end());
-  return names;
+  for (const auto& folder : folders)
+    for (const auto& entry : std::filesystem::directory_iterator{folder / "profiles", error})
+      if (entry.path().extension() == ".toml") files.emplace(entry.path().stem().string(), entry.path());
+  return files;
 }
 
-/// A path stays in the folders of its file, like that of a part.
-Result<std::filesystem::path> path_of(const std::string& text, const ProfilePlaces& places,
-                                      const Source& at) {
-  if (!text.ends_with(".toml")) return find_profile(text, places.named, at.text());
-  return find_part(text, places.folder, places.within, at).map([](const PartPath& path) {
-    return std::filesystem::path{path.name};
-  });
+std::string listed_folders(const ProfileFolders& folders) {
+  std::string text;
+  for (const auto& folder : folders) text += (text.empty() ? "'" : ", '") + folder.string() + "'";
+  return text;
 }
 
-std::optional<DriveLimits> read_limits(const DriveEntry& drive, const Source& entry_at, const Source& name_at,
-                                       const ProfilePlaces& places, ErrorList& errors) {
-  const auto file = path_of(drive.profile, places, name_at);
-  if (errors.keep(file) == nullptr) return std::nullopt;
-  const auto profile = load_profile(*file);
+/// Of the profile file of `drive`.
+std::optional<DriveLimits> read_limits(const DriveEntry& drive, const Source& entry_at, ErrorList& errors) {
+  const auto profile = load_profile(drive.profile_file);
   if (!profile) return errors.add(profile.error()), std::nullopt;
   const auto limits = limits_for(*profile, *drive.volts);
   if (const auto status = check(limits); !status)
@@ -122,15 +118,25 @@ Checked<ActuatorProfile> parse_profile(std::string_view text, const std::string&
   return read(parse_toml(text, file_name), file_name);
 }
 
-Result<std::filesystem::path> find_profile(const std::string& name, const std::filesystem::path& folder,
+Result<std::filesystem::path> find_profile(const std::string& name, const ProfileFolders& folders,
                                            const std::string& where) {
   if (name.ends_with(".toml")) return std::filesystem::path{name};
-  const auto names = profiles_in(folder / "profiles");
-  if (std::binary_search(names.begin(), names.end(), name)) return folder / "profiles" / (name + ".toml");
-  if (names.empty())
-    return fail(Errc::BadFile, where, "there is no profiles folder in '" + folder.string() + "'",
+  const auto files = profiles_in(folders);
+  if (const auto file = files.find(name); file != files.end()) return file->second;
+  if (files.empty())
+    return fail(Errc::BadFile, where, "there is no profiles folder in " + listed_folders(folders),
                 "give the profile's file, as in \"my_woofer.toml\"");
+  std::vector<std::string> names;
+  for (const auto& [known, file] : files) names.push_back(known);
   return fail(Errc::UnknownName, where, "there is no profile '" + name + "'", suggest(name, names));
+}
+
+Result<std::filesystem::path> find_profile_of_file(const std::string& text, const ProfilePlaces& places,
+                                                   const Source& at) {
+  if (!text.ends_with(".toml")) return find_profile(text, places.named, at.text());
+  return find_part(text, places.folder, places.within, at).map([](const PartPath& path) {
+    return std::filesystem::path{path.name};
+  });
 }
 
 DriveLimits limits_for(const ActuatorProfile& profile, double volts) {
@@ -171,7 +177,9 @@ std::vector<FieldType> actuator_fields() {
 std::vector<LimitSource> DriveEntry::sources() const {
   std::vector<LimitSource> sources;
   if (profile_limits)
-    sources.push_back({LimitSource::Kind::Profile, "profile '" + profile + "' of " + name, *profile_limits});
+    sources.push_back({LimitSource::Kind::Profile,
+                       "profile '" + profile + "' (" + profile_file.string() + ") of " + name,
+                       *profile_limits});
   if (ceiling) sources.push_back({LimitSource::Kind::Ceiling, name, DriveLimits{.ceiling = *ceiling}});
   return sources;
 }
@@ -180,8 +188,13 @@ DriveEntry read_drive(const EntrySpec& entry, const std::string& section, FieldR
                       const ProfilePlaces& places, ErrorList& errors) {
   DriveEntry drive{section + " " + entry.name, fields.text("profile"), fields.number("volts_per_full_scale"),
                    fields.number("ceiling"), fields.at("ceiling", entry.at)};
-  if (!drive.profile.empty() && drive.volts)
-    drive.profile_limits = read_limits(drive, entry.at, fields.value("profile")->at, places, errors);
+  if (!drive.profile.empty() && drive.volts) {
+    const auto file = find_profile_of_file(drive.profile, places, fields.value("profile")->at);
+    if (errors.keep(file) != nullptr) {
+      drive.profile_file = *file;
+      drive.profile_limits = read_limits(drive, entry.at, errors);
+    }
+  }
   if (drive.profile_limits && drive.ceiling && *drive.ceiling > drive.profile_limits->ceiling)
     report_raise(drive, drive.profile_limits->ceiling, errors);
   return drive;

@@ -28,20 +28,28 @@ const SectionType& profile_fields();
 Checked<ActuatorProfile> load_profile(const std::filesystem::path& file);
 Checked<ActuatorProfile> parse_profile(std::string_view text, const std::string& file_name);
 
-/// [control] What "woofer" means: profiles/woofer.toml in `folder`; a text that ends in .toml is the path of
-/// a file. Errors, at `where`: UnknownName with the nearest, BadFile.
-Result<std::filesystem::path> find_profile(const std::string& name, const std::filesystem::path& folder,
+/// Folders in whose folder "profiles" the name of a profile is looked up, in this order.
+using ProfileFolders = std::vector<std::filesystem::path>;
+
+/// [control] What "woofer" means: the first profiles/woofer.toml in `folders`; a text that ends in .toml is
+/// the path of a file. Errors, at `where`: UnknownName with the nearest, BadFile.
+Result<std::filesystem::path> find_profile(const std::string& name, const ProfileFolders& folders,
                                            const std::string& where);
 
 /// [any] The limits at a converter whose full scale puts `volts_per_full_scale` on the terminals.
 DriveLimits limits_for(const ActuatorProfile& profile, double volts_per_full_scale);
 
-/// The folders of the profiles of a file.
+/// The folders of the profiles that a file refers to.
 struct ProfilePlaces {
   std::filesystem::path folder;  ///< of the file: paths ("my_woofer.toml") start here
   std::filesystem::path within;  ///< and may not leave this
-  std::filesystem::path named;   ///< "woofer" is profiles/woofer.toml in here
+  ProfileFolders named;          ///< of names ("woofer")
 };
+
+/// [control] The file of a profile that a file refers to at `at`, by name or path. Errors: those of
+/// find_profile and find_part.
+Result<std::filesystem::path> find_profile_of_file(const std::string& text, const ProfilePlaces& places,
+                                                   const Source& at);
 
 /// What a file says of one actuator, as written:
 ///   { profile = "woofer", volts_per_full_scale = "10 V", ceiling = 0.8 }
@@ -51,6 +59,7 @@ struct DriveEntry {
   std::optional<double> volts = {};  ///< per full scale
   std::optional<double> ceiling = {};
   Source ceiling_at = {};
+  std::filesystem::path profile_file = {};         ///< of `profile`
   std::optional<DriveLimits> profile_limits = {};  ///< of `profile` at `volts`
 
   std::vector<LimitSource> sources() const;

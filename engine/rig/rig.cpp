@@ -18,8 +18,7 @@ constexpr int kMaxChannels = 1024;
 
 class RigReader {
  public:
-  RigReader(const std::filesystem::path& file, const std::filesystem::path& root)
-      : places_{file.parent_path(), file.parent_path(), root} {
+  RigReader(const std::filesystem::path& file, ProfilePlaces places) : places_(std::move(places)) {
     rig_.file = {std::make_shared<const std::string>(file.string()), 0, 0};
     errors_ = ErrorList{rig_.file};
   }
@@ -268,13 +267,12 @@ std::vector<LimitSource> Rig::limit_sources(int channel) const {
   return sources;
 }
 
-Checked<Rig> load_rig(const std::filesystem::path& file, const std::filesystem::path& root) {
-  return RigReader{file, root}.read(load_toml(file));
+Checked<Rig> load_rig(const std::filesystem::path& file, const ProfilePlaces& profiles) {
+  return RigReader{file, profiles}.read(load_toml(file));
 }
 
-Checked<Rig> parse_rig(std::string_view text, const std::string& file_name,
-                       const std::filesystem::path& root) {
-  return RigReader{file_name, root}.read(parse_toml(text, file_name));
+Checked<Rig> parse_rig(std::string_view text, const std::string& file_name, const ProfilePlaces& profiles) {
+  return RigReader{file_name, profiles}.read(parse_toml(text, file_name));
 }
 
 namespace {

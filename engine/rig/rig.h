@@ -93,10 +93,9 @@ struct Rig {
 const SectionType& rig_fields();
 
 /// [control] All errors that a rig has by itself, in file order; `check_rig` finds what does not fit an
-/// instrument. `root`: the folder with the profiles.
-Checked<Rig> load_rig(const std::filesystem::path& file, const std::filesystem::path& root);
-Checked<Rig> parse_rig(std::string_view text, const std::string& file_name,
-                       const std::filesystem::path& root);
+/// instrument.
+Checked<Rig> load_rig(const std::filesystem::path& file, const ProfilePlaces& profiles);
+Checked<Rig> parse_rig(std::string_view text, const std::string& file_name, const ProfilePlaces& profiles);
 
 /// [any] The text of a rig file, which reads back the same. Comments of a former one are not in it.
 std::string to_text(const Rig& rig);

@@ -207,7 +207,7 @@ void add_scenes(const fs::path& instruments, int frames, Subjects& subjects) {
 Subjects all_subjects(const fs::path& instruments, int frames) {
   Subjects subjects;
   add_scenes(instruments, frames, subjects);
-  const auto woofer = limits_for(must(load_profile(must(find_profile("woofer", instruments, {})))), 10);
+  const auto woofer = limits_for(must(load_profile(must(find_profile("woofer", {instruments}, {})))), 10);
   LimitBook drives;
   drives.drives = {{LimitSource::Kind::Profile, "woofer", woofer}};
   subjects.push_back(std::make_unique<GraphSubject>(drives, frames));

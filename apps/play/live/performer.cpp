@@ -67,7 +67,7 @@ class LiveInstrument final : public Performer {
     outputs = output_names(*plan);
     in_map = wiring_.in_map;
     out_map = wiring_.out_map;
-    auto limits = apply(setup_.guard, std::move(wiring_.limits), setup_.root);
+    auto limits = apply(setup_.guard, std::move(wiring_.limits));
     limits.sound_known = setup_.rig.has_value();
     announce_raises(limits, *plan);
     guards = guarded_channels(*plan, limits);
@@ -154,7 +154,7 @@ struct Read {
 Read read_scene(const PerformerSetup& setup) {
   auto loaded = load_scene_leniently(setup.file, setup.root);
   if (!loaded.scene) throw CommandError{std::move(loaded.errors)};
-  loaded.scene->drives = apply(setup.guard, std::move(loaded.scene->drives), setup.root);
+  loaded.scene->drives = apply(setup.guard, std::move(loaded.scene->drives));
   auto compiled = or_exit(
       compile_scene(loaded, standard_nodes(), {setup.delay, setup.rate, setup.controls, /*by_hand=*/true}));
   return {std::move(*loaded.scene), std::move(compiled)};

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "apps/cli/console.h"
+#include "apps/cli/rig_files.h"
 #include "apps/play/save_rig.h"
 #include "engine/core/decibels.h"
 #include "engine/core/named.h"
@@ -130,7 +131,7 @@ class Planner {
                "cannot be combined with a rig, which names the actuator of each channel",
                "change the rig file; to raise a limit, use --raise-limit");
     if (options_.rig.empty()) return;
-    plan_.rig = or_exit(load_rig(options_.rig, plan_.root), kBadFile);
+    plan_.rig = open_rig(options_.rig);
     device_ = plan_.rig->device;
     // The rig says which actuator is on which channel of which card: no option may override it.
     for (const auto& [given, option] :
@@ -153,14 +154,15 @@ class Planner {
                              request.sample_rate,
                              request.block_frames,
                              request.periods},
-                            devices.input.in_channels, devices.output.out_channels, plan_.root, dialog_);
+                            devices.input.in_channels, devices.output.out_channels,
+                            profile_places(plan_.rig_file), dialog_);
     save(options_.force);
   }
 
   void save(bool force) {
     or_exit(save_rig(*plan_.rig, plan_.rig_file, dialog_, force), kBadFile);
     fmt::print(stderr, "{} is written\n", plan_.rig_file);
-    plan_.rig = or_exit(load_rig(plan_.rig_file, plan_.root), kBadFile);  // with the limits of its profiles
+    plan_.rig = open_rig(plan_.rig_file);  // with the limits of its profiles
   }
 
   void learn() {

@@ -333,7 +333,7 @@ class SceneReader {
     scene_.drive_places[entry.name] = entry.at;
     if (entry.broken) return;
     FieldReader fields{entry, section_fields("drives"), errors_, "drive"};
-    const auto drive = read_drive(entry, "[drives]", fields, {folder_, root_, root_}, errors_);
+    const auto drive = read_drive(entry, "[drives]", fields, {folder_, root_, {root_}}, errors_);
     check_ceiling(drive, errors_);
     scene_.drives.named[entry.name] = drive.sources();
   }

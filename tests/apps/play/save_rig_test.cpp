@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "apps/cli/console.h"
+#include "apps/cli/rig_files.h"
 #include "engine/graph/file/load.h"
 #include "engine/rig/check_rig.h"
 #include "tests/support/error_summary.h"
@@ -19,6 +20,7 @@ using namespace tactus::app;
 namespace {
 
 const std::string kRoot{TACTUS_SOURCE_DIR "/instruments"};
+const ProfilePlaces kProfiles{{}, {}, {kRoot}};
 
 std::shared_ptr<const GraphSpec> drum() { return *load_graph(kRoot + "/haptic_drum/instrument.toml", kRoot); }
 
@@ -38,7 +40,7 @@ struct Talk {
 Talk talk(const std::string& answers, bool defaults = false, int outputs = 4) {
   std::istringstream in{answers};
   std::ostringstream out;
-  auto rig = ask_for_rig(*drum(), device(), 2, outputs, kRoot, {in, out, defaults});
+  auto rig = ask_for_rig(*drum(), device(), 2, outputs, kProfiles, {in, out, defaults});
   return {std::move(rig), out.str()};
 }
 
@@ -47,7 +49,7 @@ Talk talk(const std::string& answers, bool defaults = false, int outputs = 4) {
 TEST_CASE("save_rig: all defaults give a rig that fits, with conservative limits", "[rig]") {
   const auto asked = talk("", true);
   CHECK(asked.shown.empty());
-  const auto rig = parse_rig(to_text(asked.rig), "rig.toml", kRoot);
+  const auto rig = parse_rig(to_text(asked.rig), "rig.toml", kProfiles);
   REQUIRE(rig);
   CHECK(to_string(check_rig(*rig, *drum())).empty());
   CHECK(rig->inputs[0].channels == std::vector{1});
@@ -71,7 +73,7 @@ TEST_CASE("save_rig: answers become the rig, and nonsense is asked again", "[rig
       "3\n1\n"              // sound cannot share its channel
       "4\n");               // another actuator
   INFO(asked.shown);
-  const auto rig = parse_rig(to_text(asked.rig), "rig.toml", kRoot);
+  const auto rig = parse_rig(to_text(asked.rig), "rig.toml", kProfiles);
   REQUIRE(rig);
   CHECK(rig->inputs[0].channels == std::vector{2});
   CHECK(rig->inputs[0].scale() == Approx(20));
@@ -82,6 +84,22 @@ TEST_CASE("save_rig: answers become the rig, and nonsense is asked again", "[rig
   CHECK(rig->actuator_on(4) != nullptr);
   for (const auto* name : {"channel 7", "1 to 2", "'two'", "'woofer'", "channel 3"})
     CHECK(asked.shown.find(name) != std::string::npos);
+}
+
+TEST_CASE("save_rig: a profile's file is where the rig will look for it", "[rig]") {
+  const test::TemporaryFolder folder;
+  std::ifstream shipped{kRoot + "/profiles/woofer.toml"};
+  const std::string text{std::istreambuf_iterator<char>{shipped}, {}};
+  const auto in_desk = folder.write("desk/mine.toml", text), elsewhere = folder.write("mine2.toml", text);
+  std::istringstream in{"1\n1 V\n50 mV\n1\n" + elsewhere.string() +
+                        "\n../mine2.toml\nmine2.toml\nmine.toml\n10 V\n2\nnone\n"};
+  std::ostringstream out;
+  const auto file = folder.path() / "desk/rig.toml";
+  const auto rig = ask_for_rig(*drum(), device(), 2, 4, profile_places(file), {in, out, false});
+  INFO(out.str());
+  CHECK(rig.outputs[0].drive.profile == "mine.toml");
+  folder.write("desk/rig.toml", to_text(rig));
+  CHECK(open_rig(file).outputs[0].drive.profile_file == in_desk);
 }
 
 TEST_CASE("save_rig: the end of the input is an error that names the remedy", "[rig]") {
@@ -104,8 +122,8 @@ TEST_CASE("save_rig: a port in newtons is asked for its sensitivity in volts for
   const auto ask = [&](const std::string& answers) {
     std::istringstream in{answers};
     std::ostringstream out;
-    const auto rig = ask_for_rig(**graph, device(), 2, 1, kRoot, {in, out, answers.empty()});
-    CHECK(to_string(check_rig(*parse_rig(to_text(rig), "rig.toml", kRoot), **graph)).empty());
+    const auto rig = ask_for_rig(**graph, device(), 2, 1, kProfiles, {in, out, answers.empty()});
+    CHECK(to_string(check_rig(*parse_rig(to_text(rig), "rig.toml", kProfiles), **graph)).empty());
     return rig.inputs[0].scale();
   };
   CHECK(ask("1\n2 V\n50 mV/N\n1\n\n") == Approx(40));

@@ -24,7 +24,7 @@ y2 = { from = "tuned", kind = "audio" }
 
 DriveLimits woofer() {
   const std::filesystem::path folder{TACTUS_SOURCE_DIR "/instruments"};
-  return limits_for(must(load_profile(must(find_profile("woofer", folder, {})))), 10);
+  return limits_for(must(load_profile(must(find_profile("woofer", {folder}, {})))), 10);
 }
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {

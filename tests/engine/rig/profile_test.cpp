@@ -7,6 +7,7 @@
 #include "engine/nodes/table.h"
 #include "engine/scene/play_scene.h"
 #include "tests/support/error_summary.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace tactus;
 
@@ -111,10 +112,25 @@ TEST_CASE("profile: every shipped one can be read, says where its figures are fr
     for (const auto* key : {"source", "about"}) CHECK_FALSE(find(*written, key)->text()->empty());
     for (const double volts : {1.0, 5.0, profile->at("drive.peak"), 40.0})
       CHECK(check(limits_for(*profile, volts)));
-    CHECK(find_profile(file.path().stem().string(), kInstruments, "test"));
+    CHECK(find_profile(file.path().stem().string(), {kInstruments}, "test"));
   }
   CHECK(profiles == 7);
-  CHECK(test::summary(find_profile("wofer", kInstruments, "test")) == "test UnknownName 'wofer' 'woofer'");
+  CHECK(test::summary(find_profile("wofer", {kInstruments}, "test")) == "test UnknownName 'wofer' 'woofer'");
+}
+
+TEST_CASE("profile: a name means the first file of that name in the folders given", "[scene]") {
+  const test::TemporaryFolder folder;
+  folder.write("first/profiles/mine.toml", kActuator);
+  folder.write("first/profiles/woofer.toml", kActuator);
+  folder.write("second/profiles/mine.toml", kActuator);
+  folder.write("second/profiles/other.toml", kActuator);
+  const auto first = folder.path() / "first", second = folder.path() / "second";
+  const ProfileFolders folders{first, second, kInstruments};
+  CHECK(find_profile("mine", folders, "") == first / "profiles/mine.toml");
+  CHECK(find_profile("other", folders, "") == second / "profiles/other.toml");
+  CHECK(find_profile("woofer", folders, "") == first / "profiles/woofer.toml");
+  CHECK(find_profile("woofer", {second, kInstruments}, "") == kInstruments / "profiles/woofer.toml");
+  CHECK(test::summary(find_profile("mine", {folder.path()}, "here")).starts_with("here BadFile"));
 }
 
 TEST_CASE("profile: a scene says what its drives move, may ask for less, and not for more", "[scene]") {

@@ -16,6 +16,7 @@ using tactus::test::parse_graph;
 namespace {
 
 const std::string kRoot = std::string{TACTUS_SOURCE_DIR} + "/instruments";
+const ProfilePlaces kProfiles{{}, {}, {kRoot}};
 
 const std::string kDesk = R"(format = 1
 name = "my desk"
@@ -40,7 +41,7 @@ measured = "12.4 ms"
 )";
 
 Rig rig_of(const std::string& text) {
-  auto rig = parse_rig(text, "rig.toml", kRoot);
+  auto rig = parse_rig(text, "rig.toml", kProfiles);
   INFO((rig ? "" : to_string(rig.error())));
   REQUIRE(rig);
   return *rig;
@@ -48,7 +49,7 @@ Rig rig_of(const std::string& text) {
 
 /// With the least that a rig must say before them.
 std::string errors_of(const std::string& lines) {
-  const auto rig = parse_rig("format = 1\n[device]\noutput = \"x\"\n" + lines, "rig.toml", kRoot);
+  const auto rig = parse_rig("format = 1\n[device]\noutput = \"x\"\n" + lines, "rig.toml", kProfiles);
   return test::summary(rig);
 }
 
@@ -152,7 +153,7 @@ rig.toml:8:37 UnknownName 'wofer' 'woofer'
 rig.toml:10:1 Missing 'strength' control 7 note 36 pitch_bend
 rig.toml:10:24 OutOfRange 'channel' 17 1 16
 rig.toml:12:12 UnitMismatch '12 mm' 'measured' "15 ms")");
-  CHECK(test::summary(parse_rig("format = 1\n", "rig.toml", kRoot)) ==
+  CHECK(test::summary(parse_rig("format = 1\n", "rig.toml", kProfiles)) ==
         "rig.toml:1:1 Missing [device] [device] `tactus devices`");
 }
 
@@ -276,7 +277,8 @@ TEST_CASE("rig: the limits of [actuators] and [outputs] combine, for drives and 
   CHECK(lowered[0].limits.ceiling == 0.05);
   CHECK(lowered[0].limits.heat.has_value());
   CHECK(lowered[0].origins[0] == LimitOrigin{"ceiling", 0.05, "[outputs] woofer"});
-  CHECK(lowered[0].origins[1].source == "profile 'woofer' of [actuators] cone");
+  CHECK(lowered[0].origins[1].source ==
+        "profile 'woofer' (" + kRoot + "/profiles/woofer.toml) of [actuators] cone");
   CHECK(lowered[1].kind == DriveGuard::Kind::Audio);
   CHECK(lowered[1].limits.ceiling == 0.1);
   CHECK(lowered[1].limits.soft_start > 0_s);

@@ -4,6 +4,7 @@
 #include "apps/cli/console.h"
 #include "apps/play/live/plan.h"
 #include "backends/wav_file.h"
+#include "engine/rig/profile.h"
 #include "tests/support/desk.h"
 #include "tests/support/temporary_folder.h"
 
@@ -108,7 +109,8 @@ TEST_CASE("live limits: the lowest of a rig counts for drives and sound, and is 
   // Neither begins at its ceiling.
   CHECK(std::abs(take->channels[2].front()) < 0.01);
   CHECK(limit_of(ran.json(), 0, "ceiling")["source"] == "[outputs] drive");
-  CHECK(limit_of(ran.json(), 0, "soft_start")["source"] == "profile 'strong.toml' of [actuators] shaker");
+  CHECK(limit_of(ran.json(), 0, "soft_start")["source"] ==
+        "profile 'strong.toml' (strong.toml) of [actuators] shaker");
   CHECK(limit_of(ran.json(), 1, "ceiling")["value"] == 0.1);
   CHECK(ran.err.find("drive: ceiling 0.05 of [outputs] drive") != std::string::npos);
   CHECK(desk.run("render --replay take.wav").exit == 0);
@@ -136,6 +138,52 @@ TEST_CASE("live limits: a raised limit is announced, reported and recorded", "[l
   CHECK(text.out.find("drive: the limit 'ceiling' is raised from 0.05") != std::string::npos);
   test::check_exit(desk.run("play constant.toml --rig desk.toml --raise-limit drive.ceiling=0.04"), 2,
                    "--raise-limit 'ceiling' 0.05");
+}
+
+namespace {
+
+/// kProfile with another peak.
+std::string profile_with_peak(const std::string& volts) {
+  std::string text = kProfile;
+  return text.replace(text.find("1 V"), 3, volts);
+}
+
+}  // namespace
+
+TEST_CASE("live limits: an instrument's folder has no say in the profiles of a rig and of --profile",
+          "[live]") {
+  const test::Desk desk;
+  desk.folder.write("stranger/constant.toml", kInstrument);
+  for (const auto* name : {"tactor_lra", "mine", "foreign"})
+    desk.folder.write("stranger/profiles/" + std::string{name} + ".toml", profile_with_peak("1000 V"));
+  desk.folder.write("desk/profiles/mine.toml", profile_with_peak("0.5 V"));
+  desk.folder.write("profiles/tactor_lra.toml", profile_with_peak("1000 V"));
+  const auto play = [&](const std::string& profile) {
+    desk.folder.write("desk/rig.toml",
+                      "format = 1\n[device]\noutput = \"loop:20ms\"\n[inputs]\nmicrophone = { channel = 1 }\n"
+                      "[outputs]\nsound = { channel = 2 }\ndrive = { channel = 1, profile = \"" +
+                          profile + "\", volts_per_full_scale = \"10 V\" }\n");
+    return desk.run("play stranger/constant.toml --rig desk/rig.toml --duration '0.1 s' --json");
+  };
+  const auto shipped = load_profile(TACTUS_SOURCE_DIR "/instruments/profiles/tactor_lra.toml");
+  const auto ceiling = shipped->at("drive.peak") / 10;
+  const auto of_shipped = play("tactor_lra"), of_user = play("mine");
+  INFO(of_shipped.err << of_user.err);
+  CHECK(limit_of(of_shipped.json(), 0, "ceiling")["value"].get<double>() == Approx(ceiling));
+  CHECK(of_shipped.err.find("instruments/profiles/tactor_lra.toml) of [outputs] drive") != std::string::npos);
+  CHECK(limit_of(of_user.json(), 0, "ceiling")["value"] == 0.05);
+  CHECK(of_user.err.find("(desk/profiles/mine.toml)") != std::string::npos);
+  test::check_exit(play("foreign"), 3, "rig.toml:8 'foreign'");
+  test::check_exit(desk.run("latency measure --rig desk/rig.toml"), 3, "rig.toml:8 'foreign'");
+  test::check_exit(desk.run("check stranger/constant.toml --rig desk/rig.toml"), 3, "rig.toml:8 'foreign'");
+
+  const std::string option =
+      "play stranger/constant.toml --device loop:20ms --duration '0.1 s' --json --volts-per-full-scale 10 "
+      "--profile ";
+  const auto by_option = desk.run(option + "tactor_lra");
+  INFO(by_option.err);
+  CHECK(limit_of(by_option.json(), 0, "ceiling")["value"].get<double>() == Approx(ceiling));
+  test::check_exit(desk.run(option + "foreign"), 2, "--profile 'foreign'");
 }
 
 TEST_CASE("live limits: a rig that was just saved protects its actuators at once", "[live]") {
