@@ -2,6 +2,7 @@
 // Thread: [control]
 
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include "engine/core/error.h"
@@ -24,5 +25,11 @@ ProfileFolders option_profile_folders();
 
 /// Throws a CommandError with all errors of the file.
 Rig open_rig(const std::filesystem::path& file);
+
+/// Reads a rig again, changes it and writes it over its file, whose former version gets the ending "~". What
+/// was edited since the rig was read first stays. Gives the errors: those of the file; BadFile if the rig is
+/// for another device than `device` by now, or cannot be written.
+std::vector<Error> change_rig(const std::filesystem::path& file, const Rig::Device& device,
+                              const std::function<void(Rig&)>& change);
 
 }  // namespace tactus::app

@@ -3,8 +3,8 @@
 
 #include <ctime>
 
+#include "apps/cli/rig_files.h"
 #include "apps/latency/latency.h"
-#include "apps/play/save_rig.h"
 #include "latency/measured.h"
 
 namespace tactus::app {
@@ -20,35 +20,36 @@ Seconds in_seconds(double frames, const StreamGranted& granted) {
   return Seconds{frames / granted.format.sample_rate.value};
 }
 
-/// Writes a measured delay into a rig; what the file was stays beside it with a "~". The setting that was
-/// left to the card is written too: with another one the delay would be wrong. Errors: BadFile.
-Status save_in_rig(const Measurement& measurement, Rig rig, const std::filesystem::path& file) {
+/// Puts a measured delay into a rig. The setting that was left to the card is put there too: with another one
+/// the delay would be wrong.
+void set_delay(const Measurement& measurement, Rig& rig) {
   const auto& granted = measurement.openings.front().granted;
   auto& device = rig.device;
   rig.measured_delay = in_seconds(measurement.delay_frames, granted);
   device.rate = granted.format.sample_rate;
   if (granted.block_frames > 0) device.block = granted.block_frames;
   if (granted.periods > 0) device.periods = granted.periods;
-  return replace_rig(rig, file);
 }
 
 /// Errors do not invalidate a measurement: they are reported, and set the exit code.
 int save(LatencyReport& report, const Loop& loop, const MeasureOptions& options) {
   if (!report.ok() || options.no_keep) return kDone;
   int exit = kDone;
-  const auto note = [&](const Status& status, const std::string& where) {
-    if (status) return report.saved.push_back(where);
-    app::report({{status.error()}});
+  const auto note = [&](const std::vector<Error>& errors, const std::string& where) {
+    if (errors.empty()) return report.saved.push_back(where);
+    app::report({errors});
     exit = kBadFile;
   };
   const auto& granted = report.measurement.openings.front().granted;
-  note(MeasuredDelays::load().save({key_of(granted), in_seconds(report.measurement.delay_frames, granted),
-                                    in_seconds(report.measurement.spread_frames, granted),
-                                    fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))}),
+  const auto kept =
+      MeasuredDelays::load().save({key_of(granted), in_seconds(report.measurement.delay_frames, granted),
+                                   in_seconds(report.measurement.spread_frames, granted),
+                                   fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))});
+  note(kept ? std::vector<Error>{} : std::vector{kept.error()},
        MeasuredDelays::default_file().string() + ", where tactus play reads it");
   const auto& file = options.loop.rig;
   if (loop.rig)
-    note(save_in_rig(report.measurement, *loop.rig, file),
+    note(change_rig(file, loop.rig->device, [&](Rig& rig) { set_delay(report.measurement, rig); }),
          fmt::format("{0} (key 'measured' of [delay]); the previous version is {0}~", file));
   return exit;
 }

@@ -207,12 +207,4 @@ Status save_rig(const Rig& rig, const fs::path& file, const Dialog& dialog, bool
   return replace_file(file, to_text(rig));
 }
 
-Status replace_rig(const Rig& rig, const fs::path& file) {
-  std::error_code ignored;
-  auto former = file;
-  former += "~";
-  fs::copy_file(file, former, fs::copy_options::overwrite_existing, ignored);
-  return replace_file(file, to_text(rig));
-}
-
 }  // namespace tactus::app

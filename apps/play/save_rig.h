@@ -27,7 +27,4 @@ Rig ask_for_rig(const GraphSpec& instrument, Rig::Device device, int device_inpu
 /// Writes a rig, whole or not at all. Asks before it overwrites a file, except with `force`. Errors: BadFile.
 Status save_rig(const Rig& rig, const std::filesystem::path& file, const Dialog& dialog, bool force);
 
-/// Writes a rig over its file, whose former version gets the ending "~". Errors: BadFile.
-Status replace_rig(const Rig& rig, const std::filesystem::path& file);
-
 }  // namespace tactus::app

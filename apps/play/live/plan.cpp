@@ -57,12 +57,9 @@ const RigInput& find_input(const Rig& rig, const std::string& name) {
             kNo);
 }
 
-/// Asks the user to hit softly five times, reads the sensor at `name` ("*": the first one that the rig joins
-/// to a channel) with nothing driven, and puts its sensitivity into the rig.
-void learn_sensitivity(Rig& rig, const GraphSpec& instrument, const std::string& name, Backend& backend,
-                       StreamRequest request) {
+/// Asks the user to hit softly five times, and reads the sensor at `input` with nothing driven.
+LearntSensor learn_sensitivity(const RigInput& input, Backend& backend, StreamRequest request) {
   using namespace std::chrono_literals;
-  const auto& input = find_input(rig, name);
   request.in_channels = 1;
   request.in_map = {input.channels.front() - 1};
   request.out_channels = 0;
@@ -89,8 +86,7 @@ void learn_sensitivity(Rig& rig, const GraphSpec& instrument, const std::string&
   fmt::print(stderr,
              "a soft hit peaks at {:.1f} dBFS, {:.0f} dB above the noise; it now corresponds to -20 dB\n",
              amplitude_to_db(learnt.soft), amplitude_to_db(learnt.soft / std::max(learnt.noise, 1e-9)));
-  const auto* port = find_named(instrument.inputs, input.name);
-  or_exit(use_learnt(rig, input.name, learnt, port != nullptr ? port->dimension : Dimension{}), kNo);
+  return learnt;
 }
 
 /// Makes a plan, step by step; each step leaves what it found in `plan_`.
@@ -156,11 +152,11 @@ class Planner {
                              request.periods},
                             devices.input.in_channels, devices.output.out_channels,
                             profile_places(plan_.rig_file), dialog_);
-    save(options_.force);
+    or_exit(save_rig(*plan_.rig, plan_.rig_file, dialog_, options_.force), kBadFile);
+    take_saved();
   }
 
-  void save(bool force) {
-    or_exit(save_rig(*plan_.rig, plan_.rig_file, dialog_, force), kBadFile);
+  void take_saved() {
     fmt::print(stderr, "{} is written\n", plan_.rig_file);
     plan_.rig = open_rig(plan_.rig_file);  // with the limits of its profiles
   }
@@ -170,8 +166,15 @@ class Planner {
       exit_with({Errc::Missing, "--learn", "there is no rig file to store the sensitivity in",
                  "give --rig, or --save-rig to create one"});
     const auto graph = or_exit(load_graph(plan_.file, plan_.root), kBadFile);
-    learn_sensitivity(*plan_.rig, *graph, options_.learn, *plan_.devices.backend, plan_.request);
-    save(true);
+    const auto input = find_input(*plan_.rig, options_.learn);
+    const auto learnt = learn_sensitivity(input, *plan_.devices.backend, plan_.request);
+    const auto* port = find_named(graph->inputs, input.name);
+    const auto unit = port != nullptr ? port->dimension : Dimension{};
+    or_exit(use_learnt(*plan_.rig, input.name, learnt, unit), kNo);
+    const auto use = [&](Rig& rig) { (void)use_learnt(rig, input.name, learnt, unit); };
+    if (auto errors = change_rig(plan_.rig_file, plan_.rig->device, use); !errors.empty())
+      exit_with(std::move(errors), kBadFile);
+    take_saved();
   }
 
   void find_delay() {

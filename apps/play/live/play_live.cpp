@@ -6,6 +6,7 @@
 
 #include "apps/cli/console.h"
 #include "apps/cli/printer.h"
+#include "apps/cli/rig_files.h"
 #include "apps/cli/stop_loop.h"
 #include "apps/cli/terminal.h"
 #include "apps/play/live/controls/drive_keys.h"
@@ -13,7 +14,6 @@
 #include "apps/play/live/plan.h"
 #include "apps/play/live/session.h"
 #include "apps/play/midi_map.h"
-#include "apps/play/save_rig.h"
 #include "backends/library_calls.h"
 #include "backends/realtime_thread.h"
 #include "engine/core/index.h"
@@ -148,14 +148,15 @@ class LivePlay {
   }
   void save() {
     if (!plan_.rig) return print("there is no rig file: start with --save-rig FILE");
-    plan_.rig->midi = midi_map_.bindings();
-    plan_.rig->controls.clear();
-    for (const auto& live : controls_.all())
-      plan_.rig->controls.push_back({live.control.name, {}, {live.control.value, live.control.unit, false}});
     const auto& file = plan_.rig_file;
-    const auto saved = replace_rig(*plan_.rig, file);
-    print(saved ? file + ": controls and MIDI bindings saved; the previous file is " + file + "~"
-                : to_string(saved.error()));
+    const auto errors = change_rig(file, plan_.rig->device, [this](Rig& rig) {
+      rig.midi = midi_map_.bindings();
+      rig.controls.clear();
+      for (const auto& live : controls_.all())
+        rig.controls.push_back({live.control.name, {}, {live.control.value, live.control.unit, false}});
+    });
+    print(errors.empty() ? file + ": controls and MIDI bindings saved; the previous file is " + file + "~"
+                         : to_string(errors) + "\nnothing was saved");
   }
 
   Session& session_;

@@ -102,6 +102,29 @@ TEST_CASE("save_rig: a profile's file is where the rig will look for it", "[rig]
   CHECK(open_rig(file).outputs[0].drive.profile_file == in_desk);
 }
 
+TEST_CASE("change_rig: what was edited since the rig was read stays", "[rig]") {
+  const test::TemporaryFolder folder;
+  const auto rig_with = [](const std::string& device, const std::string& drive) {
+    return "format = 1\n[device]\noutput = \"" + device + "\"\n[outputs]\ndrive = { channel = 1" + drive +
+           " }\n";
+  };
+  const auto file = folder.write("rig.toml", rig_with("card", ""));
+  const auto read = open_rig(file);
+  const auto set_delay = [](Rig& rig) { rig.measured_delay = 10_ms; };
+  folder.write("rig.toml", rig_with("card", ", ceiling = 0.05"));
+  CHECK(change_rig(file, read.device, set_delay).empty());
+  CHECK(open_rig(file).outputs[0].drive.ceiling == 0.05);
+  CHECK(open_rig(file).measured_delay == Seconds{10_ms});
+  CHECK_FALSE(open_rig((folder.path() / "rig.toml~")).measured_delay);
+
+  folder.write("rig.toml", rig_with("card", ", ceiling = 0.05, ceilling = 1"));
+  CHECK(folder.strip(test::summary(change_rig(file, read.device, set_delay))).starts_with("rig.toml:5:"));
+  folder.write("rig.toml", rig_with("other", ""));
+  CHECK(
+      folder.strip(test::summary(change_rig(file, read.device, set_delay))).starts_with("rig.toml BadFile"));
+  CHECK_FALSE(open_rig(file).measured_delay);
+}
+
 TEST_CASE("save_rig: the end of the input is an error that names the remedy", "[rig]") {
   try {
     (void)talk("1\n");

@@ -7,6 +7,7 @@
 #include "engine/rig/profile.h"
 #include "tests/support/desk.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/terminal_process.h"
 
 using namespace tactus;
 
@@ -184,6 +185,22 @@ TEST_CASE("live limits: an instrument's folder has no say in the profiles of a r
   INFO(by_option.err);
   CHECK(limit_of(by_option.json(), 0, "ceiling")["value"].get<double>() == Approx(ceiling));
   test::check_exit(desk.run(option + "foreign"), 2, "--profile 'foreign'");
+}
+
+TEST_CASE("live limits: saving controls keeps a limit that was edited meanwhile", "[live]") {
+  const test::Desk desk;
+  write_files(desk.folder);
+  test::TerminalProcess play{{TACTUS_PROGRAM, "play", desk.file("constant.toml").string(), "--rig",
+                              desk.file("desk.toml").string()}};
+  REQUIRE(play.shows("the drives are disarmed"));
+  std::string text = kRig;
+  text.replace(text.find("0.05"), 4, "0.01");
+  desk.folder.write("desk.toml", text);
+  play.type("s");
+  CHECK(play.shows("controls and MIDI bindings saved"));
+  play.type("q");
+  CHECK(play.wait() == 0);
+  CHECK(test::text_of(desk.file("desk.toml")).find("ceiling = 0.01") != std::string::npos);
 }
 
 TEST_CASE("live limits: a rig that was just saved protects its actuators at once", "[live]") {
