@@ -126,14 +126,20 @@ class Planner {
       error_if(given && !plan_.rig_file.empty(), option,
                "cannot be combined with a rig, which names the actuator of each channel",
                "change the rig file; to raise a limit, use --raise-limit");
+    // The rig says which actuator is on which channel of which card: no option may override it.
+    for (const auto& [given, option] :
+         {std::pair{!options_.in.empty(), "--inputs"}, {!options_.out.empty(), "--outputs"}})
+      error_if(given && !plan_.rig_file.empty(), option,
+               options_.rig.empty()
+                   ? "cannot be combined with --save-rig, which asks for the channels"
+                   : "cannot be combined with --rig, which names the device and the channels",
+               options_.rig.empty() ? "give the channels as answers"
+                                    : "change the rig file, or create another with --save-rig");
     if (options_.rig.empty()) return;
     plan_.rig = open_rig(options_.rig);
     device_ = plan_.rig->device;
-    // The rig says which actuator is on which channel of which card: no option may override it.
     for (const auto& [given, option] :
-         {std::pair{!options_.in.empty(), "--inputs"},
-          {!options_.out.empty(), "--outputs"},
-          {!options_.backend.empty(), "--backend"},
+         {std::pair{!options_.backend.empty(), "--backend"},
           {!options_.device.empty() && options_.device != device_.output, "--device"},
           {!options_.input_device.empty() && options_.input_device != device_.input, "--input-device"}})
       error_if(given, option, "cannot be combined with --rig, which names the device and the channels",

@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <utility>
 
 #include "apps/cli/console.h"
 #include "apps/play/live/plan.h"
@@ -75,6 +76,14 @@ TEST_CASE("live limits: no option replaces what the rig says of device, channels
   CHECK(refused(volts) == std::pair{std::string{"--volts-per-full-scale"}, int{app::kUsage}});
   CHECK(refused(backend) == std::pair{std::string{"--backend"}, int{app::kUsage}});
   CHECK(refused(device) == std::pair{std::string{"--device"}, int{app::kUsage}});
+
+  auto saved = options;
+  saved.save_rig = std::exchange(saved.rig, {});
+  auto in = saved, out = saved;
+  in.in = {2};
+  out.out = {2, 1};
+  CHECK(refused(in) == std::pair{std::string{"--inputs"}, int{app::kUsage}});
+  CHECK(refused(out) == std::pair{std::string{"--outputs"}, int{app::kUsage}});
 }
 
 namespace {
