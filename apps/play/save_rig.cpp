@@ -93,10 +93,10 @@ struct Interview {
             "' drive? woofer, bass_shaker, tactor_lra, …, or a file beside the rig; unknown: conservative "
             "limits",
         "unknown", [&](const std::string& text) { return take_profile(text, output); });
+    if (!output.has_actuator()) return add_actuators(output.channels, "what '" + port.name + "' drives");
     // There is no conservative guess: too few volts would allow too much.
-    if (output.has_actuator())
-      ask("Which voltage at the actuator, after the amplifier, does a sample value of 1 give? Such as 10 V",
-          "", take_volts(1e-3, "1 mV", "10 V", output.drive.volts));
+    ask("Which voltage at the actuator, after the amplifier, does a sample value of 1 give? Such as 10 V", "",
+        take_volts(1e-3, "1 mV", "10 V", output.drive.volts));
   }
 
   void ask_actuators() {
@@ -104,10 +104,16 @@ struct Interview {
     RigPort others;
     ask("Are actuators connected to other outputs (which must never carry sound)? Channel numbers, or none",
         kNone, [&](const std::string& text) { return take_channels(text, others, device_outputs, false); });
-    for (const int channel : others.channels) {
+    add_actuators(others.channels, "");
+  }
+
+  /// Of which no more is known; sound may never go there.
+  void add_actuators(const std::vector<int>& channels, const std::string& about) {
+    for (const int channel : channels) {
       auto& actuator = rig.actuators.emplace_back();
       actuator.name = fmt::format("on_{}", channel);
       actuator.channels = {channel};
+      actuator.about = about;
     }
   }
 

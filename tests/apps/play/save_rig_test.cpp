@@ -86,6 +86,20 @@ TEST_CASE("save_rig: answers become the rig, and nonsense is asked again", "[rig
     CHECK(asked.shown.find(name) != std::string::npos);
 }
 
+TEST_CASE("save_rig: a drive of which no more is known stays an actuator, whatever the instrument becomes",
+          "[rig]") {
+  const auto rig = parse_rig(to_text(talk("", true).rig), "rig.toml", kProfiles);
+  REQUIRE(rig);
+  REQUIRE(rig->actuator_on(1) != nullptr);
+  CHECK_FALSE(rig->actuator_on(1)->has_actuator());
+  CHECK(rig->actuator_on(2) == nullptr);  // sound
+  auto later = *drum();
+  for (auto& output : later.outputs) output.use = OutputUse::Audio;
+  const auto errors = check_rig(*rig, later);
+  REQUIRE(errors.size() == 1);
+  CHECK(errors.front().what == "'woofer' is an audio output, but channel 1 drives an actuator");
+}
+
 TEST_CASE("save_rig: a profile's file is where the rig will look for it", "[rig]") {
   const test::TemporaryFolder folder;
   std::ifstream shipped{kRoot + "/profiles/woofer.toml"};
