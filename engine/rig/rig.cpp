@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <iterator>
 #include <utility>
@@ -61,11 +62,20 @@ class RigReader {
   void read_device(const Value::Table& table) {
     auto& device = rig_.device;
     FieldReader fields{table, *rig_fields()["device"].inside, errors_, "[device]", device.at};
-    device.output = fields.text("output");
-    device.input = fields.text("input");
+    device.output = read_device_id("output", fields);
+    device.input = read_device_id("input", fields);
     if (const auto rate = fields.number("rate")) device.rate = Hertz{*rate};
     if (const auto block = fields.number("block")) device.block = static_cast<int>(*block);
     if (const auto periods = fields.number("periods")) device.periods = static_cast<int>(*periods);
+  }
+
+  /// An empty one would be the default card, whatever is connected to it.
+  std::string read_device_id(const char* key, FieldReader& fields) {
+    const auto id = fields.text(key);
+    if (const auto* value = fields.value(key); value != nullptr && value->text() != nullptr && id.empty())
+      errors_.add(Errc::Missing, value->at, fmt::format("'{}' of [device] is empty", key),
+                  "give the id of a device as `tactus devices` lists it");
+    return id;
   }
 
   void read_port(const EntrySpec& entry, FieldReader& fields, RigPort& port) {
@@ -302,15 +312,23 @@ std::string about_text(const RigPort& port) {
   return port.about.empty() ? "" : ", about = " + in_quotes(port.about);
 }
 
+/// A key, in quotes unless TOML takes it as it is.
+std::string key_text(const std::string& name) {
+  const auto is_bare = [](unsigned char c) {
+    return c < 0x80 && (std::isalnum(c) != 0 || c == '_' || c == '-');
+  };
+  return !name.empty() && std::ranges::all_of(name, is_bare) ? name : in_quotes(name);
+}
+
 std::string line(const RigInput& input) {
-  auto text = input.name + " = { " + channel_text(input);
+  auto text = key_text(input.name) + " = { " + channel_text(input);
   if (input.volts) text += ", volts_per_full_scale = " + exact_quantity(*input.volts, kVolt);
   if (input.sensitivity) text += ", sensitivity = " + sensitivity_text(*input.sensitivity);
   return text + about_text(input) + " }\n";
 }
 
 std::string line(const RigOutput& output) {
-  auto text = output.name + " = { " + channel_text(output);
+  auto text = key_text(output.name) + " = { " + channel_text(output);
   const auto& drive = output.drive;
   if (!drive.profile.empty()) text += ", profile = " + in_quotes(drive.profile);
   if (drive.volts) text += ", volts_per_full_scale = " + exact_quantity(*drive.volts, kVolt);
@@ -319,11 +337,11 @@ std::string line(const RigOutput& output) {
 }
 
 std::string line(const Rig::Control& control) {
-  return control.name + " = " + exact_quantity(control.value) + "\n";
+  return key_text(control.name) + " = " + exact_quantity(control.value) + "\n";
 }
 
 std::string line(const RigMidi& midi) {
-  std::string text = midi.control + " = { ";
+  std::string text = key_text(midi.control) + " = { ";
   if (!midi.device.empty()) text += "device = " + in_quotes(midi.device) + ", ";
   if (midi.channel > 0) text += fmt::format("channel = {}, ", midi.channel);
   constexpr const char* kKeys[] = {"control = {}", "note = {}", "pitch_bend = true"};  // as Kind

@@ -133,6 +133,32 @@ TEST_CASE("rig: sensitivities of every dimension read back the same", "[rig]") {
   CHECK(again.inputs[0].sensitivity->unit.dimension == quantity->unit.dimension);
 }
 
+TEST_CASE("rig: names that are no bare keys are written in quotes and read back", "[rig]") {
+  const auto* name =
+      GENERATE("my shaker", "x = { channel = 4 } #", "a.b", "", "Gerät", "\"'\\", "bare-key_1");
+  CAPTURE(name);
+  auto rig = rig_of(kDesk);
+  rig.inputs[0].name = rig.outputs[0].name = rig.actuators[0].name = name;
+  rig.controls[0].name = rig.midi[0].control = name;
+  const auto text = to_text(rig);
+  INFO(text);
+  const auto again = rig_of(text);
+  CHECK(to_text(again) == text);
+  CHECK(again.inputs[0].name == name);
+  CHECK(again.outputs[0].name == name);
+  CHECK(again.actuators[0].name == name);
+  CHECK(again.controls[0].name == name);
+  CHECK(again.midi[0].control == name);
+}
+
+TEST_CASE("rig: an empty device id is refused, as it would be the default card", "[rig]") {
+  const auto errors = [](const std::string& ids) {
+    return test::summary(parse_rig("format = 1\n[device]\n" + ids, "rig.toml", kProfiles));
+  };
+  CHECK(errors("output = \"\"\n") == "rig.toml:3:10 Missing 'output' [device] `tactus devices`");
+  CHECK(errors("output = \"x\"\ninput = \"\"\n") == "rig.toml:4:9 Missing 'input' [device] `tactus devices`");
+}
+
 TEST_CASE("rig: all errors of a rig come in one go", "[rig]") {
   CHECK(errors_of(R"([inputs]
 microphone = { chanel = 1 }
