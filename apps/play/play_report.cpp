@@ -84,6 +84,11 @@ LimitRaise parse_raise(const std::string& text) {
   auto [name, value] = parse_assignment(text, "--raise-limit", "NAME=VALUE", "--raise-limit ceiling=0.8");
   const auto dot = name.rfind('.');
   if (dot == std::string::npos) return {{}, name, value};
+  // Without a name the raise would be for every drive.
+  if (dot == 0)
+    exit_with(
+        {Errc::Syntax, "--raise-limit", "'" + text + "' has no output before the dot",
+         "name the output, as in OUTPUT" + text + ", or omit the dot to raise the limit of all drives"});
   return {name.substr(0, dot), name.substr(dot + 1), value};
 }
 

@@ -196,6 +196,14 @@ TEST_CASE("live limits: an instrument's folder has no say in the profiles of a r
   test::check_exit(desk.run(option + "foreign"), 2, "--profile 'foreign'");
 }
 
+TEST_CASE("live limits: a raise without the name of its output is refused, not for every drive", "[live]") {
+  const test::Desk desk;
+  write_files(desk.folder);
+  test::check_exit(
+      desk.run("play constant.toml --rig desk.toml --raise-limit .ceiling=0.3 --duration '0.1 s'"), 2,
+      "--raise-limit '.ceiling=0.3' OUTPUT.ceiling=0.3");
+}
+
 TEST_CASE("live limits: saving controls keeps a limit that was edited meanwhile", "[live]") {
   const test::Desk desk;
   write_files(desk.folder);
