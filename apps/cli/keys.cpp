@@ -5,7 +5,7 @@
 namespace tactus::app {
 namespace {
 
-constexpr unsigned char kEscape = 0x1b;
+constexpr unsigned char kEscape = 0x1b, kBell = 0x07;
 constexpr std::size_t kMostParameters = 16;  // bytes that are kept of a sequence
 
 Key arrow(unsigned char final) {
@@ -16,6 +16,11 @@ Key arrow(unsigned char final) {
 /// Parameters and intermediate bytes of a control sequence (ECMA-48, 5.4).
 bool is_parameter(unsigned char byte) { return byte >= 0x20 && byte <= 0x3f; }
 
+/// DCS, SOS, OSC, PM and APC, after their Escape (ECMA-48, 5.6).
+bool opens_string(unsigned char byte) {
+  return byte == 'P' || byte == 'X' || byte == ']' || byte == '^' || byte == '_';
+}
+
 }  // namespace
 
 Key KeyDecoder::decode(unsigned char byte, Clock::time_point now) {
@@ -24,13 +29,15 @@ Key KeyDecoder::decode(unsigned char byte, Clock::time_point now) {
     case State::Ground:
       return first_byte(byte);
     case State::Escape:
-      return after_escape(byte);
+      return after_escape(byte, now);
     case State::Csi:
       return in_csi(byte);
     case State::OneMore:
       return one_more(byte);
     case State::Paste:
       return in_paste(byte);
+    case State::String:
+      return in_string(byte, now);
   }
   return kNoKey;
 }
@@ -41,9 +48,14 @@ Key KeyDecoder::first_byte(unsigned char byte) {
   return kNoKey;
 }
 
-Key KeyDecoder::after_escape(unsigned char byte) {
+Key KeyDecoder::after_escape(unsigned char byte, Clock::time_point now) {
   parameters_.clear();
-  if (byte != kEscape) state_ = byte == '[' ? State::Csi : byte == 'O' ? State::OneMore : State::Ground;
+  if (byte == kEscape) return kNoKey;
+  string_began_ = now;
+  state_ = byte == '['          ? State::Csi
+           : byte == 'O'        ? State::OneMore
+           : opens_string(byte) ? State::String
+                                : State::Ground;
   return kNoKey;
 }
 
@@ -73,6 +85,17 @@ Key KeyDecoder::in_paste(unsigned char byte) {
   parameters_ += static_cast<char>(byte);
   if (parameters_.size() > kEnd.size()) parameters_.erase(0, 1);
   if (parameters_ == kEnd) state_ = State::Ground;
+  return kNoKey;
+}
+
+/// ST is ESC \, which also ends what follows any other Escape.
+Key KeyDecoder::in_string(unsigned char byte, Clock::time_point now) {
+  if (now - string_began_ > kPatience) {
+    state_ = State::Ground;
+    return first_byte(byte);
+  }
+  if (byte == kEscape) state_ = State::Escape;
+  if (byte == kBell) state_ = State::Ground;
   return kNoKey;
 }
 

@@ -31,7 +31,7 @@ TEST_CASE("keys: control sequences are read to their end, however slowly they ar
   for (const std::string sequence : {"\x1bOa", "\x1b[a", "\x1b[1;5A", "\x1b[15~",
                                      "\x1b"
                                      "a",
-                                     "\x1b[[A", "\x1b[<0;3;4m", "\x1b]", "\x1bO5A", "\x1b[?1;2c"}) {
+                                     "\x1b[[A", "\x1b[<0;3;4m", "\x1bO5A", "\x1b[?1;2c"}) {
     CAPTURE(sequence);
     const auto keys = keys_of("x" + sequence + "y", apart);
     CHECK(keys.front() == 'x');
@@ -48,6 +48,21 @@ TEST_CASE("keys: arrows, in both of their forms", "[live]") {
 
 TEST_CASE("keys: pasted text is no key", "[live]") {
   CHECK(keys_of("a\x1b[200~aaqm\x1b[A\x1b[201~q") == std::vector<Key>{'a', 'q'});
+}
+
+TEST_CASE("keys: a string that the terminal sends is no key", "[live]") {
+  // Replies to: what version, which background, which palette entry; APC, PM and SOS.
+  for (const std::string reply :
+       {"\x1bP>|XTerm(370)m\x1b\\", "\x1b]11;rgb:1a1a/1b1b/1c1c\x1b\\", "\x1b]4;1;rgb:cdcd/0a00/0000\x07",
+        "\x1b_aq\x1b\\", "\x1b^aq\x1b\\", "\x1bXaq\x1b\\"}) {
+    CAPTURE(reply);
+    CHECK(keys_of("x" + reply + "y") == std::vector<Key>{'x', 'y'});
+  }
+}
+
+TEST_CASE("keys: a string without an end takes no key away for more than a second", "[live]") {
+  CHECK(keys_of("\x1b]aaq", 600ms) == std::vector<Key>{'a', 'q'});
+  CHECK(keys_of("\x1bPa\x1b[Aq") == std::vector<Key>{kUpKey, 'q'});
 }
 
 TEST_CASE("keys: an Escape alone does not take the next key away for more than a second", "[live]") {
