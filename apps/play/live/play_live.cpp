@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <future>
 #include <set>
 #include <system_error>
 
@@ -32,6 +33,16 @@ constexpr const char* kHelp =
 std::string source_text(const RigMidi& binding) {
   if (binding.kind == RigMidi::Kind::PitchBend) return "the pitch wheel";
   return fmt::format("{} {}", binding.kind == RigMidi::Kind::Note ? "note" : "controller", binding.number);
+}
+
+std::string save_and_report(const std::string& file, const Rig::Device& device,
+                            const std::vector<RigMidi>& midi, const std::vector<Rig::Control>& settings) {
+  const auto errors = change_rig(file, device, [&](Rig& rig) {
+    rig.midi = midi;
+    rig.controls = settings;
+  });
+  return errors.empty() ? file + ": controls and MIDI bindings saved; the previous file is " + file + "~"
+                        : to_string(errors) + "\nnothing was saved";
 }
 
 /// The control loop of a session: MIDI controllers, the status line, the control that the keys have selected,
@@ -69,11 +80,17 @@ class LivePlay {
       draw();
     }
   }
+  /// Waits until a rig that is being saved is saved.
+  void report_saved() {
+    if (saving_.valid()) print(saving_.get());
+  }
 
  private:
   /// What happens without keys: MIDI, edits, device and guard events.
   void tick() {
     if (midi_ != nullptr) follow_midi();
+    if (saving_.valid() && saving_.wait_for(std::chrono::seconds{0}) != std::future_status::timeout)
+      report_saved();
     session_.tick();
     for (const auto& message : session_.take_messages()) print(message);
   }
@@ -148,15 +165,13 @@ class LivePlay {
   }
   void save() {
     if (!plan_.rig) return print("there is no rig file: start with --save-rig FILE");
-    const auto& file = plan_.rig_file;
-    const auto errors = change_rig(file, plan_.rig->device, [this](Rig& rig) {
-      rig.midi = midi_map_.bindings();
-      rig.controls.clear();
-      for (const auto& live : controls_.all())
-        rig.controls.push_back({live.control.name, {}, {live.control.value, live.control.unit, false}});
-    });
-    print(errors.empty() ? file + ": controls and MIDI bindings saved; the previous file is " + file + "~"
-                         : to_string(errors) + "\nnothing was saved");
+    if (saving_.valid()) return print("the rig is still being saved; press s again later");
+    std::vector<Rig::Control> settings;
+    for (const auto& live : controls_.all())
+      settings.push_back({live.control.name, {}, {live.control.value, live.control.unit, false}});
+    saving_ = std::async(std::launch::async,
+                         [file = plan_.rig_file, device = plan_.rig->device, midi = midi_map_.bindings(),
+                          settings] { return save_and_report(file, device, midi, settings); });
   }
 
   Session& session_;
@@ -170,6 +185,7 @@ class LivePlay {
   std::set<std::string> refused_;     ///< controls that MIDI cannot turn, once reported
   std::size_t selected_ = 0;
 };
+std::future<std::string> saving_;  ///< the rig: what to report of it
 
 /// What plays where, and the state of the drives.
 std::string announcement(const Session& session, const LivePlan& plan, const LiveOptions& options) {
@@ -202,10 +218,12 @@ int play(Session& session, LivePlan& plan, StopLoop& stop_loop, const LiveOption
   Printer printer{terminal ? kMarkPastedText : "", terminal ? kDoNotMarkPastedText : ""};
   or_exit(session.start(), kDevice);
   printer.print(announcement(session, plan, options));
-  const int ended = LivePlay{session, plan, stop_loop, printer, options.midi}.run(duration);
+  LivePlay live{session, plan, stop_loop, printer, options.midi};
+  const int ended = live.run(duration);
   const auto& view = session.view();
   const auto stopped = session.stop();
   for (const auto& message : session.take_messages()) printer.print(message);
+  live.report_saved();
   printer.finish();
   report(session, view, plan, options.json);
   or_exit(stopped, kDevice);

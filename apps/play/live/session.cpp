@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <system_error>
 #include <thread>
 
 #include "apps/cli/console.h"
@@ -58,6 +57,12 @@ Json report_json(Session& session, const SessionView& view, const Performer& per
   return json;
 }
 
+WatchedFiles watched(const Performer& performer) {
+  WatchedFiles files;
+  files.watch(performer.files);
+  return files;
+}
+
 }  // namespace
 
 Session::Session(Performer& performer, Backend& backend, StreamRequest request, bool armed,
@@ -69,14 +74,14 @@ Session::Session(Performer& performer, Backend& backend, StreamRequest request, 
       switches_(guarded_, armed),
       meter_(request_.in_channels, request_.out_channels),
       controls_(performer.instrument()),
-      seen_guards_(performer.guards.size()) {
+      seen_guards_(performer.guards.size()),
+      edits_(watched(performer), [&performer] { return performer.read_edit(); }) {
   view_.drives = std::any_of(performer.guards.begin(), performer.guards.end(),
                              [](const auto& channel) { return channel.kind == DriveGuard::Kind::Drive; });
   for (const auto& input : performer.inputs) view_.inputs.push_back({input});
   for (const auto& output : performer.outputs) view_.outputs.push_back({output});
   guarded_.set_tap(&meter_);
   guarded_.set_dead_mans_switch(dead_man);
-  files_.watch(performer_.files);
 }
 
 Session::~Session() { (void)stop(); }
@@ -118,21 +123,12 @@ void Session::tick() {
 
 /// An edit waits until the one before it has taken over.
 void Session::follow_edits() {
-  edit_pending_ = files_.changed() || edit_pending_;
-  if (reading_.valid()) {
-    if (reading_.wait_for(std::chrono::seconds{0}) == std::future_status::ready) take_over(reading_.get());
-  } else if (edit_pending_ && !performer_.instrument().replacing()) {
-    edit_pending_ = false;
-    try {
-      reading_ = std::async(std::launch::async, [this] { return performer_.read_edit(); });
-    } catch (const std::system_error& error) {
-      messages_.push_back(std::string{"the edit cannot be compiled: "} + error.what());
-    }
-  }
+  if (performer_.instrument().replacing()) return;
+  if (const auto edit = edits_.take()) take_over(*edit);
 }
 
 void Session::take_over(const Edit& edit) {
-  if (!edit.files.empty()) files_.watch(performer_.files = edit.files);
+  if (!edit.files.empty()) performer_.files = edit.files;
   if (!edit.warning.empty()) messages_.push_back(edit.warning);
   try {
     if (!edit.errors.empty()) exit_with(edit.errors);

@@ -5,7 +5,6 @@
 #include <atomic>
 #include <cmath>
 #include <filesystem>
-#include <future>
 #include <map>
 #include <memory>
 #include <optional>
@@ -15,6 +14,7 @@
 
 #include "apps/play/live/controls/drive_keys.h"
 #include "apps/play/live/controls/live_controls.h"
+#include "apps/play/live/edit_reader.h"
 #include "apps/play/live/performer.h"
 #include "backends/reconnecting_stream.h"
 #include "backends/take/take_recorder.h"
@@ -23,35 +23,6 @@
 #include "engine/scene/guard_report.h"
 
 namespace tactus::app {
-
-/// Detects when one of some files was written to, by its time and size, so it works everywhere.
-class WatchedFiles {
- public:
-  /// From now on these.
-  void watch(const std::vector<std::filesystem::path>& files) {
-    std::map<std::filesystem::path, Stamp> watched;
-    for (const auto& file : files)
-      watched.emplace(file, files_.contains(file) ? files_[file] : stamp_of(file));
-    files_ = std::move(watched);
-  }
-  /// Was any of them changed, removed or created since the last call?
-  bool changed() {
-    bool any = false;
-    for (auto& [file, before] : files_) any = std::exchange(before, stamp_of(file)) != before || any;
-    return any;
-  }
-
- private:
-  using Stamp = std::pair<std::filesystem::file_time_type, std::uintmax_t>;  ///< of a missing file: zeros
-
-  static Stamp stamp_of(const std::filesystem::path& file) {
-    std::error_code missing;
-    const auto time = std::filesystem::last_write_time(file, missing);
-    const auto bytes = missing ? 0 : std::filesystem::file_size(file, missing);
-    return missing ? Stamp{} : Stamp{time, bytes};
-  }
-  std::map<std::filesystem::path, Stamp> files_;
-};
 
 /// The highest sample of each channel since the last call, and another tap behind it.
 class LevelMeter final : public BlockTap {
@@ -129,7 +100,7 @@ struct DelaySettings {
 };
 
 /// [control, one thread] Plays an instrument on a device: opens it, follows edits of its files, and stops
-/// without a click. A device that returns, or goes on, other than it was is disarmed.
+/// without a click. `tick` waits for no file. A device that returns, or goes on, other than it was is disarmed.
 class Session {
  public:
   /// All must outlive it.
@@ -208,11 +179,8 @@ class Session {
   DriveSwitches switches_;
   LevelMeter meter_;
   LiveControls controls_;
-  WatchedFiles files_;
   std::unique_ptr<ReconnectingStream> stream_;
   SessionView view_;
-  bool edit_pending_ = false;
-  std::future<Edit> reading_;  ///< compiles on a thread of its own
   bool delay_known_ = false, shared_ports_ = false;
   std::optional<DelaySettings> delay_;
   std::vector<OtherWriter> writers_;  ///< as last reported
@@ -225,6 +193,7 @@ class Session {
   std::vector<std::filesystem::path> takes_;
   std::unique_ptr<TakeRecorder> recorder_;
   RecordingMonitor recording_;
+  EditReader edits_;
 };
 
 /// Prints what a session that has stopped did; `view`: its last one. For people, or all of it as one object.
