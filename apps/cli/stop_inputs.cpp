@@ -2,34 +2,55 @@
 
 #include <csignal>
 #include <cstdlib>
+#include <utility>
 
 #if defined(__unix__) || defined(__APPLE__)
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
 #include <termios.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 
 namespace tactus::app {
 namespace {
 
-constexpr std::array kSignals = {SIGINT, SIGTERM, SIGQUIT, SIGHUP, SIGPIPE, SIGTSTP};
+constexpr std::array kForwarded = {SIGINT,  SIGTERM, SIGQUIT,   SIGHUP,  SIGUSR1,
+                                   SIGUSR2, SIGALRM, SIGVTALRM, SIGXCPU, SIGCONT};
+/// A closed pipe and a file that is too large are errors of a write, not the end. A program that the terminal
+/// suspends (Ctrl-Z, or reading and writing in the background) could not be stopped any more.
+constexpr std::array kIgnored = {SIGPIPE, SIGXFSZ, SIGTSTP, SIGTTIN, SIGTTOU};
 
 // A process has one terminal and one handler of each signal.
 termios terminal_before;
-std::array<struct sigaction, kSignals.size()> handlers_before;
+std::array<struct sigaction, kForwarded.size()> forwarded_before;
+std::array<struct sigaction, kIgnored.size()> ignored_before;
 int signal_pipe[2] = {-1, -1};
 
 extern "C" void forward_signal(int signal) {
+  const int error = errno;
   const auto byte = static_cast<char>(signal);
   [[maybe_unused]] const auto written = ::write(signal_pipe[1], &byte, 1);
+  errno = error;
 }
 
-/// A closed pipe is an error of a write, not the end; a program that is stopped by Ctrl-Z could not be
-/// stopped any more.
-bool is_ignored(int signal) { return signal == SIGPIPE || signal == SIGTSTP; }
+template <class Signals, class Before>
+void handle(const Signals& signals, void (*handler)(int), Before& before) {
+  struct sigaction action {};
+  action.sa_handler = handler;
+  action.sa_flags = SA_RESTART;
+  for (std::size_t s = 0; s < signals.size(); ++s) ::sigaction(signals[s], &action, &before[s]);
+}
+
+template <class Signals, class Before>
+void restore(const Signals& signals, const Before& before) {
+  for (std::size_t s = 0; s < signals.size(); ++s) ::sigaction(signals[s], &before[s], nullptr);
+}
 
 void open_signal_pipe() {
   if (::pipe(signal_pipe) != 0) std::abort();
@@ -39,36 +60,63 @@ void open_signal_pipe() {
   }
 }
 
-bool readable(int descriptor) {
-  pollfd input{descriptor, POLLIN, 0};
-  return ::poll(&input, 1, 0) > 0;
+bool in_foreground() { return ::tcgetpgrp(STDIN_FILENO) == ::getpgrp(); }
+
+/// A pipe or socket whose other end is closed, whatever is left to read.
+bool is_closed(int input) {
+  pollfd state{input, POLLIN, 0};
+  if (::poll(&state, 1, 0) <= 0) return false;
+  int left = 0;
+  return (state.revents & POLLHUP) != 0 || (::ioctl(input, FIONREAD, &left) == 0 && left == 0);
+}
+
+/// Another process may read what `poll` announced: what can be read without waiting is.
+ssize_t read_now(int input, char* bytes, std::size_t most) {
+  const auto count = ::recv(input, bytes, most, MSG_DONTWAIT);
+  return count < 0 && errno == ENOTSOCK ? ::read(input, bytes, most) : count;
 }
 
 }  // namespace
 
 StopInputs::StopInputs() {
   open_signal_pipe();
-  for (std::size_t s = 0; s < kSignals.size(); ++s) {
-    struct sigaction action {};
-    action.sa_handler = is_ignored(kSignals[s]) ? SIG_IGN : forward_signal;
-    action.sa_flags = SA_RESTART;
-    ::sigaction(kSignals[s], &action, &handlers_before[s]);
-  }
-  if (::isatty(STDIN_FILENO) != 0) open_terminal();
+  handle(kForwarded, forward_signal, forwarded_before);
+  handle(kIgnored, SIG_IGN, ignored_before);
+  open_input();
 }
 
 StopInputs::~StopInputs() {
   restore_terminal();
-  for (std::size_t s = 0; s < kSignals.size(); ++s) ::sigaction(kSignals[s], &handlers_before[s], nullptr);
+  restore(kForwarded, forwarded_before);
+  restore(kIgnored, ignored_before);
   for (const int end : signal_pipe) ::close(end);
+  if (input_ != STDIN_FILENO) ::close(input_);
 }
 
-void StopInputs::open_terminal() {
-  // A program in the background would be stopped where it reads.
-  open_ = ::tcgetpgrp(STDIN_FILENO) == ::getpgrp();
-  if (!open_ || ::tcgetattr(STDIN_FILENO, &terminal_before) != 0) return;
-  terminal_ = true;
-  auto raw = terminal_before;
+/// O_NONBLOCK belongs to an open file, and that of standard input is shared with other processes.
+void StopInputs::open_input() {
+  terminal_ = ::isatty(STDIN_FILENO) != 0;
+  struct stat kind {};
+  const bool known = ::fstat(STDIN_FILENO, &kind) == 0;
+  const bool pipe = known && S_ISFIFO(kind.st_mode);
+  connection_ = (pipe || (known && S_ISSOCK(kind.st_mode))) && !is_closed(STDIN_FILENO);
+  if (terminal_ || pipe)
+    input_ = std::max(::open("/dev/stdin", O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC), STDIN_FILENO);
+  follow_foreground();
+  reads_terminal_ = raw_;
+}
+
+void StopInputs::follow_foreground() {
+  const bool foreground = terminal_ && in_foreground();
+  if (!foreground) raw_ = false;
+  if (foreground && !raw_) set_raw();
+}
+
+void StopInputs::set_raw() {
+  termios raw;
+  if (::tcgetattr(STDIN_FILENO, &raw) != 0) return;
+  if (!std::exchange(mode_known_, true)) terminal_before = raw;
+  raw_ = true;
   raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
   raw.c_iflag &= ~static_cast<tcflag_t>(IXON);
   raw.c_cc[VSUSP] = _POSIX_VDISABLE;
@@ -77,32 +125,53 @@ void StopInputs::open_terminal() {
   ::tcsetattr(STDIN_FILENO, TCSANOW, &raw);
 }
 
+/// In the background the mode is that of another program.
 void StopInputs::restore_terminal() {
-  if (terminal_) ::tcsetattr(STDIN_FILENO, TCSANOW, &terminal_before);
+  if (raw_ && in_foreground()) ::tcsetattr(STDIN_FILENO, TCSANOW, &terminal_before);
 }
 
 StopInputs::Arrived StopInputs::wait(std::chrono::milliseconds timeout) {
   Arrived arrived;
-  pollfd inputs[] = {{signal_pipe[0], POLLIN, 0}, {STDIN_FILENO, POLLIN, 0}};
-  (void)::poll(inputs, open_ ? 2 : 1, static_cast<int>(timeout.count()));
-  char bytes[64];
-  for (auto count = ::read(signal_pipe[0], bytes, sizeof bytes); count > 0;
-       count = ::read(signal_pipe[0], bytes, sizeof bytes))
-    for (int b = 0; b < count; ++b) {
-      arrived.hung_up = arrived.hung_up || bytes[b] == SIGHUP;
-      arrived.stops += bytes[b] == SIGHUP ? 0 : 1;
-    }
-  if (open_ && readable(STDIN_FILENO)) read_keys(arrived);
+  follow_foreground();
+  const bool keys = !terminal_ || raw_;
+  pollfd inputs[] = {{signal_pipe[0], POLLIN, 0}, {input_, static_cast<short>(keys ? POLLIN : 0), 0}};
+  const bool any = ::poll(inputs, open_ ? 2 : 1, static_cast<int>(timeout.count())) > 0;
+  read_signals(arrived);
+  if (any && open_) read_input(inputs[1].revents, arrived);
   return arrived;
+}
+
+void StopInputs::read_signals(Arrived& arrived) {
+  char signals[64];
+  for (auto count = ::read(signal_pipe[0], signals, sizeof signals); count > 0;
+       count = ::read(signal_pipe[0], signals, sizeof signals))
+    for (int s = 0; s < count; ++s) {
+      if (signals[s] == SIGCONT)
+        raw_ = false;  // a shell may have changed the mode while the process was suspended
+      else if (signals[s] == SIGHUP)
+        arrived.hung_up = true;
+      else
+        ++arrived.stops;
+    }
+}
+
+/// The end of a terminal is what `poll` reports: reading may fail in its background too.
+void StopInputs::read_input(int events, Arrived& arrived) {
+  if (terminal_ && (events & (POLLHUP | POLLERR | POLLNVAL)) != 0) {
+    open_ = false;
+    arrived.hung_up = true;
+  } else if (events != 0) {
+    read_keys(arrived);
+  }
 }
 
 void StopInputs::read_keys(Arrived& arrived) {
   char bytes[64];
-  const auto count = ::read(STDIN_FILENO, bytes, sizeof bytes);
+  const auto count = read_now(input_, bytes, sizeof bytes);
   if (count > 0) return void(arrived.bytes.assign(bytes, static_cast<std::size_t>(count)));
-  if (count < 0 && (errno == EINTR || errno == EAGAIN)) return;
+  if (terminal_ || (count < 0 && (errno == EINTR || errno == EAGAIN))) return;
   open_ = false;
-  arrived.hung_up = arrived.hung_up || terminal_;
+  arrived.input_closed = connection_;
 }
 
 void StopInputs::exit_now(int exit_code) {
@@ -139,7 +208,7 @@ BOOL WINAPI handle_control(DWORD event) {
 
 StopInputs::StopInputs() {
   SetConsoleCtrlHandler(handle_control, TRUE);
-  terminal_ = _isatty(_fileno(stdin)) != 0;
+  reads_terminal_ = _isatty(_fileno(stdin)) != 0;
 }
 StopInputs::~StopInputs() { SetConsoleCtrlHandler(handle_control, FALSE); }
 
@@ -148,7 +217,7 @@ StopInputs::Arrived StopInputs::wait(std::chrono::milliseconds timeout) {
   Sleep(static_cast<DWORD>(timeout.count()));
   arrived.stops = stops.exchange(0);
   arrived.hung_up = closed.exchange(false);
-  if (terminal_) read_keys(arrived);
+  if (reads_terminal_) read_keys(arrived);
   return arrived;
 }
 
@@ -166,7 +235,6 @@ void StopInputs::read_keys(Arrived& arrived) {
   }
 }
 
-void StopInputs::open_terminal() {}
 void StopInputs::restore_terminal() {}
 void StopInputs::exit_now(int exit_code) { std::_Exit(exit_code); }
 

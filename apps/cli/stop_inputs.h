@@ -7,7 +7,8 @@ namespace tactus::app {
 
 /// The stop inputs of the process: signals, and the keys of standard input. A terminal is switched to deliver
 /// keys without Enter, without echo and without flow control (Ctrl-S would stop its output), and restored at
-/// the end, as are the signals. A process has one of these at a time.
+/// the end, as are the signals. In its background no keys are read, but its end is detected. Signals that would
+/// suspend the process, or end it for a failed write, are ignored. A process has one of these at a time.
 class StopInputs {
  public:
   /// [control]
@@ -17,24 +18,33 @@ class StopInputs {
   StopInputs& operator=(const StopInputs&) = delete;
 
   struct Arrived {
-    int stops = 0;         ///< SIGINT, SIGTERM and SIGQUIT; Ctrl-C, Ctrl-Break
-    bool hung_up = false;  ///< the terminal was closed
-    std::string bytes;     ///< of standard input
+    int stops = 0;              ///< SIGINT, SIGTERM and others whose default is to end; Ctrl-C, Ctrl-Break
+    bool hung_up = false;       ///< the terminal was closed
+    bool input_closed = false;  ///< a pipe or socket at standard input, open at first, was closed
+    std::string bytes;          ///< of standard input
   };
   /// [any, one thread] What arrived; waits for it for `timeout` at most.
   Arrived wait(std::chrono::milliseconds timeout);
 
-  /// [any] The keys are those of a terminal.
-  bool reads_terminal() const { return terminal_; }
+  /// [any] The keys are those of a terminal, which had this process in its foreground at first.
+  bool reads_terminal() const { return reads_terminal_; }
   /// [any] Restores the terminal and ends the process, whatever other threads do.
   [[noreturn]] void exit_now(int exit_code);
 
  private:
+  void open_input();
+  void read_signals(Arrived& arrived);
+  void read_input(int events, Arrived& arrived);
   void read_keys(Arrived& arrived);
-  void open_terminal();
+  void follow_foreground();
+  void set_raw();
   void restore_terminal();
 
-  bool terminal_ = false, open_ = true;  ///< standard input
+  int input_ = 0;  ///< standard input, opened again where that makes its reads never block
+  bool open_ = true, terminal_ = false, reads_terminal_ = false;
+  bool connection_ = false;  ///< a pipe or socket that was open at first
+  bool raw_ = false;         ///< the terminal delivers single keys to this process
+  bool mode_known_ = false;  ///< of the terminal, before it was raw
 };
 
 }  // namespace tactus::app

@@ -18,8 +18,8 @@ namespace tactus::app {
 /// Handles the stop inputs of a program whose outputs move something, on a thread of its own that never
 /// compiles, prints or waits for a file: what the other threads wait for does not matter. Every 20 ms it
 /// refreshes the dead man's switch. At once it stops the switch, so that every output fades out, at
-///   q                                                            Ending::Quit
-///   SIGINT, SIGTERM, SIGQUIT, SIGHUP, a terminal that is closed  Ending::Interrupted
+///   q                                                         Ending::Quit
+///   a signal to stop (StopInputs), a terminal that is closed  Ending::Interrupted
 /// At a second signal it ends the process with exit code 5, though other threads hang: one second after the
 /// outputs had their time to fade.
 class StopLoop {
@@ -29,6 +29,10 @@ class StopLoop {
   struct Settings {
     /// [stop loop] Acts on a key at once; the keys that it returns, other than kNoKey, go to `wait_key`.
     std::function<Key(Key, Clock::time_point)> act;
+    /// [stop loop] Asked in each turn, after the keys: a key that time made of them, or kNoKey.
+    std::function<Key(Clock::time_point)> act_later{};
+    /// [stop loop] Asked when a pipe or socket at standard input is closed: does that end the program?
+    std::function<bool()> needs_input{};
     /// [stop loop] More stop inputs, asked in each turn: true ends the program as a signal does. None of them
     /// waits for anything.
     std::vector<std::function<bool()>> inputs;
@@ -54,6 +58,7 @@ class StopLoop {
   void turn();
   void end(Ending ending);
   void handle_key(Key key, Clock::time_point now);
+  void pass(Key key);
   void exit_if_hung(Clock::time_point now);
 
   DeadMansSwitch& dead_man_;

@@ -15,7 +15,8 @@ using test::wait_until;
 using Ending = StopLoop::Ending;
 
 TEST_CASE("stop loop: a signal stops the dead man's switch, whatever the control thread does", "[live]") {
-  const auto signal = GENERATE(SIGINT, SIGTERM, SIGHUP, SIGQUIT);
+  const auto signal =
+      GENERATE(SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGXCPU);
   DeadMansSwitch dead_man;
   {
     StopLoop loop{dead_man};
@@ -25,6 +26,23 @@ TEST_CASE("stop loop: a signal stops the dead man's switch, whatever the control
     REQUIRE(wait_until([&] { return loop.ending() == Ending::Interrupted; }));
     CHECK_FALSE(loop.wait_key(std::chrono::seconds{60}).has_value());
   }
+}
+
+TEST_CASE("stop loop: no signal suspends the process, or ends it for a failed write", "[live]") {
+  DeadMansSwitch dead_man;
+  StopLoop loop{dead_man};
+  for (const auto signal : {SIGTSTP, SIGTTIN, SIGTTOU, SIGCONT, SIGPIPE, SIGXFSZ}) std::raise(signal);
+  const auto before = dead_man.refreshes();
+  REQUIRE(wait_until([&] { return dead_man.refreshes() > before + 2; }));
+  CHECK(loop.ending() == Ending::None);
+}
+
+TEST_CASE("stop loop: a key that time makes reaches the control thread", "[live]") {
+  DeadMansSwitch dead_man;
+  std::atomic<bool> made{false};
+  const auto later = [&](StopLoop::Clock::time_point) { return made.exchange(true) ? kNoKey : kArmKey; };
+  StopLoop loop{dead_man, {.act = {}, .act_later = later, .inputs = {}, .fade = {}}};
+  CHECK(loop.wait_key(std::chrono::seconds{30}) == kArmKey);
 }
 
 TEST_CASE("stop loop: it refreshes the dead man's switch, and other stop inputs end the program too",
