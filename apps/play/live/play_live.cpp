@@ -119,6 +119,7 @@ class LivePlay {
     for (const auto& [key, text] :
          {std::pair{kFirstArmKey, "press a again within a second to arm the drives"},
           {kDisarmedKey, "drives disarmed"},
+          {kNotArmedKey, "not armed: release a for a second, then press it twice"},
           {kMutedKey, "muted"},
           {kUnmutedKey, "unmuted"}})
       if (key == pressed) print(text);
@@ -184,8 +185,8 @@ class LivePlay {
   std::shared_ptr<MidiInputs> midi_;  ///< opened when something is bound or MIDI learn is on
   std::set<std::string> refused_;     ///< controls that MIDI cannot turn, once reported
   std::size_t selected_ = 0;
+  std::future<std::string> saving_;  ///< the rig: what to report of it
 };
-std::future<std::string> saving_;  ///< the rig: what to report of it
 
 /// What plays where, and the state of the drives.
 std::string announcement(const Session& session, const LivePlan& plan, const LiveOptions& options) {
@@ -222,8 +223,8 @@ int play(Session& session, LivePlan& plan, StopLoop& stop_loop, const LiveOption
   const int ended = live.run(duration);
   const auto& view = session.view();
   const auto stopped = session.stop();
-  for (const auto& message : session.take_messages()) printer.print(message);
   live.report_saved();
+  for (const auto& message : session.take_messages()) printer.print(message);
   printer.finish();
   report(session, view, plan, options.json);
   or_exit(stopped, kDevice);
@@ -242,6 +243,8 @@ int play_live(const LiveOptions& options) {
   DriveKeys keys{session.switches()};
   StopLoop stop_loop{dead_man,
                      {.act = [&](Key key, Clock::time_point now) { return keys.act(key, now); },
+                      .act_later = [&](Clock::time_point now) { return keys.act_later(now); },
+                      .needs_input = [&] { return session.armed(); },
                       .inputs = {},
                       .fade = session.closing_time()}};
   if (const auto opened = session.open(options.record); !opened)

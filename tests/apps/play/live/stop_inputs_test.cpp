@@ -87,6 +87,18 @@ class Pipe {
   int ends_[2] = {-1, -1};
 };
 
+/// `script` runs the command "$0" "$@".
+Arguments in_shell(const std::string& script, const Arguments& command) {
+  Arguments all = {"sh", "-c", script};
+  all.insert(all.end(), command.begin(), command.end());
+  return all;
+}
+
+/// In the background of its terminal, until a line is typed.
+Arguments in_background(const Arguments& command) {
+  return in_shell("set -m; \"$0\" \"$@\" & read line; fg", command);
+}
+
 constexpr auto kLogged = test::ChildProcess::Stdout::Logged;
 constexpr std::chrono::seconds kPatience{60};
 
@@ -99,6 +111,59 @@ TEST_CASE("play: a terminal that is closed fades the drive, and the take ends", 
   play.close();
   CHECK(play.wait() == 5);
   stage.check_fade();
+}
+
+TEST_CASE("play: a terminal that is closed fades the drive of a program in its background", "[live]") {
+  const Stage stage;
+  test::TerminalProcess shell{in_background(stage.command({"--duration", "100 s"}))};
+  REQUIRE(stage.sounds());
+  shell.close();
+  REQUIRE(wait_until([&] { return read_take(stage.wav)->finished; }));
+  stage.check_fade();
+}
+
+TEST_CASE("play: keys work as soon as it is brought to the foreground", "[live]") {
+  const Stage stage;
+  test::TerminalProcess shell{in_background(stage.command({"--duration", "100 s"}))};
+  REQUIRE(stage.sounds());
+  shell.type("\n");  // fg
+  shell.type("m");
+  CHECK(shell.shows("muted"));
+  shell.type("q");
+  CHECK(shell.wait() == 0);
+}
+
+TEST_CASE("play: a connection at standard input that is closed fades an armed drive", "[live]") {
+  const Stage stage;
+  const std::string of = GENERATE(as<std::string>{}, "socket", "pipe");
+  CAPTURE(of);
+  auto command = stage.command();
+  if (of == "pipe") command = in_shell("{ read line; } | exec \"$0\" \"$@\"", command);
+  test::ChildProcess play{command, kLogged};
+  REQUIRE(stage.sounds());
+  play.hang_up();
+  CHECK(play.wait(kPatience) == 5);
+  stage.check_fade();
+}
+
+TEST_CASE("play: a connection at standard input that is closed from the beginning ends nothing", "[live]") {
+  const Stage stage;
+  test::ChildProcess play{in_shell("read line; exec \"$0\" \"$@\"", stage.command()), kLogged};
+  play.hang_up();
+  REQUIRE(stage.sounds());
+  play.send(SIGTERM);
+  CHECK(play.wait(kPatience) == 5);
+  stage.check_fade();
+}
+
+TEST_CASE("play: a limit on the size of files ends the take, and nothing else", "[live]") {
+  const Stage stage;
+  test::ChildProcess play{in_shell("ulimit -f 400; exec \"$0\" \"$@\"", stage.command()), kLogged};
+  REQUIRE(wait_until([&] { return play.log().find("recording stopped") != std::string::npos; }));
+  play.type("m");
+  CHECK(wait_until([&] { return play.log().find("muted") != std::string::npos; }));
+  play.type("q");
+  CHECK(play.wait(kPatience) == 0);
 }
 
 TEST_CASE("play: Ctrl-S stops nothing, and keys, SIGINT, SIGTERM and SIGHUP do as before", "[live]") {
@@ -124,7 +189,7 @@ TEST_CASE("play: it takes two presses to arm, and a paste and a stray escape seq
   play.type("\x1bOa\x1b[200~a a\x1b[201~");
   play.type("aa");
   REQUIRE(play.shows("press a again"));
-  REQUIRE(play.shows("press a again"));
+  REQUIRE(play.shows("not armed"));
   CHECK(play.output().find("drives armed") == std::string::npos);
   play.type("q");
   CHECK(play.wait() == 0);
@@ -161,10 +226,8 @@ TEST_CASE("play: a second signal ends a program that hangs, once its drive has f
   const Stage stage;
   const Pipe full;  // nobody reads the report
   const auto log = (stage.folder.path() / "log").string();
-  Arguments command = {"sh", "-c", "exec \"$0\" \"$@\" >&2 2>" + log};
-  const auto play_command = stage.command();
-  command.insert(command.end(), play_command.begin(), play_command.end());
-  test::ChildProcess play{command, kLogged, full.writer()};
+  test::ChildProcess play{in_shell("exec \"$0\" \"$@\" >&2 2>" + log, stage.command()), kLogged,
+                          full.writer()};
   REQUIRE(stage.sounds());
   play.send(SIGINT);
   REQUIRE(wait_until([&] { return read_take(stage.wav)->finished; }));
