@@ -18,7 +18,8 @@ inline constexpr Key kArmKey = 0x110, kFirstArmKey = 0x111, kDisarmedKey = 0x112
 /// Turns the bytes of a terminal into keys. Control sequences (CSI, SS3, Alt with a key) are read to their
 /// end however slowly they arrive, and pasted text is no key where the terminal marks it (bracketed paste). A
 /// sequence that does not continue for a second is over. A string that the terminal sends (DCS, OSC, APC, PM,
-/// SOS) ends with ST or BEL, or a second after it began: Alt with its first letter takes no key away for longer.
+/// SOS) ends with ST or BEL, or a second after it began: Alt with its first letter takes no key away for
+/// longer.
 class KeyDecoder {
  public:
   using Clock = std::chrono::steady_clock;

@@ -7,8 +7,9 @@ namespace tactus::app {
 
 /// The stop inputs of the process: signals, and the keys of standard input. A terminal is switched to deliver
 /// keys without Enter, without echo and without flow control (Ctrl-S would stop its output), and restored at
-/// the end, as are the signals. In its background no keys are read, but its end is detected. Signals that would
-/// suspend the process, or end it for a failed write, are ignored. A process has one of these at a time.
+/// the end, as are the signals. In its background no keys are read, but its end is detected. Signals that
+/// would suspend the process, or end it for a failed write, are ignored. A process has one of these at a
+/// time.
 class StopInputs {
  public:
   /// [control]

@@ -100,7 +100,8 @@ struct DelaySettings {
 };
 
 /// [control, one thread] Plays an instrument on a device: opens it, follows edits of its files, and stops
-/// without a click. `tick` waits for no file. A device that returns, or goes on, other than it was is disarmed.
+/// without a click. `tick` waits for no file. A device that returns, or goes on, other than it was is
+/// disarmed.
 class Session {
  public:
   /// All must outlive it.

@@ -47,9 +47,9 @@ class DriveSwitches {
 };
 
 /// [any, one thread: the stop loop] Keys that act on the drives at once: m mutes or unmutes, a disarms.
-/// Arming is deliberate: a twice, from 100 ms to 1 s apart, with no other byte between and none for 150 ms after
-/// them; the control thread then arms. A key that is held down repeats and so never arms. After it, and after
-/// a disarm by whomever, a must not be pressed for 1 s before it counts again.
+/// Arming is deliberate: a twice, from 100 ms to 1 s apart, with no other byte between and none for 150 ms
+/// after them; the control thread then arms. A key that is held down repeats and so never arms. After it, and
+/// after a disarm by whomever, a must not be pressed for 1 s before it counts again.
 class DriveKeys {
  public:
   using Clock = std::chrono::steady_clock;
