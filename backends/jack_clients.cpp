@@ -1,6 +1,9 @@
 #include "backends/jack_clients.h"
 
+#include <chrono>
+#include <condition_variable>
 #include <mutex>
+#include <utility>
 
 #if defined(TACTUS_HAS_JACK)
 #include <jack/jack.h>
@@ -12,15 +15,19 @@ namespace tactus {
 namespace {
 
 std::mutex clients_mutex;
+std::condition_variable clients_changed;
 int clients_held = 0;
+int clients_calling = 0;      ///< of those held: they open or close a client
 bool server_is_dead = false;  ///< that of the clients held
 
 }  // namespace
 
 std::unique_ptr<JackClientHold> JackClientHold::acquire() {
-  const std::lock_guard lock{clients_mutex};
-  if (server_is_dead) return nullptr;
+  std::unique_lock lock{clients_mutex};
+  const auto may_open = [] { return clients_calling == 0 && !server_is_dead; };
+  if (!clients_changed.wait_for(lock, std::chrono::seconds{1}, may_open)) return nullptr;
   ++clients_held;
+  ++clients_calling;
   return std::unique_ptr<JackClientHold>{new JackClientHold};
 }
 
@@ -33,18 +40,35 @@ std::unique_ptr<JackClientHold> JackClientHold::acquire_watched([[maybe_unused]]
   if (hold->watch_ == nullptr) return nullptr;
   jack_on_info_shutdown(
       hold->watch_, [](jack_status_t, const char*, void*) { note_jack_server_death(); }, nullptr);
+  hold->opened();
   return hold;
 #else
-  return acquire();
+  auto hold = acquire();
+  if (hold) hold->opened();
+  return hold;
 #endif
+}
+
+void JackClientHold::opened() {
+  const std::lock_guard lock{clients_mutex};
+  if (std::exchange(calls_, false)) --clients_calling;
+  clients_changed.notify_all();
+}
+
+void JackClientHold::closing() {
+  const std::lock_guard lock{clients_mutex};
+  if (!std::exchange(calls_, true)) ++clients_calling;
 }
 
 JackClientHold::~JackClientHold() {
 #if defined(TACTUS_HAS_JACK)
+  closing();
   if (watch_ != nullptr) jack_client_close(watch_);
 #endif
   const std::lock_guard lock{clients_mutex};
+  if (calls_) --clients_calling;
   if (--clients_held == 0) server_is_dead = false;
+  clients_changed.notify_all();
 }
 
 void note_jack_server_death() {

@@ -14,17 +14,23 @@ namespace tactus {
 /// was open is closed.
 class JackClientHold {
  public:
-  /// Empty: clients of a server that died are still open; try again later.
+  /// Waits up to a second while another part of the program opens or closes clients. Empty: it still does, or
+  /// clients of a server that died are still open; try again later.
   static std::unique_ptr<JackClientHold> acquire();
   /// For clients that do not report the death of their server, as those of RtMidi: an inactive client `name`
   /// reports it. Empty besides: no server answers.
   static std::unique_ptr<JackClientHold> acquire_watched(const std::string& name);
   ~JackClientHold();
+  /// The client is open, and will report the death of its server.
+  void opened();
+  /// The clients are going to be closed.
+  void closing();
   JackClientHold(const JackClientHold&) = delete;
   JackClientHold& operator=(const JackClientHold&) = delete;
 
  private:
   JackClientHold() = default;
+  bool calls_ = true;  ///< the library, to open or close a client: no death is reported meanwhile
   _jack_client* watch_ = nullptr;
 };
 

@@ -31,8 +31,8 @@ Result<std::shared_ptr<Client>> Client::open(const std::string& name) {
   silence_library_logs();
   auto hold = JackClientHold::acquire();
   if (!hold)
-    return fail(Errc::Device, "", "MIDI or another part of the program still uses the JACK server that ended",
-                "wait a moment");
+    return fail(Errc::Device, "", "another part of the program still waits for the JACK server",
+                "restart the server if this persists");
   jack_status_t status{};
   jack_client_t* handle = jack_client_open(name.c_str(), JackNoStartServer, &status);
   if (handle == nullptr)
@@ -47,9 +47,13 @@ Client::Client(jack_client_t* opened, std::unique_ptr<JackClientHold> hold)
       block_frames(static_cast<int>(jack_get_buffer_size(opened))),
       hold_(std::move(hold)) {
   set_callbacks();
+  hold_->opened();
 }
 
-Client::~Client() { jack_client_close(handle); }
+Client::~Client() {
+  hold_->closing();
+  jack_client_close(handle);
+}
 
 void Client::set_callbacks() {
   jack_set_process_callback(

@@ -124,6 +124,7 @@ class Worker final : public MidiInputs {
   }
 
   void close() {
+    if (hold_ != nullptr) hold_->closing();
     close_missing({});
     scout_.reset();
     hold_.reset();

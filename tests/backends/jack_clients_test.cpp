@@ -6,9 +6,13 @@ using namespace tactus;
 
 TEST_CASE("jack clients: after a death nothing is opened until all that was open is closed", "[backends]") {
   note_jack_server_death();  // of nobody's server
-  auto first = JackClientHold::acquire(), second = JackClientHold::acquire();
+  auto first = JackClientHold::acquire();
   REQUIRE(first);
+  CHECK_FALSE(JackClientHold::acquire());  // while the first one is opened
+  first->opened();
+  auto second = JackClientHold::acquire();
   REQUIRE(second);
+  second->opened();
   CHECK_FALSE(jack_clients_must_close());
   note_jack_server_death();
   CHECK(jack_clients_must_close());
@@ -17,5 +21,9 @@ TEST_CASE("jack clients: after a death nothing is opened until all that was open
   CHECK_FALSE(JackClientHold::acquire());
   second.reset();
   CHECK_FALSE(jack_clients_must_close());
-  CHECK(JackClientHold::acquire());
+  first = JackClientHold::acquire();
+  REQUIRE(first);
+  first->opened();
+  first->closing();
+  CHECK_FALSE(JackClientHold::acquire());
 }
