@@ -106,8 +106,7 @@ std::string two_devices_text(const Device& input, const Device& output, std::pai
                              double rate) {
   return fmt::format(
       "{} inputs of '{}' and {} outputs of '{}' cannot be opened together at {:g} Hz, nor with the same "
-      "number "
-      "of channels",
+      "number of channels",
       channels.first, input.id, channels.second, output.id, rate);
 }
 

@@ -36,12 +36,7 @@ StreamRequest request_for(const std::string& device, std::optional<int> block = 
 }
 
 Measurement measured_once(Backend& backend, const StreamRequest& request) {
-  MeasureSettings settings;
-  settings.request = request;
-  settings.guard = {DriveGuard::Kind::Audio, {}};
-  settings.openings = 1;
-  settings.probes = 3;
-  auto measurement = measure(backend, settings);
+  auto measurement = measure(backend, test::short_measurement(request));
   REQUIRE(measurement);
   return std::move(*measurement);
 }

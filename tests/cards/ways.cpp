@@ -44,6 +44,15 @@ std::unique_ptr<Backend> backend_named(const std::string& name) {
   throw std::invalid_argument("this build has no backend " + name);
 }
 
+MeasureSettings short_measurement(const StreamRequest& request) {
+  MeasureSettings settings;
+  settings.request = request;
+  settings.guard = {DriveGuard::Kind::Audio, {}};
+  settings.openings = 1;
+  settings.probes = 3;
+  return settings;
+}
+
 bool has_backend(const std::string& name) {
   const auto& all = sound_backends();
   return std::any_of(all.begin(), all.end(), [&](const SoundBackend& one) { return one.name == name; });

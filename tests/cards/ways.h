@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "backends/backend.h"
+#include "latency/measurement.h"
 #include "tests/support/sound_server.h"
 
 namespace tactus::test {
@@ -20,6 +21,9 @@ struct Way {
 bool has_backend(const std::string& name);
 /// A library of this build.
 std::unique_ptr<Backend> backend_named(const std::string& name);
+
+/// One opening and three probes, on an output that is guarded as sound.
+MeasureSettings short_measurement(const StreamRequest& request);
 /// Whether ALSA's JACK plugin is installed; if not, a part of the test case is skipped.
 bool has_alsa();
 /// Every library but JACK itself, over JACK and over ALSA.

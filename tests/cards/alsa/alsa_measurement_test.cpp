@@ -5,6 +5,7 @@
 
 #include "latency/measurement.h"
 #include "tests/cards/alsa/cable_card.h"
+#include "tests/cards/ways.h"
 #include "tests/support/wait_until.h"
 
 // The delay of a real card's cable, which is a whole number of frames.
@@ -44,12 +45,7 @@ int correlated_delay(const LoopRecording& recording, int channel, int most) {
 
 /// One run; nothing where the slow machine lost frames in it.
 std::optional<Measurement> measured(Backend& backend, const StreamRequest& request) {
-  MeasureSettings settings;
-  settings.request = request;
-  settings.guard = {DriveGuard::Kind::Audio, {}};
-  settings.openings = 1;
-  settings.probes = 3;
-  auto measurement = measure(backend, settings);
+  auto measurement = measure(backend, test::short_measurement(request));
   if (!measurement) FAIL(to_string(measurement.error()));
   if (measurement->finding.verdict == Verdict::LostFrames) return std::nullopt;
   return std::move(*measurement);
