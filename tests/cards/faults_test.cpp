@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 
@@ -148,7 +149,7 @@ void close_during_stall(Backend& backend, const Way& way, CardOnServer& rig) {
 /// PortAudio may not be called any more in a process where it lost its JACK server.
 void in_own_process(const std::string& test_case) {
   test::ChildProcess child{{TACTUS_CARD_TESTS, test_case}, test::ChildProcess::Stdout::Logged};
-  const auto ended = child.wait(seconds{60});
+  const auto ended = child.wait(seconds{60}).value_or(-SIGALRM);
   const auto log = child.log();
   CAPTURE(test_case, log);
   if (ended == test::kSkipExitCode) test::skip(log.substr(log.find("SKIPPED")));

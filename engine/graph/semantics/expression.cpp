@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 #include <utility>
 
 #include "engine/core/dimension.h"
@@ -22,9 +21,9 @@ bool space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
 /// name { "." name }
 bool dotted_name(std::string_view word) {
-  return std::ranges::all_of(word | std::views::split('.'), [](auto part) {
-    return is_name({part.begin(), part.end()});
-  });
+  const auto dot = word.find('.');
+  if (dot == std::string_view::npos) return is_name(word);
+  return is_name(word.substr(0, dot)) && dotted_name(word.substr(dot + 1));
 }
 
 class Parser {

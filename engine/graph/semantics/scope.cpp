@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <ranges>
 #include <tuple>
 
 #include "engine/core/dimension.h"
@@ -19,8 +18,9 @@ std::string Scope::suggestion(const std::string& name) const {
   // Each costs a look at every name: a file with thousands of wrong ones shall not take minutes.
   constexpr int kMostSuggestions = 100;
   if (++suggestions_ > kMostSuggestions) return {};
-  const auto names = std::views::keys(signals_);
-  return nearest_name(name, std::vector<std::string>{names.begin(), names.end()});
+  std::vector<std::string> names;
+  for (const auto& [signal, node] : signals_) names.push_back(signal);
+  return nearest_name(name, names);
 }
 
 Result<int> Scope::find(const std::string& name, const Source& at) const {

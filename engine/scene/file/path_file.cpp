@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <functional>
-#include <ranges>
 
 #include "engine/graph/plan/compile.h"
 #include "engine/graph/semantics/scope.h"
@@ -27,13 +25,14 @@ const NodeSpec* path_node(const GraphSpec& graph, ErrorList& errors) {
   const auto is_path = [](const NodeSpec& node) {
     return node.name == "path" && node.type == fir_type().name;
   };
-  const auto others = [&](auto&& items) {
+  const auto others = [&](const auto& items, auto&& belongs) {
     for (const auto& item : items)
-      report(errors, item.at, "'" + item.name + "' is not part of a measured path");
+      if (!belongs(item)) report(errors, item.at, "'" + item.name + "' is not part of a measured path");
   };
-  others(graph.nodes | std::views::filter(std::not_fn(is_path)));
-  others(graph.networks);
-  others(graph.controls);
+  const auto none = [](const auto&) { return false; };
+  others(graph.nodes, is_path);
+  others(graph.networks, none);
+  others(graph.controls, none);
   const auto path = std::ranges::find_if(graph.nodes, is_path);
   if (path != graph.nodes.end()) return &*path;
   report(errors, {graph.file.file, 1, 1}, "there is no fir node called 'path'");
