@@ -19,6 +19,11 @@ static std::function<void(const std::string&)>& slow_calls() {
 
 void on_slow_call(std::function<void(const std::string&)> report) { slow_calls() = std::move(report); }
 
+std::chrono::milliseconds& listing_patience() {
+  static std::chrono::milliseconds patience{30000};
+  return patience;
+}
+
 bool call_with_timeout(std::function<void()> call, std::chrono::milliseconds patience,
                        const std::string& slow) {
   const auto deadline = std::chrono::steady_clock::now() + patience;

@@ -10,8 +10,9 @@ namespace tactus {
 
 /// How long a call into a library may take.
 inline constexpr std::chrono::milliseconds kPatience{2000};
-/// How long it may take to list devices: ALSA opens each device of its configuration, some for seconds.
-inline constexpr std::chrono::milliseconds kListingPatience{30000};
+/// [control] How long it may take to list devices: ALSA opens each device of its configuration, some for
+/// seconds. It may be changed before any call.
+std::chrono::milliseconds& listing_patience();
 
 /// [control] Makes a call into a library that may never return, on a thread of its own, and waits for it.
 /// False: it did not return within `patience` and is left to itself for good; `call` must own whatever it

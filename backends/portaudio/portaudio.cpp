@@ -138,7 +138,7 @@ class Session {
     program().client_name = client_name.substr(0, 32);
     PaJack_SetClientName(program().client_name.c_str());
 #endif
-    if (auto status = in_portaudio([] { return Pa_Initialize(); }, kListingPatience,
+    if (auto status = in_portaudio([] { return Pa_Initialize(); }, listing_patience(),
                                    "PortAudio is still looking for devices; this may take 30 s");
         !status)
       return tl::unexpected(status.error());

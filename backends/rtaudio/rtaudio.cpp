@@ -336,7 +336,7 @@ Result<Devices> rtaudio_devices(const std::string& text) {
   for (const auto api : apis) {
     // ALSA opens every device; servers answer at once or never.
     const auto found = result_with_timeout([api] { return probe(api); },
-                                           api == RtAudio::LINUX_ALSA ? kListingPatience : kPatience,
+                                           api == RtAudio::LINUX_ALSA ? listing_patience() : kPatience,
                                            "RtAudio is still looking for devices; this may take 30 s");
     if (!found) {
       silent = RtAudio::getApiDisplayName(api);

@@ -19,13 +19,13 @@ struct StageText : NamedText {
   const char* remedy;  ///< if there is none
 };
 constexpr std::array<StageText, kGuardStages> kStages = {{
-    {"nonfinite", "non-finite values were replaced", "", "find the node that produces them"},
-    {"heat", "the heat limit attenuated it", "power", ""},
-    {"direct", "the DC limit attenuated it", "direct_level", ""},
-    {"travel", "the excursion limit attenuated it", "travel", ""},
-    {"ceiling", "the ceiling clipped it", "ceiling", ""},
-    {"slew", "the slew rate limit smoothed it", "slew", ""},
-    {"feedback", "the feedback test silenced or lowered it", "", "lower its level"},
+    {{"nonfinite", "non-finite values were replaced"}, "", "find the node that produces them"},
+    {{"heat", "the heat limit attenuated it"}, "power", ""},
+    {{"direct", "the DC limit attenuated it"}, "direct_level", ""},
+    {{"travel", "the excursion limit attenuated it"}, "travel", ""},
+    {{"ceiling", "the ceiling clipped it"}, "ceiling", ""},
+    {{"slew", "the slew rate limit smoothed it"}, "slew", ""},
+    {{"feedback", "the feedback test silenced or lowered it"}, "", "lower its level"},
 }};
 
 constexpr std::array<NamedText, 5> kEvents = {{

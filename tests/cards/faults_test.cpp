@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "backends/library_calls.h"
 #include "tests/cards/watched_stream.h"
 #include "tests/cards/ways.h"
 #include "tests/support/child_process.h"
@@ -178,6 +179,7 @@ TEST_CASE("libraries: survive a thousand times pulled ports", "[.thousand]") { p
 
 TEST_CASE("libraries: closing is over soon though the server does not answer, and RtAudio opens again after",
           "[cards]") {
+  listing_patience() = seconds{5};  // it ends in vain while the server does not answer
   for (const auto& way : ways_of("rtaudio")) {
     CAPTURE(way.name);
     const auto rig = start_card();

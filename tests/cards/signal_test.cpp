@@ -232,19 +232,20 @@ TEST_CASE("libraries: an xrun of the server is counted once", "[cards]") {
   for (const auto& way : every_way()) {
     if (way.alsa) continue;
     CAPTURE(way.name);
+    const auto before = rig->card->xruns();
     GuardedProbe probe{1, 96000};
     const auto stream = open(way, rig->request(way, 1, 1), probe.guarded);
     REQUIRE(stream->start());
     REQUIRE(wait_until([&] { return probe.probe.frames() > 4800; }));
-    const auto before = rig->card->xruns();
+    const auto running = rig->card->xruns();
     for (int late = 0; late < 3; ++late) rig->card->sleep_once(std::chrono::milliseconds{20});
-    const auto injected = rig->card->xruns() - before;
+    const auto injected = rig->card->xruns() - running;
     REQUIRE(injected >= 3);
     const auto& counted = [&] { return stream->health().gaps[static_cast<std::size_t>(Gap::Server)]; };
-    CHECK(wait_until([&] { return counted() == injected; }));
+    CHECK(wait_until([&] { return counted() >= injected; }));
     REQUIRE(stream->stop());
-    CHECK(counted() == injected);
-    CHECK(stream->health().xruns == injected);
+    CHECK(counted() <= rig->card->xruns() - before);  // those of a busy machine are counted, too
+    CHECK(stream->health().xruns == counted());
   }
 }
 
