@@ -26,11 +26,11 @@ using test::Way;
 namespace {
 
 constexpr int kPeriod = 256, kKept = 9600;
-constexpr std::chrono::milliseconds kPatience = seconds{30};
+constexpr std::chrono::milliseconds kLongest = seconds{30};
 
 struct Player : test::WatchedStream {
   Player(const Way& way, const StreamRequest& request)
-      : WatchedStream(way.backend(), request, kKept, kPatience) {}
+      : WatchedStream(way.backend(), request, kKept, kLongest) {}
 };
 
 /// How long it took from when the server was there, for those who want to know.
@@ -196,7 +196,7 @@ TEST_CASE("libraries: closing is over soon though the server does not answer, an
           if (!opened) refusal = to_string(opened.error());
           return opened.has_value();
         },
-        kPatience);
+        kLongest);
     CAPTURE(refusal);
     REQUIRE(opens);
   }
