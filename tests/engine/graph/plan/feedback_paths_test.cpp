@@ -11,7 +11,7 @@ namespace {
 /// The path to the output `y` of a graph: "", "input", "loop" or "input loop".
 std::string path_of(const std::string& body) {
   const auto engine = test::engine_of("format = 1\nname = \"test\"\n" + body);
-  const auto& path = guarded_channels(engine->plan(), {}).front().feedback;
+  const auto path = guarded_channels(engine->plan(), {}).front().feedback;
   std::string text = path.from_input ? "input" : "";
   if (path.internal_loop) text += text.empty() ? "loop" : " loop";
   return text;
