@@ -275,8 +275,9 @@ TEST_CASE("latency measure: a rig says what to measure, and keeps the delay besi
   const auto ran = desk.run("latency measure --rig desk.toml" + kShort);
   INFO(ran.out << ran.err);
   CHECK(ran.exit == 0);
-  CHECK(ran.json()["source"].get<std::string>().find("output 2 to input 2") != std::string::npos);
-  for (const auto& opening : ran.json()["openings"]) CHECK(opening["level_dbfs"].get<double>() <= -20);
+  const auto json = ran.json();
+  CHECK(json["source"].get<std::string>().find("output 2 to input 2") != std::string::npos);
+  for (const auto& opening : json["openings"]) CHECK(opening["level_dbfs"].get<double>() <= -20);
   CHECK(text_of(desk.file("desk.toml~")) == text);
   const auto rig = load_rig(desk.file("desk.toml"), {});
   REQUIRE(rig);
