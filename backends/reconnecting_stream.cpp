@@ -17,7 +17,8 @@ std::chrono::nanoseconds time_suspended() {
     ::clock_gettime(clock, &time);
     return std::chrono::seconds{time.tv_sec} + std::chrono::nanoseconds{time.tv_nsec};
   };
-  return read(CLOCK_BOOTTIME) - read(CLOCK_MONOTONIC);
+  const auto awake = read(CLOCK_MONOTONIC);  // first: so the difference is never below zero
+  return read(CLOCK_BOOTTIME) - awake;
 #else
   return {};
 #endif

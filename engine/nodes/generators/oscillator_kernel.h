@@ -34,7 +34,7 @@ static inline tactus_real tactus_sine_step(tactus_phasor* s, tactus_real frequen
 static inline tactus_real tactus_wavetable_at(const tactus_real* period, int count, tactus_real turns,
                                               int cubic) {
   const tactus_real position = turns * (tactus_real)count;
-  const int index = (int)position;
+  const int index = position > 0 ? (int)position : 0;  // 0 where it is not a number, as the result is
   const tactus_real at = position - (tactus_real)index;
   const tactus_real here = period[index % count], next = period[(index + 1) % count];
   if (!cubic) return here + at * (next - here);
