@@ -5,7 +5,10 @@
 // again, and plays hits and noise into CLIENT:in_1, …. Every second it prints a line of JSON; at once, each
 // violation:
 //   {"violation": "ceiling", "value": 0.51, "channel": 1, "frame": 4711}     above CEILING, full scale = 1
-//   "slew"      a step of more than SLEW full scales a second, also where the other client goes away
+//   "slew"      a step of more than SLEW full scales a second on the first channel, also where the other
+//   client
+//               goes away; not where JACK stood still for longer than 0.2 s: what a card plays then is its
+//               own
 //   "disarmed"  sound while stdin's last line was "disarmed"; "armed" allows it again
 // It ends with its stdin.
 #include <fcntl.h>
@@ -55,6 +58,7 @@ struct Watch {
   std::vector<double> last;
   bool continues = false;  ///< `last` is of the frame before this block
   std::uint32_t next_frame = 0;
+  std::chrono::steady_clock::time_point last_block;
   std::uint64_t seed = 1;
   double rate = 48000.0, hit = 0.0;
   std::atomic<bool> armed{true}, lost{false}, freewheels{false};
@@ -72,16 +76,18 @@ struct Watch {
     const double step = follows ? std::abs(sample - before) * rate : 0.0;
     before = sample;
     if (std::abs(sample) > peak) peak = std::abs(sample);
-    if (step > steepest) steepest = step;
+    if (channel == 0 && step > steepest) steepest = step;
     if (!(std::abs(sample) <= ceiling + kRounding))
       worst[Ceiling].raise(std::abs(sample), channel + 1, frame);
-    if (slew > 0.0 && !(step <= slew + kRounding * rate)) worst[Slew].raise(step, channel + 1, frame);
+    if (channel == 0 && !(step <= slew + kRounding * rate)) worst[Slew].raise(step, channel + 1, frame);
     if (!armed && std::abs(sample) > kSilence) worst[Disarmed].raise(std::abs(sample), channel + 1, frame);
   }
 
   void listen(jack_nframes_t count) {
     const auto now = jack_last_frame_time(handle);
-    const bool follows = continues && now == next_frame && !freewheels;
+    const auto time = std::chrono::steady_clock::now();
+    const bool follows = continues && now == next_frame && !freewheels && time - last_block <= 200ms;
+    last_block = time;
     for (int c = 0; c < channels; ++c) {
       const auto* in =
           static_cast<const float*>(jack_port_get_buffer(heard[static_cast<std::size_t>(c)], count));

@@ -245,7 +245,7 @@ TEST_CASE("bouncing ball: the lens moves as its input demands, and gives way to 
   away.set = {{"plant.drop_height", 0.49}};
   auto brief = scene_of("scene.toml");
   brief.duration = Seconds{0.3};  // the ball falls all the while
-  const auto& table = play(brief, away).find("plant.table")->samples;
+  const auto table = play(brief, away).find("plant.table")->samples;
   const double w = 2 * std::numbers::pi * 30;
   for (std::size_t n = 9600; n < table.size(); n += 7)
     CHECK(

@@ -98,7 +98,7 @@ TEST_CASE("stability: with a long delay the stiffest spring is that of phi tan p
   const Conditions conditions{48000, 0.02, 0.05, damping};
   const double delay = conditions.delay_s + 0.5 / conditions.rate, x = damping * delay / conditions.mass;
   const double expected = damping / delay * phi(x) / std::sin(phi(x));
-  const auto& rest = regime(analysed(spring_text(1), conditions), "at rest", false);
+  const auto rest = regime(analysed(spring_text(1), conditions), "at rest", false);
   CHECK(rest.stiff[0].stable_up_to == Approx(expected).epsilon(0.01));
 }
 
@@ -154,7 +154,7 @@ push = {{ from = "high + low", unit = "N" }}
       R"(low = "-mirror"
 mirror = { type = "wall", position = "-place", stiffness = "80 N/m", at = "5 mm" })";
   const auto* const by_hand = R"x(low = "80 N/m * max(0 m, -place - 5 mm)")x";
-  const auto* const second = GENERATE_COPY(mirrored, by_hand);
+  const auto* const second = GENERATE_COPY(as<const char*>{}, mirrored, by_hand);
   const auto ends = two_walls(second);
   CHECK(ends.stable);
   CHECK(regime(ends, "'instrument.high' at its largest slope", false).stiff.at(0).stable_up_to ==
@@ -231,7 +231,7 @@ drive = { from = "2 * sensor" }
 
 TEST_CASE("stability: the delay that a spring has room for takes it to its border", "[analysis]") {
   const double stiffness = 50, delay = 0.001 + 0.5 / 48000;
-  const auto& rest = regime(analysed(spring_text(stiffness), {}), "at rest", false);
+  const auto rest = regime(analysed(spring_text(stiffness), {}), "at rest", false);
   REQUIRE(rest.loops.size() == 1);
   CHECK(rest.loops[0].drive);
   CHECK(rest.loops[0].margin.more_delay_s == Approx(0.1 / stiffness - delay).epsilon(0.01));
