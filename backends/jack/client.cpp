@@ -95,7 +95,9 @@ Status Client::add_ports(int inputs, int outputs) {
   for (int c = 0; c < outputs && all; ++c) all = add(outputs_, "out_", JackPortIsOutput);
   in_.assign(inputs_.size(), nullptr);
   out_.assign(outputs_.size(), nullptr);
-  return all ? Status{} : cannot("register that many ports", "start the server with a larger --port-max");
+  return all ? Status{}
+             : cannot("register that many ports",
+                      "check that the server still runs, or start it with a larger --port-max");
 }
 
 std::string Client::input_port(int channel) const { return jack_port_name(inputs_[index(channel)]); }
