@@ -1,5 +1,7 @@
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
+#include <iostream>
 
 #include "apps/cli/console.h"
 #include "apps/cli/terminal.h"
@@ -27,7 +29,7 @@ class HelpFormatter : public CLI::Formatter {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+static int run(int argc, char** argv) {
   using namespace tactus::app;
   open_standard_streams();
   CLI::App app{"Tactus: haptic instruments on ordinary sound cards", "tactus"};
@@ -47,5 +49,17 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "tactus: %s\n", error.what());
     return kNo;
   }
+  return exit_code;
+}
+
+/// Without the destructors of static objects, libraries' included: threads that still wait in a library or
+/// for a file system use them. (The address sanitizer looks for leaks after main.)
+int main(int argc, char** argv) {
+  const int exit_code = run(argc, argv);
+#if !defined(TACTUS_SANITIZED)
+  std::cout.flush();
+  std::fflush(stdout);
+  std::_Exit(exit_code);
+#endif
   return exit_code;
 }
