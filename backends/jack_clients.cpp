@@ -40,24 +40,35 @@ std::unique_ptr<JackClientHold> JackClientHold::acquire_watched([[maybe_unused]]
   if (hold->watch_ == nullptr) return nullptr;
   jack_on_info_shutdown(
       hold->watch_, [](jack_status_t, const char*, void*) { note_jack_server_death(); }, nullptr);
-  hold->opened();
+  hold->opened(hold->watch_);
   return hold;
 #else
   auto hold = acquire();
-  if (hold) hold->opened();
+  if (hold) hold->opened(nullptr);
   return hold;
 #endif
 }
 
-void JackClientHold::opened() {
+void JackClientHold::opened([[maybe_unused]] _jack_client* client) {
+#if defined(TACTUS_HAS_JACK)
+  // Of a death between the opening and the setting of the callback nobody is told.
+  if (client != nullptr) {
+    char* answer = jack_get_uuid_for_client_name(client, jack_get_client_name(client));
+    if (answer == nullptr) note_jack_server_death();
+    jack_free(answer);
+  }
+#endif
   const std::lock_guard lock{clients_mutex};
   if (std::exchange(calls_, false)) --clients_calling;
   clients_changed.notify_all();
 }
 
 void JackClientHold::closing() {
-  const std::lock_guard lock{clients_mutex};
-  if (!std::exchange(calls_, true)) ++clients_calling;
+  std::unique_lock lock{clients_mutex};
+  if (calls_) return;
+  clients_changed.wait(lock, [] { return clients_calling == 0; });
+  calls_ = true;
+  ++clients_calling;
 }
 
 JackClientHold::~JackClientHold() {

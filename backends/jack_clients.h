@@ -21,9 +21,9 @@ class JackClientHold {
   /// reports it. Empty besides: no server answers.
   static std::unique_ptr<JackClientHold> acquire_watched(const std::string& name);
   ~JackClientHold();
-  /// The client is open, and will report the death of its server.
-  void opened();
-  /// The clients are going to be closed.
+  /// The client is open, and its callback for the death of its server is set (null: there is none). May hang.
+  void opened(_jack_client* client);
+  /// The clients are going to be closed: waits while another part of the program opens or closes some.
   void closing();
   JackClientHold(const JackClientHold&) = delete;
   JackClientHold& operator=(const JackClientHold&) = delete;

@@ -1,6 +1,8 @@
 #include "backends/jack_clients.h"
 
+#include <atomic>
 #include <catch2/catch.hpp>
+#include <thread>
 
 using namespace tactus;
 
@@ -9,10 +11,10 @@ TEST_CASE("jack clients: after a death nothing is opened until all that was open
   auto first = JackClientHold::acquire();
   REQUIRE(first);
   CHECK_FALSE(JackClientHold::acquire());  // while the first one is opened
-  first->opened();
+  first->opened(nullptr);
   auto second = JackClientHold::acquire();
   REQUIRE(second);
-  second->opened();
+  second->opened(nullptr);
   CHECK_FALSE(jack_clients_must_close());
   note_jack_server_death();
   CHECK(jack_clients_must_close());
@@ -23,7 +25,28 @@ TEST_CASE("jack clients: after a death nothing is opened until all that was open
   CHECK_FALSE(jack_clients_must_close());
   first = JackClientHold::acquire();
   REQUIRE(first);
-  first->opened();
+  first->opened(nullptr);
   first->closing();
   CHECK_FALSE(JackClientHold::acquire());
+}
+
+TEST_CASE("jack clients: one that closes waits until no other one is opened", "[backends]") {
+  auto open = JackClientHold::acquire();
+  REQUIRE(open);
+  open->opened(nullptr);
+  auto opening = JackClientHold::acquire();
+  REQUIRE(opening);
+  std::atomic<bool> begun{false}, opened{false};
+  bool closed_after = false;
+  std::thread closer{[&] {
+    begun = true;
+    open->closing();
+    closed_after = opened;
+  }};
+  while (!begun) std::this_thread::yield();
+  for (int turn = 0; turn < 1000; ++turn) std::this_thread::yield();  // it could close now
+  opened = true;
+  opening->opened(nullptr);
+  closer.join();
+  CHECK(closed_after);
 }
