@@ -5,6 +5,7 @@
 extern "C" int dlclose(void*) { return 0; }
 
 // JACK and PipeWire keep parts of every client that was closed, ALSA its configuration.
+extern "C" const char* __lsan_default_options() { return "print_suppressions=0"; }
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libjack\nleak:libpipewire\nleak:libasound\n";
 }
