@@ -22,35 +22,44 @@ bool server_is_dead = false;  ///< that of the clients held
 
 }  // namespace
 
+/// Waits up to a second. False: nothing may be opened now.
+static bool begin_opening(std::unique_lock<std::mutex>& lock) {
+  const auto may_open = [] { return clients_calling == 0 && !server_is_dead; };
+  if (!clients_changed.wait_for(lock, std::chrono::seconds{1}, may_open)) return false;
+  ++clients_calling;
+  return true;
+}
+
 std::unique_ptr<JackClientHold> JackClientHold::acquire() {
   std::unique_lock lock{clients_mutex};
-  const auto may_open = [] { return clients_calling == 0 && !server_is_dead; };
-  if (!clients_changed.wait_for(lock, std::chrono::seconds{1}, may_open)) return nullptr;
+  if (!begin_opening(lock)) return nullptr;
   ++clients_held;
-  ++clients_calling;
   return std::unique_ptr<JackClientHold>{new JackClientHold};
 }
 
 std::unique_ptr<JackClientHold> JackClientHold::acquire_watched([[maybe_unused]] const std::string& name) {
-#if defined(TACTUS_HAS_JACK)
   auto hold = acquire();
+#if defined(TACTUS_HAS_JACK)
   if (!hold) return nullptr;
   silence_library_logs();
   hold->watch_ = jack_client_open(name.c_str(), JackNoStartServer, nullptr);
   if (hold->watch_ == nullptr) return nullptr;
   jack_on_info_shutdown(
       hold->watch_, [](jack_status_t, const char*, void*) { note_jack_server_death(); }, nullptr);
-  hold->opened(hold->watch_);
-  return hold;
-#else
-  auto hold = acquire();
-  if (hold) hold->opened(nullptr);
-  return hold;
 #endif
+  return hold;
+}
+
+bool JackClientHold::opening() {
+  std::unique_lock lock{clients_mutex};
+  calls_ = calls_ || begin_opening(lock);
+  return calls_;
 }
 
 void JackClientHold::opened([[maybe_unused]] _jack_client* client) {
+  if (!calls_) return;
 #if defined(TACTUS_HAS_JACK)
+  if (client == nullptr) client = watch_;
   // Of a death between the opening and the setting of the callback nobody is told.
   if (client != nullptr) {
     char* answer = jack_get_uuid_for_client_name(client, jack_get_client_name(client));

@@ -11,10 +11,10 @@ TEST_CASE("jack clients: after a death nothing is opened until all that was open
   auto first = JackClientHold::acquire();
   REQUIRE(first);
   CHECK_FALSE(JackClientHold::acquire());  // while the first one is opened
-  first->opened(nullptr);
+  first->opened();
   auto second = JackClientHold::acquire();
   REQUIRE(second);
-  second->opened(nullptr);
+  second->opened();
   CHECK_FALSE(jack_clients_must_close());
   note_jack_server_death();
   CHECK(jack_clients_must_close());
@@ -25,7 +25,7 @@ TEST_CASE("jack clients: after a death nothing is opened until all that was open
   CHECK_FALSE(jack_clients_must_close());
   first = JackClientHold::acquire();
   REQUIRE(first);
-  first->opened(nullptr);
+  first->opened();
   first->closing();
   CHECK_FALSE(JackClientHold::acquire());
 }
@@ -33,7 +33,7 @@ TEST_CASE("jack clients: after a death nothing is opened until all that was open
 TEST_CASE("jack clients: one that closes waits until no other one is opened", "[backends]") {
   auto open = JackClientHold::acquire();
   REQUIRE(open);
-  open->opened(nullptr);
+  open->opened();
   auto opening = JackClientHold::acquire();
   REQUIRE(opening);
   std::atomic<bool> begun{false}, opened{false};
@@ -46,7 +46,7 @@ TEST_CASE("jack clients: one that closes waits until no other one is opened", "[
   while (!begun) std::this_thread::yield();
   for (int turn = 0; turn < 1000; ++turn) std::this_thread::yield();  // it could close now
   opened = true;
-  opening->opened(nullptr);
+  opening->opened();
   closer.join();
   CHECK(closed_after);
 }
