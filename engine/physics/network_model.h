@@ -8,6 +8,7 @@
 
 #include "engine/core/index.h"
 #include "engine/core/units.h"
+#include "engine/physics/couplings/friction_step.h"
 #include "engine/physics/elements.h"
 #include "engine/physics/numbers.h"
 #include "engine/physics/solvers/link_operator.h"
@@ -88,6 +89,8 @@ struct NetworkState {
         &S::voltage,  &S::force,   &S::wave,           &S::wave_back,         &S::normal,  &S::held};
   }
 
+  std::vector<FrictionMemory> friction;  ///< of each friction; the next step depends on it too
+  std::vector<FrictionForce> rubbed;     ///< workspace: of each friction, as far as it is solved
   std::vector<ActiveCoupling> active;
   AlignedNumbers next;                 ///< workspace: driven points' next place, by slot
   AlignedNumbers flow, entering;       ///< workspace of the exact solver: where it goes, and from what

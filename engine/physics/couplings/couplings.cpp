@@ -144,34 +144,74 @@ void Couplings::solve(NetworkState& state) const noexcept {
   find_bonds(state);
   if (frictions() == 0) return solve_contacts(state);
   std::fill(state.friction_force.begin(), state.friction_force.end(), 0.0);
+  // Those that held share what there is to hold before one of them slides.
+  bool clings = !alone_;
   for (int round = 0; round < kMostRounds; ++round) {
     solve_contacts(state);
-    const double left = solve_frictions(state);
-    if (alone_ || left == 0.0) return;
+    const double left = solve_frictions(state, clings);
+    if (alone_ || (left == 0.0 && !(clings && one_breaks(state)))) return;
+    if (left == 0.0 || round == kMostRounds / 2) clings = false;
   }
   solve_contacts(state);
 }
 
 /// One friction after the other, each with what the others do by now. Gives how much the forces changed, 0 if
 /// that no longer matters.
-double Couplings::solve_frictions(NetworkState& state) const noexcept {
+double Couplings::solve_frictions(NetworkState& state, bool clings) const noexcept {
   constexpr double kEnough = 1e-14;
   double most = 0.0, changed = 0.0;
   for (std::size_t f = 0; f < frictions(); ++f) {
-    const auto c = first_friction() + f;
-    const auto& friction = model_->frictions[f];
-    const double own = mutual(c, c), before = state.friction_force[f];
-    const double free =
-        motion(state, c) - taken_by_contacts(state, c) - (taken_by_friction(state, c) - own * before);
-    const auto found =
-        solve_friction(friction.law, friction.viscous, state.normal[f], free / slack(), own / slack(),
-                       static_cast<int>(state.sliding[f]), 0.5 * moved(state, c) / model_->k);
-    state.friction_force[f] = found.force;
-    state.friction_velocity[f] = found.velocity;
-    most = std::max(most, std::abs(found.force));
-    changed = std::max(changed, std::abs(found.force - before));
+    const double before = state.friction_force[f];
+    solve_friction(state, f, clings);
+    const double now = state.friction_force[f];
+    most = std::max(most, std::abs(now));
+    changed = std::max(changed, std::abs(now - before));
   }
   return changed <= kEnough * most ? 0.0 : changed;
+}
+
+void Couplings::solve_friction(NetworkState& state, std::size_t f, bool clings) const noexcept {
+  const auto c = first_friction() + f;
+  const auto& friction = model_->frictions[f];
+  const bool centred = method_ != Method::Exact;
+  const double own = mutual(c, c), jump = driven_jump(state, friction) / model_->k;
+  const double taken =
+      taken_by_contacts(state, c) + taken_by_friction(state, c) - own * state.friction_force[f];
+  FrictionStep step{.normal = state.normal[f],
+                    .free = (motion(state, c) - taken) / slack(),
+                    .mobility = own / slack(),
+                    .before = moved(state, c) / model_->k,
+                    .jump = jump,
+                    .holds = state.sliding[f] == 0.0,
+                    .centred = centred,
+                    .clings = clings,
+                    .memory = state.friction[f]};
+  if (!centred && !step.holds) step.before += jump;
+  auto& found = state.rubbed[f];
+  if (centred && step.memory.margin == FrictionMemory::kStart)
+    found = start_friction(friction.law, friction.viscous, step,
+                           between(model_->start_velocity, friction) + jump);
+  else
+    found = tactus::solve_friction(friction.law, friction.viscous, step);
+  state.friction_force[f] = found.force;
+  state.friction_velocity[f] = found.velocity;
+}
+
+/// By how much the velocity of what is driven is another one than in the last step, times k.
+double Couplings::driven_jump(const NetworkState& state, const Friction& friction) const noexcept {
+  const auto jump = [&](int slot) {
+    if (model_->is_mass(slot) || !model_->moves(slot)) return 0.0;
+    const double way = state.change[index(slot)];
+    return method_ == Method::Exact ? way - model_->k * state.velocity[index(slot)] : way;
+  };
+  return jump(friction.lower) - jump(friction.upper);
+}
+
+/// Whether a friction that held cannot hold.
+bool Couplings::one_breaks(const NetworkState& state) const noexcept {
+  for (std::size_t f = 0; f < frictions(); ++f)
+    if (state.sliding[f] == 0.0 && state.rubbed[f].after != 0.0) return true;
+  return false;
 }
 
 void Couplings::move(NetworkState& state) const noexcept {

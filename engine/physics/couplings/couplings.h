@@ -108,7 +108,10 @@ class Couplings {
   void solve_linear(NetworkState& state) const noexcept;
   void follow(const NetworkState& state, ActiveCoupling& link) const noexcept;
   bool missed_one(NetworkState& state) const noexcept;
-  double solve_frictions(NetworkState& state) const noexcept;
+  double solve_frictions(NetworkState& state, bool clings) const noexcept;
+  void solve_friction(NetworkState& state, std::size_t friction, bool clings) const noexcept;
+  double driven_jump(const NetworkState& state, const Friction& friction) const noexcept;
+  bool one_breaks(const NetworkState& state) const noexcept;
 
   const NetworkModel* model_ = nullptr;
   Method method_ = Method::Centred;
