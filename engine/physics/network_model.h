@@ -128,7 +128,7 @@ struct NetworkModel {
   NetworkModel(NetworkElements elements, int signals, double step_s);
 
   /// K and C as entries: rows are masses, columns masses and driven points; what fixed points do is constant.
-  /// `LinkOperator::Entry::b` is C/k.
+  /// `LinkOperator::Entry::b` is C/k, `inertia` what `stiff_inertia` adds, over k^2.
   struct Links {
     std::vector<LinkOperator::Entry> entries;
     std::vector<double> constant;
@@ -139,6 +139,13 @@ struct NetworkModel {
   /// [control] An upper bound of the largest eigenvalue of M^-1 (k_share K + b_share C/k), exact for small
   /// networks.
   double stiffest(double k_share, double b_share) const;
+
+  /// [any] What a damper z [N s/m] that stops its masses within a step is weighted with towards the end of
+  /// the step: as an inertia between its ends, over k^2 [N/m].  z (theta - 1/2) / k,  theta = 1 - 32 / r^3
+  /// where r = z k / m > 4, else 1/2.
+  double stiff_inertia(double damping, double r) const noexcept {
+    return r > 4.0 ? damping * (0.5 - 32.0 / (r * r * r)) / k : 0.0;
+  }
 
   bool is_mass(int of) const { return of < masses; }
   bool moves(int of) const { return of < masses + static_cast<int>(motions.size()); }

@@ -64,6 +64,7 @@ Result<Couplings> Couplings::make(const NetworkModel& model, Method method,
                     " masses are more than this solver supports",
                 "use solver = \"explicit\"");
   made.mutual_.resize((count - made.first_row_) * count);
+  made.inertia_.resize(model.bonds.size());
   if (made.mutual_.empty() && !keep) return made;
   std::vector<double> column(model.start_position.size());
   const std::span<double> on_masses{column.data(), masses};
@@ -79,6 +80,12 @@ Result<Couplings> Couplings::make(const NetworkModel& model, Method method,
       made.mutual_[(row - made.first_row_) * count + c] = motion;
       made.alone_ = made.alone_ && (row == c || motion == 0.0);
     }
+  }
+  if (method != Method::Centred && method != Method::Gradient) return made;
+  for (std::size_t b = 0; b < model.bonds.size(); ++b) {
+    const auto c = model.contacts.size() + b;
+    const double damping = model.bonds[b].damping;
+    made.inertia_[b] = model.stiff_inertia(damping, damping * made.mutual(c, c) / model.k);
   }
   return made;
 }
@@ -372,6 +379,10 @@ bool Couplings::update_bond(const NetworkState& state, ActiveCoupling& link, dou
   link.slope = chord.slope;
   link.static_force = link.slope * state.root[c];
   link.resistance = chord.square / (2.0 * steps()) + bond.damping / slack();
+  if (const double inertia = inertia_[c - model_->contacts.size()]; inertia > 0.0) {
+    link.static_force -= 2.0 * inertia * moved(state, c);
+    link.resistance += inertia;
+  }
   return changed;
 }
 

@@ -122,8 +122,12 @@ class Couplings {
   std::vector<Ends> ends_;
   std::size_t first_row_ = 0;
   std::vector<double> columns_, mutual_;
+  std::vector<double> inertia_;  ///< of each bond: what a stiff damper adds
 };
 
+/// [realtime] The loss of a contact whose bodies meet by `motion` in a step: its own, or that of its
+/// restitution.
+double loss_of_strike(const NetworkModel& model, std::size_t contact, double motion) noexcept;
 /// [realtime] Sets the loss of a contact that begins, if it has a restitution: `n` is how
 /// deep it is, `motion` how far it came in the last step.
 void start_contact(const NetworkModel& model, NetworkState& state, std::size_t contact, double n,

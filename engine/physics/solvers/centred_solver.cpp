@@ -158,12 +158,12 @@ class CentredSolver final : public NetworkSolver {
 
   bool factored() const { return kind_ != Solver::Explicit; }
 
-  /// Of M/k^2 and of the links so much.
-  Result<SparseSolver> solver_of(double k_share, double b_share) const {
+  /// Of M/k^2, of springs so much, and of dampers as A has them or nothing.
+  Result<SparseSolver> solver_of(double k_share, bool dampers) const {
     std::vector<Eigen::Triplet<double>> entries;
     for (int i = 0; i < model_.masses; ++i) entries.emplace_back(i, i, 1.0 / model_.scale[index(i)]);
     for (const auto& e : links_.entries()) {
-      const double a = k_share * e.k + b_share * e.b;
+      const double a = k_share * e.k + (dampers ? 0.5 * e.b + e.inertia : 0.0);
       if (a != 0.0 && e.column < model_.masses) entries.emplace_back(e.row, e.column, a);
     }
     Eigen::SparseMatrix<double> matrix(model_.masses, model_.masses);
@@ -178,10 +178,10 @@ class CentredSolver final : public NetworkSolver {
   Status factor() {
     const double k_share = averaged_ ? 0.25 : 0.0;
     for (const auto& e : links_.entries()) {
-      const double a = k_share * e.k + 0.5 * e.b;
+      const double a = k_share * e.k + 0.5 * e.b + e.inertia;
       if (a != 0.0 && e.column >= model_.masses) driven_columns_.push_back({e.row, e.column, a});
     }
-    auto solver = solver_of(k_share, 0.5);
+    auto solver = solver_of(k_share, true);
     if (!solver) return tl::unexpected(solver.error());
     solver_ = std::move(*solver);
     return {};
@@ -195,7 +195,7 @@ class CentredSolver final : public NetworkSolver {
     start_velocity_ = model_.start_velocity;
     const auto moves = [](double v) { return v != 0.0; };
     if (!averaged_ || std::none_of(start_velocity_.begin(), start_velocity_.end(), moves)) return {};
-    const auto springs = solver_of(0.25, 0.0);
+    const auto springs = solver_of(0.25, false);
     if (!springs) return tl::unexpected(springs.error());
     std::vector<double> work(model_.mass.size());
     for (std::size_t i = 0; i < model_.mass.size(); ++i) start_velocity_[i] /= model_.scale[i];
