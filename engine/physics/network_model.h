@@ -54,6 +54,7 @@ struct ActiveCoupling {
   double free_motion = 0.0;   ///< without this force
   double motion = 0.0;        ///< with all forces: after the solution (Gradient: of the last iteration)
   double force = 0.0;         ///< [N]
+  bool bounces = false;       ///< over within the step: the damper of its restitution
 };
 
 /// Where a network is. Everything that `Network::step` changes. [m], [J^1/2], [A]

@@ -246,17 +246,24 @@ void Couplings::finish(NetworkState& state) const noexcept {
     state.slipped[b] = n < 0.0 ? -1.0 : 1.0;
     psi = 0.0;
   }
-  for (std::size_t f = 0; f < frictions(); ++f)
-    state.sliding[f] = state.friction_velocity[f] > 0.0 ? 1.0 : state.friction_velocity[f] < 0.0 ? -1.0 : 0.0;
+  for (std::size_t f = 0; f < frictions(); ++f) {
+    const double after = state.rubbed[f].after;
+    state.sliding[f] = after > 0.0 ? 1.0 : after < 0.0 ? -1.0 : 0.0;
+    state.friction[f] = state.rubbed[f].memory;
+  }
+}
+
+double loss_of_strike(const NetworkModel& model, std::size_t contact, double motion) noexcept {
+  // Slower impacts would need an unbounded loss; below 0.1 mm/s nothing is audible or tangible.
+  constexpr double kSlowest = 1e-4;
+  const auto& c = model.contacts[contact];
+  return c.loss_speed > 0.0 ? c.loss_speed / std::max(motion / model.k, kSlowest) : c.loss;
 }
 
 void start_contact(const NetworkModel& model, NetworkState& state, std::size_t contact, double n,
                    double motion) noexcept {
-  // Slower impacts would need an unbounded loss; below 0.1 mm/s nothing is audible or tangible.
-  constexpr double kSlowest = 1e-4;
-  const double loss_speed = model.contacts[contact].loss_speed;
-  if (loss_speed > 0.0 && n <= motion)
-    state.loss[contact] = loss_speed / std::max(motion / model.k, kSlowest);
+  if (model.contacts[contact].loss_speed > 0.0 && n <= motion)
+    state.loss[contact] = loss_of_strike(model, contact, motion);
 }
 
 void start_loss(const NetworkModel& model, NetworkState& state, std::size_t contact, double motion) noexcept {
@@ -277,6 +284,7 @@ void Couplings::find_contacts(NetworkState& state) const noexcept {
     link.free_motion = motion(state, c);
     if (std::max({n, before, before + link.free_motion}) <= 0.0) continue;
     if (n >= 0.0) start_contact(*model_, state, c, n, w);
+    if (n <= 0.0 && w > 0.0) bounce(link, w, loss_of_strike(*model_, c, w));
     state.active.push_back(link);
   }
 }
@@ -291,10 +299,10 @@ bool Couplings::release(NetworkState& state, ActiveCoupling& link, double motion
 }
 
 /// Whether a contact that begins lasts less than a step: then it is the damper of its restitution.
-bool Couplings::bounce(const NetworkState& state, ActiveCoupling& link) const noexcept {
+bool Couplings::bounce(ActiveCoupling& link, double approach, double loss) const noexcept {
   const auto c = index(link.coupling);
-  const double approach = moved(state, c), loss = state.loss[c], own = mutual(c, c);
-  if (loss == 0.0 || approach <= 0.0 || state.root[c] != 0.0 || own == 0.0) return false;
+  const double own = mutual(c, c);
+  if (loss == 0.0 || approach <= 0.0 || own == 0.0) return false;
   const double loss_speed = loss * approach / model_->k;
   // m v^2 of the two bodies, m = k^2 steps / 2 W.
   const double twice_kinetic = 0.5 * steps() * approach * approach / own;
@@ -302,6 +310,7 @@ bool Couplings::bounce(const NetworkState& state, ActiveCoupling& link) const no
   const double e = restitution_of(loss_speed);
   if (e >= 1.0) return false;
   link.resistance = (1.0 + e) / ((1.0 - e) * own);
+  link.bounces = true;
   return true;
 }
 
@@ -335,7 +344,7 @@ bool Couplings::predict(NetworkState& state, ActiveCoupling& link) const noexcep
   if (exact ? n <= 0.0 && closes : n >= 0.0) start_contact(*model_, state, c, n, w);
   double damping = 0.0;
   if (n >= 0.0 || closes) {
-    if (bounce(state, link)) return true;
+    if (psi == 0.0 && bounce(link, w, state.loss[c])) return true;
     const bool first = n <= w && w > 0.0 && psi == 0.0;
     const double g = exact ? chord(law, n, motion) : first ? law.root(n + 0.5 * w) / w : law.root_slope(n);
     link.slope = psi < 0.0 ? -g : g;
@@ -467,6 +476,7 @@ void Couplings::solve_linear(NetworkState& state) const noexcept {
 /// phi(n-)) / d, both convex and never below 0.
 void Couplings::follow(const NetworkState& state, ActiveCoupling& link) const noexcept {
   const auto c = index(link.coupling);
+  if (link.bounces) return;
   if (c >= model_->contacts.size()) {
     update_bond(state, link, link.motion);
     return;

@@ -31,8 +31,9 @@ namespace tactus {
 ///
 /// Losses F r v use the predicted force, so that the ratio of the speeds is right for the potential that the
 /// solver has. A contact that is deepest before its first step ends has no predicted force: with quadratised
-/// energy it would lose nothing. For that step it is a damper with the restitution e that r gives at this
-/// speed:  F = R motion,  R W_cc = (1 + e) / (1 - e),  in motions over one step and over two.
+/// energy it would lose nothing, with the discrete gradient what its last iteration gives. For that step it
+/// is a damper with the restitution e that r gives at this speed:  F = R motion,  R W_cc = (1 + e) / (1 - e),
+/// in motions over one step and over two.
 class Couplings {
  public:
   enum class Method {
@@ -94,7 +95,7 @@ class Couplings {
   void find_contacts(NetworkState& state) const noexcept;
   bool predict(NetworkState& state, ActiveCoupling& link) const noexcept;
   double predicted_push(const NetworkState& state, std::size_t contact) const noexcept;
-  bool bounce(const NetworkState& state, ActiveCoupling& link) const noexcept;
+  bool bounce(ActiveCoupling& link, double approach, double loss) const noexcept;
   bool release(NetworkState& state, ActiveCoupling& link, double motion) const noexcept;
   double next_motion(const NetworkState& state, const ActiveCoupling& link) const noexcept;
   void find_bonds(NetworkState& state) const noexcept;

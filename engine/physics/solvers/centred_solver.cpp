@@ -100,6 +100,7 @@ class CentredSolver final : public NetworkSolver {
     }
     state.active.clear();
     store_energy(state);
+    if (kind_ == Solver::Passive) store_pressed(state);
   }
 
   void store_energy(NetworkState& state) const noexcept override { couplings_.store_energy(state); }
@@ -252,6 +253,21 @@ class CentredSolver final : public NetworkSolver {
     const auto masses = model_.mass.size();
     if (!factored()) return multiply(model_.scale.data(), masses, state.change.data());
     solver_.solve({state.change.data(), masses}, state.work);
+  }
+
+  /// The root of a contact that is pressed at the start, so that it and the motion that it has given by then
+  /// hold what it holds at the start: with F its force in the first step, W the mobility of its points,
+  ///   psi^2 / 2 = phi(n_0) - F k v_0 / 2 - F^2 W / 8.
+  void store_pressed(NetworkState& state) const noexcept {
+    for (std::size_t c = 0; c < model_.contacts.size(); ++c) {
+      const auto& contact = model_.contacts[c];
+      const double n = indentation(state.position, contact), w = couplings_.mutual(c, c);
+      if (n <= 0.0) continue;
+      const double motion = model_.k * between(start_velocity_, contact);
+      const double force = softened(c, contact.law.stiffness(n), contact.law.force(n));
+      const double stored = contact.law.energy(n) - 0.5 * force * motion - 0.125 * force * force * w;
+      state.root[c] = std::sqrt(2.0 * std::max(0.0, stored));
+    }
   }
 
   /// What is left of a force whose own stiffness the step averages, as A averages that of the springs.
