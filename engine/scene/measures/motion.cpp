@@ -140,7 +140,9 @@ std::vector<double> falls_through_zero(std::span<const double> samples, Hertz ra
     const Fall fall = follows ? Fall{last, samples[n - 2], samples[n - 3]} : Fall{};
     double share = fall.share();
     if (samples[n] > 0.0) {
-      if (!follows || n + 2 >= samples.size() || !fall.reaches() || !(share > 0.0 && share <= 1.0)) continue;
+      const bool bounced = !times.empty() && times.back() * rate.value > static_cast<double>(n) - 3.0;
+      if (bounced || !follows || n + 2 >= samples.size() || !fall.reaches() || !(share > 0.0 && share <= 1.0))
+        continue;
       const Fall back{samples[n], samples[n + 1], samples[n + 2]};
       if (!back.reaches() || !(back.share() > 0.0 && back.share() <= kLongestBounce)) continue;
     } else if (!follows || !(share >= 0.0 && share <= 1.5)) {
