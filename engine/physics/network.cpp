@@ -57,6 +57,8 @@ NetworkState Network::initial_state() const {
   state.slipped.resize(m.bonds.size());
   for (auto* list : {&state.sliding, &state.friction_force, &state.friction_velocity, &state.normal})
     list->resize(m.frictions.size());
+  state.friction.resize(m.frictions.size());
+  state.rubbed.resize(m.frictions.size());
   for (auto* list : {&state.current, &state.mean_current, &state.voltage}) list->resize(m.coils.size());
   state.force.resize(m.forces.size());
   for (auto* list : {&state.wave, &state.wave_back}) list->resize(m.ports.size());
@@ -76,6 +78,11 @@ void Network::reset(NetworkState& state) const noexcept {
     if (list != &NetworkState::position) std::fill((state.*list).begin(), (state.*list).end(), 0.0);
   std::fill(state.change.begin(), state.change.end(), 0.0);
   std::fill(state.low_pass.begin(), state.low_pass.end(), CriticalLowPass::State{});
+  std::fill(state.friction.begin(), state.friction.end(), FrictionMemory{});
+  for (std::size_t f = 0; f < model_->frictions.size(); ++f) {
+    const double v = between(model_->start_velocity, model_->frictions[f]);
+    state.sliding[f] = v > 0.0 ? 1.0 : v < 0.0 ? -1.0 : 0.0;
+  }
   state.active.clear();
   state.settled = false;
   network_solver_->start(state);
@@ -85,6 +92,7 @@ void Network::adopt(NetworkState& state, const NetworkState& before) const noexc
   for (const auto list : NetworkState::memory())
     std::copy((before.*list).begin(), (before.*list).end(), (state.*list).begin());
   std::copy(before.low_pass.begin(), before.low_pass.end(), state.low_pass.begin());
+  std::copy(before.friction.begin(), before.friction.end(), state.friction.begin());
   state.settled = before.settled;
   network_solver_->store_energy(state);
 }
@@ -159,12 +167,15 @@ void Network::move_driven(NetworkState& state, const double* inputs, int part) c
   }
 }
 
-/// Normal forces: of a signal, or what another link does by now.
+/// Normal forces: of a signal, or what another link does by now. In the first step a signal has no value
+/// before that it would be the mean with: what is pressed has been pressed before the start.
 void Network::press(NetworkState& state, const double* inputs, int part) const noexcept {
   for (std::size_t f = 0; f < model_->frictions.size(); ++f) {
     const auto& friction = model_->frictions[f];
+    const bool first = state.friction[f].margin == FrictionMemory::kStart && friction.normal.low_pass < 0;
     state.normal[f] = friction.normal_contact >= 0  ? contact_force(state, friction.normal_contact)
                       : friction.normal_spring >= 0 ? spring_force(state, friction.normal_spring)
+                      : first                       ? now(friction.normal, inputs)
                                                     : enter(state, friction.normal, inputs, part);
   }
 }

@@ -86,28 +86,39 @@ void NetworkModel::take_links(NetworkElements& elements) {
 NetworkModel::Links NetworkModel::links(bool eliminated) const {
   Links links{{}, std::vector<double>(mass.size())};
   const int columns = masses + static_cast<int>(motions.size());
-  // The force on `row` of a link that pulls it towards `other`.
+  const auto each_damper = [&](const auto& add) {
+    for (const auto& s : springs) add(s.lower, s.upper, s.damping);
+    for (const auto& c : coils)
+      if (eliminated || !(c.inductance > 0.0)) add(c.on, c.against, square(c.force_factor) / c.impedance);
+    for (const auto& port : ports) add(port.on, -1, port.impedance);
+  };
+  // The decay of each mass in a step, by all dampers on it.
+  std::vector<double> decay(start_position.size());
+  each_damper([&](int lower, int upper, double damping) {
+    for (const int end : {lower, upper})
+      if (end >= 0 && is_mass(end)) decay[index(end)] += k * damping / mass[index(end)];
+  });
+  // The force on `row` of a link that pulls it towards `other`, -1: towards 0.
   const auto pull = [&](int row, int other, double stiffness, double damping, double rest) {
-    if (!is_mass(row)) return;
-    links.entries.push_back({row, row, stiffness, damping / k});
+    if (row < 0 || !is_mass(row)) return;
+    const double inertia =
+        stiff_inertia(damping, decay[index(row)] + (other < 0 ? 0.0 : decay[index(other)]));
+    links.entries.push_back({row, row, stiffness, damping / k, inertia});
     links.constant[index(row)] += stiffness * rest;
+    if (other < 0) return;
     if (other < columns)
-      links.entries.push_back({row, other, -stiffness, -damping / k});
+      links.entries.push_back({row, other, -stiffness, -damping / k, -inertia});
     else
       links.constant[index(row)] += stiffness * start_position[index(other)];
   };
   for (const auto& s : springs) {
-    pull(s.lower, s.upper, s.stiffness, s.damping, -s.rest);
-    pull(s.upper, s.lower, s.stiffness, s.damping, s.rest);
+    pull(s.lower, s.upper, s.stiffness, 0.0, -s.rest);
+    pull(s.upper, s.lower, s.stiffness, 0.0, s.rest);
   }
-  for (const auto& c : coils) {
-    if (c.inductance > 0.0 && !eliminated) continue;
-    const double damping = c.force_factor * c.force_factor / c.impedance;
-    pull(c.on, c.against, 0.0, damping, 0.0);
-    pull(c.against, c.on, 0.0, damping, 0.0);
-  }
-  for (const auto& port : ports)
-    if (is_mass(port.on)) links.entries.push_back({port.on, port.on, 0.0, port.impedance / k});
+  each_damper([&](int lower, int upper, double damping) {
+    pull(lower, upper, 0.0, damping, 0.0);
+    pull(upper, lower, 0.0, damping, 0.0);
+  });
   return links;
 }
 

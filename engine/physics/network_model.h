@@ -8,6 +8,7 @@
 
 #include "engine/core/index.h"
 #include "engine/core/units.h"
+#include "engine/physics/couplings/friction_step.h"
 #include "engine/physics/elements.h"
 #include "engine/physics/numbers.h"
 #include "engine/physics/solvers/link_operator.h"
@@ -53,6 +54,7 @@ struct ActiveCoupling {
   double free_motion = 0.0;   ///< without this force
   double motion = 0.0;        ///< with all forces: after the solution (Gradient: of the last iteration)
   double force = 0.0;         ///< [N]
+  bool bounces = false;       ///< over within the step: the damper of its restitution
 };
 
 /// Where a network is. Everything that `Network::step` changes. [m], [J^1/2], [A]
@@ -88,6 +90,8 @@ struct NetworkState {
         &S::voltage,  &S::force,   &S::wave,           &S::wave_back,         &S::normal,  &S::held};
   }
 
+  std::vector<FrictionMemory> friction;  ///< of each friction; the next step depends on it too
+  std::vector<FrictionForce> rubbed;     ///< workspace: of each friction, as far as it is solved
   std::vector<ActiveCoupling> active;
   AlignedNumbers next;                 ///< workspace: driven points' next place, by slot
   AlignedNumbers flow, entering;       ///< workspace of the exact solver: where it goes, and from what
@@ -125,7 +129,7 @@ struct NetworkModel {
   NetworkModel(NetworkElements elements, int signals, double step_s);
 
   /// K and C as entries: rows are masses, columns masses and driven points; what fixed points do is constant.
-  /// `LinkOperator::Entry::b` is C/k.
+  /// `LinkOperator::Entry::b` is C/k, `inertia` what `stiff_inertia` adds, over k^2.
   struct Links {
     std::vector<LinkOperator::Entry> entries;
     std::vector<double> constant;
@@ -136,6 +140,13 @@ struct NetworkModel {
   /// [control] An upper bound of the largest eigenvalue of M^-1 (k_share K + b_share C/k), exact for small
   /// networks.
   double stiffest(double k_share, double b_share) const;
+
+  /// [any] What a damper z [N s/m] that stops its masses within a step is weighted with towards the end of
+  /// the step: as an inertia between its ends, over k^2 [N/m].  z (theta - 1/2) / k,  theta = 1 - 32 / r^3
+  /// where r = z k / m > 4, else 1/2.
+  double stiff_inertia(double damping, double r) const noexcept {
+    return r > 4.0 ? damping * (0.5 - 32.0 / (r * r * r)) / k : 0.0;
+  }
 
   bool is_mass(int of) const { return of < masses; }
   bool moves(int of) const { return of < masses + static_cast<int>(motions.size()); }

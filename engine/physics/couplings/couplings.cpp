@@ -64,6 +64,7 @@ Result<Couplings> Couplings::make(const NetworkModel& model, Method method,
                     " masses are more than this solver supports",
                 "use solver = \"explicit\"");
   made.mutual_.resize((count - made.first_row_) * count);
+  made.inertia_.resize(model.bonds.size());
   if (made.mutual_.empty() && !keep) return made;
   std::vector<double> column(model.start_position.size());
   const std::span<double> on_masses{column.data(), masses};
@@ -79,6 +80,12 @@ Result<Couplings> Couplings::make(const NetworkModel& model, Method method,
       made.mutual_[(row - made.first_row_) * count + c] = motion;
       made.alone_ = made.alone_ && (row == c || motion == 0.0);
     }
+  }
+  if (method != Method::Centred && method != Method::Gradient) return made;
+  for (std::size_t b = 0; b < model.bonds.size(); ++b) {
+    const auto c = model.contacts.size() + b;
+    const double damping = model.bonds[b].damping;
+    made.inertia_[b] = model.stiff_inertia(damping, damping * made.mutual(c, c) / model.k);
   }
   return made;
 }
@@ -144,34 +151,74 @@ void Couplings::solve(NetworkState& state) const noexcept {
   find_bonds(state);
   if (frictions() == 0) return solve_contacts(state);
   std::fill(state.friction_force.begin(), state.friction_force.end(), 0.0);
+  // Those that held share what there is to hold before one of them slides.
+  bool clings = !alone_;
   for (int round = 0; round < kMostRounds; ++round) {
     solve_contacts(state);
-    const double left = solve_frictions(state);
-    if (alone_ || left == 0.0) return;
+    const double left = solve_frictions(state, clings);
+    if (alone_ || (left == 0.0 && !(clings && one_breaks(state)))) return;
+    if (left == 0.0 || round == kMostRounds / 2) clings = false;
   }
   solve_contacts(state);
 }
 
 /// One friction after the other, each with what the others do by now. Gives how much the forces changed, 0 if
 /// that no longer matters.
-double Couplings::solve_frictions(NetworkState& state) const noexcept {
+double Couplings::solve_frictions(NetworkState& state, bool clings) const noexcept {
   constexpr double kEnough = 1e-14;
   double most = 0.0, changed = 0.0;
   for (std::size_t f = 0; f < frictions(); ++f) {
-    const auto c = first_friction() + f;
-    const auto& friction = model_->frictions[f];
-    const double own = mutual(c, c), before = state.friction_force[f];
-    const double free =
-        motion(state, c) - taken_by_contacts(state, c) - (taken_by_friction(state, c) - own * before);
-    const auto found =
-        solve_friction(friction.law, friction.viscous, state.normal[f], free / slack(), own / slack(),
-                       static_cast<int>(state.sliding[f]), 0.5 * moved(state, c) / model_->k);
-    state.friction_force[f] = found.force;
-    state.friction_velocity[f] = found.velocity;
-    most = std::max(most, std::abs(found.force));
-    changed = std::max(changed, std::abs(found.force - before));
+    const double before = state.friction_force[f];
+    solve_friction(state, f, clings);
+    const double now = state.friction_force[f];
+    most = std::max(most, std::abs(now));
+    changed = std::max(changed, std::abs(now - before));
   }
   return changed <= kEnough * most ? 0.0 : changed;
+}
+
+void Couplings::solve_friction(NetworkState& state, std::size_t f, bool clings) const noexcept {
+  const auto c = first_friction() + f;
+  const auto& friction = model_->frictions[f];
+  const bool centred = method_ != Method::Exact;
+  const double own = mutual(c, c), jump = driven_jump(state, friction) / model_->k;
+  const double taken =
+      taken_by_contacts(state, c) + taken_by_friction(state, c) - own * state.friction_force[f];
+  FrictionStep step{.normal = state.normal[f],
+                    .free = (motion(state, c) - taken) / slack(),
+                    .mobility = own / slack(),
+                    .before = moved(state, c) / model_->k,
+                    .jump = jump,
+                    .holds = state.sliding[f] == 0.0,
+                    .centred = centred,
+                    .clings = clings,
+                    .memory = state.friction[f]};
+  if (!centred && !step.holds) step.before += jump;
+  auto& found = state.rubbed[f];
+  if (centred && step.memory.margin == FrictionMemory::kStart)
+    found = start_friction(friction.law, friction.viscous, step,
+                           between(model_->start_velocity, friction) + jump);
+  else
+    found = tactus::solve_friction(friction.law, friction.viscous, step);
+  state.friction_force[f] = found.force;
+  state.friction_velocity[f] = found.velocity;
+}
+
+/// By how much the velocity of what is driven is another one than in the last step, times k.
+double Couplings::driven_jump(const NetworkState& state, const Friction& friction) const noexcept {
+  const auto jump = [&](int slot) {
+    if (model_->is_mass(slot) || !model_->moves(slot)) return 0.0;
+    const double way = state.change[index(slot)];
+    return method_ == Method::Exact ? way - model_->k * state.velocity[index(slot)] : way;
+  };
+  return jump(friction.lower) - jump(friction.upper);
+}
+
+/// Whether a friction that held cannot hold.
+bool Couplings::one_breaks(const NetworkState& state) const noexcept {
+  for (std::size_t f = 0; f < frictions(); ++f)
+    if (state.sliding[f] == 0.0 && state.rubbed[f].after != 0.0) return true;
+  return false;
 }
 
 void Couplings::move(NetworkState& state) const noexcept {
@@ -199,17 +246,24 @@ void Couplings::finish(NetworkState& state) const noexcept {
     state.slipped[b] = n < 0.0 ? -1.0 : 1.0;
     psi = 0.0;
   }
-  for (std::size_t f = 0; f < frictions(); ++f)
-    state.sliding[f] = state.friction_velocity[f] > 0.0 ? 1.0 : state.friction_velocity[f] < 0.0 ? -1.0 : 0.0;
+  for (std::size_t f = 0; f < frictions(); ++f) {
+    const double after = state.rubbed[f].after;
+    state.sliding[f] = after > 0.0 ? 1.0 : after < 0.0 ? -1.0 : 0.0;
+    state.friction[f] = state.rubbed[f].memory;
+  }
+}
+
+double loss_of_strike(const NetworkModel& model, std::size_t contact, double motion) noexcept {
+  // Slower impacts would need an unbounded loss; below 0.1 mm/s nothing is audible or tangible.
+  constexpr double kSlowest = 1e-4;
+  const auto& c = model.contacts[contact];
+  return c.loss_speed > 0.0 ? c.loss_speed / std::max(motion / model.k, kSlowest) : c.loss;
 }
 
 void start_contact(const NetworkModel& model, NetworkState& state, std::size_t contact, double n,
                    double motion) noexcept {
-  // Slower impacts would need an unbounded loss; below 0.1 mm/s nothing is audible or tangible.
-  constexpr double kSlowest = 1e-4;
-  const double loss_speed = model.contacts[contact].loss_speed;
-  if (loss_speed > 0.0 && n <= motion)
-    state.loss[contact] = loss_speed / std::max(motion / model.k, kSlowest);
+  if (model.contacts[contact].loss_speed > 0.0 && n <= motion)
+    state.loss[contact] = loss_of_strike(model, contact, motion);
 }
 
 void start_loss(const NetworkModel& model, NetworkState& state, std::size_t contact, double motion) noexcept {
@@ -230,6 +284,7 @@ void Couplings::find_contacts(NetworkState& state) const noexcept {
     link.free_motion = motion(state, c);
     if (std::max({n, before, before + link.free_motion}) <= 0.0) continue;
     if (n >= 0.0) start_contact(*model_, state, c, n, w);
+    if (n <= 0.0 && w > 0.0) bounce(link, w, loss_of_strike(*model_, c, w));
     state.active.push_back(link);
   }
 }
@@ -244,10 +299,10 @@ bool Couplings::release(NetworkState& state, ActiveCoupling& link, double motion
 }
 
 /// Whether a contact that begins lasts less than a step: then it is the damper of its restitution.
-bool Couplings::bounce(const NetworkState& state, ActiveCoupling& link) const noexcept {
+bool Couplings::bounce(ActiveCoupling& link, double approach, double loss) const noexcept {
   const auto c = index(link.coupling);
-  const double approach = moved(state, c), loss = state.loss[c], own = mutual(c, c);
-  if (loss == 0.0 || approach <= 0.0 || state.root[c] != 0.0 || own == 0.0) return false;
+  const double own = mutual(c, c);
+  if (loss == 0.0 || approach <= 0.0 || own == 0.0) return false;
   const double loss_speed = loss * approach / model_->k;
   // m v^2 of the two bodies, m = k^2 steps / 2 W.
   const double twice_kinetic = 0.5 * steps() * approach * approach / own;
@@ -255,6 +310,7 @@ bool Couplings::bounce(const NetworkState& state, ActiveCoupling& link) const no
   const double e = restitution_of(loss_speed);
   if (e >= 1.0) return false;
   link.resistance = (1.0 + e) / ((1.0 - e) * own);
+  link.bounces = true;
   return true;
 }
 
@@ -288,7 +344,7 @@ bool Couplings::predict(NetworkState& state, ActiveCoupling& link) const noexcep
   if (exact ? n <= 0.0 && closes : n >= 0.0) start_contact(*model_, state, c, n, w);
   double damping = 0.0;
   if (n >= 0.0 || closes) {
-    if (bounce(state, link)) return true;
+    if (psi == 0.0 && bounce(link, w, state.loss[c])) return true;
     const bool first = n <= w && w > 0.0 && psi == 0.0;
     const double g = exact ? chord(law, n, motion) : first ? law.root(n + 0.5 * w) / w : law.root_slope(n);
     link.slope = psi < 0.0 ? -g : g;
@@ -332,6 +388,10 @@ bool Couplings::update_bond(const NetworkState& state, ActiveCoupling& link, dou
   link.slope = chord.slope;
   link.static_force = link.slope * state.root[c];
   link.resistance = chord.square / (2.0 * steps()) + bond.damping / slack();
+  if (const double inertia = inertia_[c - model_->contacts.size()]; inertia > 0.0) {
+    link.static_force -= 2.0 * inertia * moved(state, c);
+    link.resistance += inertia;
+  }
   return changed;
 }
 
@@ -416,6 +476,7 @@ void Couplings::solve_linear(NetworkState& state) const noexcept {
 /// phi(n-)) / d, both convex and never below 0.
 void Couplings::follow(const NetworkState& state, ActiveCoupling& link) const noexcept {
   const auto c = index(link.coupling);
+  if (link.bounces) return;
   if (c >= model_->contacts.size()) {
     update_bond(state, link, link.motion);
     return;

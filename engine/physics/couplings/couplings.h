@@ -31,8 +31,9 @@ namespace tactus {
 ///
 /// Losses F r v use the predicted force, so that the ratio of the speeds is right for the potential that the
 /// solver has. A contact that is deepest before its first step ends has no predicted force: with quadratised
-/// energy it would lose nothing. For that step it is a damper with the restitution e that r gives at this
-/// speed:  F = R motion,  R W_cc = (1 + e) / (1 - e),  in motions over one step and over two.
+/// energy it would lose nothing, with the discrete gradient what its last iteration gives. For that step it
+/// is a damper with the restitution e that r gives at this speed:  F = R motion,  R W_cc = (1 + e) / (1 - e),
+/// in motions over one step and over two.
 class Couplings {
  public:
   enum class Method {
@@ -94,7 +95,7 @@ class Couplings {
   void find_contacts(NetworkState& state) const noexcept;
   bool predict(NetworkState& state, ActiveCoupling& link) const noexcept;
   double predicted_push(const NetworkState& state, std::size_t contact) const noexcept;
-  bool bounce(const NetworkState& state, ActiveCoupling& link) const noexcept;
+  bool bounce(ActiveCoupling& link, double approach, double loss) const noexcept;
   bool release(NetworkState& state, ActiveCoupling& link, double motion) const noexcept;
   double next_motion(const NetworkState& state, const ActiveCoupling& link) const noexcept;
   void find_bonds(NetworkState& state) const noexcept;
@@ -108,7 +109,10 @@ class Couplings {
   void solve_linear(NetworkState& state) const noexcept;
   void follow(const NetworkState& state, ActiveCoupling& link) const noexcept;
   bool missed_one(NetworkState& state) const noexcept;
-  double solve_frictions(NetworkState& state) const noexcept;
+  double solve_frictions(NetworkState& state, bool clings) const noexcept;
+  void solve_friction(NetworkState& state, std::size_t friction, bool clings) const noexcept;
+  double driven_jump(const NetworkState& state, const Friction& friction) const noexcept;
+  bool one_breaks(const NetworkState& state) const noexcept;
 
   const NetworkModel* model_ = nullptr;
   Method method_ = Method::Centred;
@@ -119,8 +123,12 @@ class Couplings {
   std::vector<Ends> ends_;
   std::size_t first_row_ = 0;
   std::vector<double> columns_, mutual_;
+  std::vector<double> inertia_;  ///< of each bond: what a stiff damper adds
 };
 
+/// [realtime] The loss of a contact whose bodies meet by `motion` in a step: its own, or that of its
+/// restitution.
+double loss_of_strike(const NetworkModel& model, std::size_t contact, double motion) noexcept;
 /// [realtime] Sets the loss of a contact that begins, if it has a restitution: `n` is how
 /// deep it is, `motion` how far it came in the last step.
 void start_contact(const NetworkModel& model, NetworkState& state, std::size_t contact, double n,

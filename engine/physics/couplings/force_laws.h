@@ -149,20 +149,4 @@ struct FrictionLaw {
 /// Rosin on horsehair (Smith & Woodhouse).
 inline constexpr FrictionLaw kRosin{0.35, {{{0.4, 0.01}, {0.45, 0.1}}}};
 
-/// A force of friction and the velocity that goes with it.
-struct FrictionForce {
-  double force = 0.0;     ///< [N], against the velocity
-  double velocity = 0.0;  ///< of sliding [m/s]; 0: it holds
-};
-
-/// [realtime] The friction of two bodies that without it would slide at `free` [m/s] and which a force slows
-/// by `mobility` [m/s/N]:
-///   v + mobility F = free,   F = normal mu(|v|) sgn v + viscous v,   or v = 0 with |F| <= normal mu(0).
-/// Where both holding and sliding would do, what was so before stays so (`sliding`: the sign of the velocity
-/// before, 0 if it held): McIntyre, Schumacher & Woodhouse, JASA 74, 1983. Of two ways of sliding it is the
-/// faster, the stable one. A step's mean velocity of 0 would turn a body that comes in with one back again:
-/// where that takes no energy from the friction, it is stopped on half its way, at the mean `stopping`.
-FrictionForce solve_friction(const FrictionLaw& law, double viscous, double normal, double free,
-                             double mobility, int sliding, double stopping = 0.0) noexcept;
-
 }  // namespace tactus

@@ -100,6 +100,7 @@ class CentredSolver final : public NetworkSolver {
     }
     state.active.clear();
     store_energy(state);
+    if (kind_ == Solver::Passive) store_pressed(state);
   }
 
   void store_energy(NetworkState& state) const noexcept override { couplings_.store_energy(state); }
@@ -158,12 +159,12 @@ class CentredSolver final : public NetworkSolver {
 
   bool factored() const { return kind_ != Solver::Explicit; }
 
-  /// Of M/k^2 and of the links so much.
-  Result<SparseSolver> solver_of(double k_share, double b_share) const {
+  /// Of M/k^2, of springs so much, and of dampers as A has them or nothing.
+  Result<SparseSolver> solver_of(double k_share, bool dampers) const {
     std::vector<Eigen::Triplet<double>> entries;
     for (int i = 0; i < model_.masses; ++i) entries.emplace_back(i, i, 1.0 / model_.scale[index(i)]);
     for (const auto& e : links_.entries()) {
-      const double a = k_share * e.k + b_share * e.b;
+      const double a = k_share * e.k + (dampers ? 0.5 * e.b + e.inertia : 0.0);
       if (a != 0.0 && e.column < model_.masses) entries.emplace_back(e.row, e.column, a);
     }
     Eigen::SparseMatrix<double> matrix(model_.masses, model_.masses);
@@ -178,10 +179,10 @@ class CentredSolver final : public NetworkSolver {
   Status factor() {
     const double k_share = averaged_ ? 0.25 : 0.0;
     for (const auto& e : links_.entries()) {
-      const double a = k_share * e.k + 0.5 * e.b;
+      const double a = k_share * e.k + 0.5 * e.b + e.inertia;
       if (a != 0.0 && e.column >= model_.masses) driven_columns_.push_back({e.row, e.column, a});
     }
-    auto solver = solver_of(k_share, 0.5);
+    auto solver = solver_of(k_share, true);
     if (!solver) return tl::unexpected(solver.error());
     solver_ = std::move(*solver);
     return {};
@@ -195,7 +196,7 @@ class CentredSolver final : public NetworkSolver {
     start_velocity_ = model_.start_velocity;
     const auto moves = [](double v) { return v != 0.0; };
     if (!averaged_ || std::none_of(start_velocity_.begin(), start_velocity_.end(), moves)) return {};
-    const auto springs = solver_of(0.25, 0.0);
+    const auto springs = solver_of(0.25, false);
     if (!springs) return tl::unexpected(springs.error());
     std::vector<double> work(model_.mass.size());
     for (std::size_t i = 0; i < model_.mass.size(); ++i) start_velocity_[i] /= model_.scale[i];
@@ -252,6 +253,21 @@ class CentredSolver final : public NetworkSolver {
     const auto masses = model_.mass.size();
     if (!factored()) return multiply(model_.scale.data(), masses, state.change.data());
     solver_.solve({state.change.data(), masses}, state.work);
+  }
+
+  /// The root of a contact that is pressed at the start, so that it and the motion that it has given by then
+  /// hold what it holds at the start: with F its force in the first step, W the mobility of its points,
+  ///   psi^2 / 2 = phi(n_0) - F k v_0 / 2 - F^2 W / 8.
+  void store_pressed(NetworkState& state) const noexcept {
+    for (std::size_t c = 0; c < model_.contacts.size(); ++c) {
+      const auto& contact = model_.contacts[c];
+      const double n = indentation(state.position, contact), w = couplings_.mutual(c, c);
+      if (n <= 0.0) continue;
+      const double motion = model_.k * between(start_velocity_, contact);
+      const double force = softened(c, contact.law.stiffness(n), contact.law.force(n));
+      const double stored = contact.law.energy(n) - 0.5 * force * motion - 0.125 * force * force * w;
+      state.root[c] = std::sqrt(2.0 * std::max(0.0, stored));
+    }
   }
 
   /// What is left of a force whose own stiffness the step averages, as A averages that of the springs.

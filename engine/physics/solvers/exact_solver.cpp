@@ -225,6 +225,7 @@ class ExactSolver final : public NetworkSolver {
       couplings_.solve(state);
       push(state);
       couplings_.finish(state);
+      halt(state);
     }
     model_.send_waves(state, [&](int slot) { return state.change[index(slot)]; });
     for (const auto& block : blocks_) arrive(state, block);
@@ -337,6 +338,29 @@ class ExactSolver final : public NetworkSolver {
       const auto& [at, row] = places_[slot];
       state.change[slot] = state.flow[index(blocks_[index(at)].first + row)] - state.position[slot];
     }
+  }
+
+  /// The force of a step leaves what has stopped with some velocity, which is taken away: energy is only
+  /// lost.
+  void halt(NetworkState& state) const noexcept {
+    for (std::size_t f = 0; f < model_.frictions.size(); ++f) {
+      const auto& [lower, upper] = std::pair{model_.frictions[f].lower, model_.frictions[f].upper};
+      const double lighter = lightness(lower), light = lighter + lightness(upper);
+      if (state.sliding[f] != 0.0 || light == 0.0) continue;
+      const double slides = way(state, lower) - way(state, upper);
+      if (model_.is_mass(lower)) way(state, lower) -= slides * lighter / light;
+      if (model_.is_mass(upper)) way(state, upper) += slides * lightness(upper) / light;
+    }
+  }
+  double lightness(int slot) const noexcept {
+    return model_.is_mass(slot) ? 1.0 / model_.mass[index(slot)] : 0.0;
+  }
+  /// Velocity after the step, times k.
+  double& way(NetworkState& state, int slot) const noexcept {
+    if (!model_.is_mass(slot)) return state.change[index(slot)];
+    const auto& [at, row] = places_[index(slot)];
+    const auto& block = blocks_[index(at)];
+    return state.flow[index(block.first + static_cast<int>(block.group.masses.size()) + row)];
   }
 
   void arrive(NetworkState& state, const Block& block) const noexcept {

@@ -31,6 +31,7 @@ LinkOperator::LinkOperator(std::vector<Entry> entries, std::vector<double> const
     if (!entries_.empty() && entries_.back().row == entry.row && entries_.back().column == entry.column) {
       entries_.back().k += entry.k;
       entries_.back().b += entry.b;
+      entries_.back().inertia += entry.inertia;
     } else {
       entries_.push_back(entry);
     }

@@ -17,6 +17,7 @@ class LinkOperator {
   struct Entry {
     int row, column;
     double k, b;
+    double inertia = 0.0;  ///< not applied: what implicit solvers add to a stiff damper
   };
 
   LinkOperator() = default;

@@ -58,10 +58,16 @@ class NetworkSolver {
 ///
 ///  - Explicit: A = M/k^2; contacts from the present state: mass-interaction, as in CORDIS-ANIMA (Cadoz,
 ///    Luciani, Florens, CMJ 17(1), 1993). One mass on a spring is stable while k^2 K/m + 2 k C/m < 4.
-///  - Passive: A = M/k^2 + C/2k: dampers and coils centred. Springs are explicit if all of them together are
-///    stable so (largest eigenvalue of M^-1 K below 4/k^2, 1 % to spare), else all are averaged as below.
-///    Contacts by quadratised energy: stored energy never grows but by what is put in.
-///  - Implicit: A = M/k^2 + C/2k + K/4, the trapezoidal rule (Newmark, J. Eng. Mech. 85, 1959, beta = 1/4):
+///  - Passive: A = M/k^2 + C/2k + V: dampers and coils centred, but for V, by which those that stop a mass
+///  within
+///    a step count towards its end (`NetworkModel::stiff_inertia`). So they do not ring at half the rate, as
+///    the plain trapezoidal rule does: every mode of dampers and masses decays by a factor of -1/3 or more a
+///    step, and by one near 0 where it is stiff. V acts as a mass would: it stores energy and never makes
+///    any. Springs are explicit if all of them together are stable so (largest eigenvalue of M^-1 K below
+///    4/k^2, 1 % to spare), else all are averaged as below. Contacts by quadratised energy: stored energy
+///    never grows but by what is put in.
+///  - Implicit: A = M/k^2 + C/2k + V + K/4, the trapezoidal rule (Newmark, J. Eng. Mech. 85, 1959, beta =
+///  1/4):
 ///    never unstable, but frequencies fall towards half the rate by (w k)^2 / 12. Contacts by the discrete
 ///    gradient.
 ///

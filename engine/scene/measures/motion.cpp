@@ -25,6 +25,22 @@ double curve(const double* y, double x) {
   return p[0];
 }
 
+// A solver may send back over more than one step what touches for less. [samples]
+constexpr double kLongestBounce = 2.0;
+
+/// Where the parabola through three samples in a row, the last of which is the first here, falls through 0.
+struct Fall {
+  double last = 0.0, before = 0.0, first = 0.0;
+
+  double slope() const { return 0.5 * (3 * last - 4 * before + first); }
+  double bend() const { return last - 2 * before + first; }
+  double inside() const { return slope() * slope() - 2 * bend() * last; }
+  bool reaches() const { return slope() < 0.0 && inside() >= 0.0; }
+  /// Samples after the last: the smaller root of  last + slope x + bend x^2 / 2, in the form that does not
+  /// cancel.
+  double share() const { return 2 * last / (-slope() + std::sqrt(std::max(0.0, inside()))); }
+};
+
 /// Where the samples cross `level`, from below to above or the other way, in samples.
 struct Crossing {
   double time;
@@ -119,14 +135,18 @@ std::vector<double> falls_through_zero(std::span<const double> samples, Hertz ra
   std::vector<double> times;
   for (std::size_t n = 1; n < samples.size(); ++n) {
     const double last = samples[n - 1];
-    if (!(last > 0.0 && samples[n] <= 0.0)) continue;
-    double share = last / (last - samples[n]);
-    if (n >= 3 && samples[n - 2] > 0.0 && samples[n - 3] > 0.0) {
-      const double slope = 0.5 * (3 * last - 4 * samples[n - 2] + samples[n - 3]);
-      const double bend = last - 2 * samples[n - 2] + samples[n - 3];
-      // The smaller root of  last + slope x + bend x^2 / 2, in the form that does not cancel.
-      const double found = 2 * last / (-slope + std::sqrt(std::max(0.0, slope * slope - 2 * bend * last)));
-      if (found >= 0.0 && found <= 1.5) share = found;
+    if (!(last > 0.0)) continue;
+    const bool follows = n >= 3 && samples[n - 2] > 0.0 && samples[n - 3] > 0.0;
+    const Fall fall = follows ? Fall{last, samples[n - 2], samples[n - 3]} : Fall{};
+    double share = fall.share();
+    if (samples[n] > 0.0) {
+      const bool bounced = !times.empty() && times.back() * rate.value > static_cast<double>(n) - 3.0;
+      if (bounced || !follows || n + 2 >= samples.size() || !fall.reaches() || !(share > 0.0 && share <= 1.0))
+        continue;
+      const Fall back{samples[n], samples[n + 1], samples[n + 2]};
+      if (!back.reaches() || !(back.share() > 0.0 && back.share() <= kLongestBounce)) continue;
+    } else if (!follows || !(share >= 0.0 && share <= 1.5)) {
+      share = last / (last - samples[n]);
     }
     times.push_back((static_cast<double>(n - 1) + share) / rate.value);
   }

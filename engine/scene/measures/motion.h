@@ -24,7 +24,9 @@ std::optional<double> decay_of(std::span<const double> samples, Hertz rate);
 std::optional<double> slope_of(std::span<const double> samples, Hertz rate);
 
 /// When the samples fall from above 0 to 0 or below, on the parabola through the three samples before: what
-/// happens after a touch cannot move it. [s] from the first sample
+/// happens after a touch cannot move it. They need not be seen below: where that parabola and the one through
+/// the three samples behind both reach 0 between two samples, what fell has bounced there (a motion that is
+/// smooth has one parabola, and turns above 0). [s] from the first sample
 std::vector<double> falls_through_zero(std::span<const double> samples, Hertz rate);
 
 // ---- landings of a ball on a table that moves

@@ -220,3 +220,37 @@ TEST_CASE("contact: two contacts that touch together share the force", "[physics
     CHECK(both.position(a, 0) == Approx(one.position(b, 0)).margin(1e-12));
   }
 }
+
+TEST_CASE("contact: what is pressed at the start leaves with all that it holds", "[physics]") {
+  // A gram, 0.1 mm deep: from contacts of 40 frames to those that are over within one.
+  const auto solver = GENERATE(Solver::Passive, Solver::Exact);
+  const double stiffness = GENERATE(1e5, 1e7, 1e9), start = GENERATE(0.0, -0.5);
+  CAPTURE(static_cast<int>(solver), stiffness, start);
+  NetworkElements elements;
+  elements.points = {{Point::Kind::Mass, 1e-3, -1e-4, start, {}}, {Point::Kind::Ground, 0, 0, 0, {}}};
+  elements.contacts = {{.lower = 1, .upper = 0, .stiffness = stiffness, .loss = 0.0, .restitution = {}}};
+  const auto network = Network::make(elements, 0, 48_kHz, solver, 1).value();
+  auto state = network.initial_state();
+  const double held = stiffness * 1e-10 / 2.5 + 0.5e-3 * start * start;
+  CHECK(network.energy(state) == Approx(held).epsilon(1e-9));
+  for (int n = 0; n < 400; ++n) network.step(state, nullptr);
+  CHECK(network.velocity(state, 0) == Approx(std::sqrt(2 * held / 1e-3)).epsilon(1e-9));
+}
+
+TEST_CASE("contact: a touch that is over within a step leaves with the restitution", "[physics]") {
+  // Elastic touches of 0.02 and 0.2 frames; the bodies may meet anywhere between two frames.
+  const auto solver = GENERATE(Solver::Passive, Solver::Implicit, Solver::Exact);
+  const double restitution = GENERATE(0.1, 0.3, 0.6, 0.9), stiffness = GENERATE(3.7e11, 1e14);
+  for (int phase = 0; phase < 16; ++phase) {
+    NetworkElements elements;
+    const double speed = 2.0, at = speed / 48e3 * (10 + phase / 16.0);
+    elements.points = {{Point::Kind::Mass, 1e-3, at, -speed, {}}, {Point::Kind::Ground, 0, 0, 0, {}}};
+    elements.contacts = {
+        {.lower = 1, .upper = 0, .stiffness = stiffness, .loss = 0.0, .restitution = restitution}};
+    const auto network = Network::make(elements, 0, 48_kHz, solver, 1).value();
+    auto state = network.initial_state();
+    for (int n = 0; n < 100; ++n) network.step(state, nullptr);
+    CAPTURE(static_cast<int>(solver), restitution, stiffness, phase);
+    CHECK(network.velocity(state, 0) == Approx(restitution * speed).epsilon(0.02));
+  }
+}

@@ -129,19 +129,64 @@ TEST_CASE("friction: the law's coefficients, and the fit of rosin", "[physics]")
 TEST_CASE("friction: where three ways are open, it goes on as before", "[physics]") {
   // mu falls from 1.2 to 0.35; with 1 N and 0.5 m/s/N the line v + 0.5 F = 0.4 cuts the curve twice beside
   // the holding branch.
-  const auto held = solve_friction(kRosin, 0.0, 1.0, 0.4, 0.5, 0);
+  const auto solve = [](double free, double before) {
+    return solve_friction(
+        kRosin, 0.0,
+        {.normal = 1.0, .free = free, .mobility = 0.5, .before = before, .holds = before == 0.0});
+  };
+  const auto held = solve(0.4, 0.0);
   CHECK(held.velocity == 0.0);
+  CHECK(held.after == 0.0);
   CHECK(held.force == Approx(0.8));
-  const auto slid = solve_friction(kRosin, 0.0, 1.0, 0.4, 0.5, 1);
+  const auto slid = solve(0.4, 0.2);
   CHECK(slid.velocity > 0.0);
   CHECK(slid.force == Approx(kRosin.coefficient(slid.velocity)));
   CHECK(slid.velocity + 0.5 * slid.force == Approx(0.4));
-  // The other way round it has to stop first.
-  CHECK(solve_friction(kRosin, 0.0, 1.0, 0.4, 0.5, -1).velocity == 0.0);
   // Too fast to be held.
-  CHECK(solve_friction(kRosin, 0.0, 1.0, 0.7, 0.5, 0).velocity > 0.0);
-  CHECK(solve_friction(kRosin, 0.0, 1.0, -0.7, 0.5, 0).velocity ==
-        -solve_friction(kRosin, 0.0, 1.0, 0.7, 0.5, 0).velocity);
+  CHECK(solve(0.7, 0.0).velocity > 0.0);
+  CHECK(solve(-0.7, 0.0).velocity == -solve(0.7, 0.0).velocity);
+}
+
+TEST_CASE("friction: what slides stops within a step and stays, or turns where it cannot be held",
+          "[physics]") {
+  const FrictionLaw law{0.5, {}};
+  const auto solve = [&](double free, double before, double heat) {
+    return solve_friction(law, 0.0,
+                          {.normal = 1.0,
+                           .free = free,
+                           .mobility = 0.5,
+                           .before = before,
+                           .centred = true,
+                           .memory = {.margin = -1.0, .heat = heat}});
+  };
+  // 0.2 m/s that 0.3 N drive on or hold back: 1 m/s/N over the step; friction is 0.5 N.
+  CHECK(solve(0.2 + 0.15, 0.2, 1.0).after == 0.0);
+  CHECK(solve(0.2 - 0.15, 0.2, 1.0).after == 0.0);
+  CHECK(solve(0.2 - 0.15, 0.2, 1.0).velocity == Approx(0.1));
+  // Held back by more than it can hold with, 0.6 N: stops after 2/11 of the step, then turns.
+  CHECK(solve(0.2 - 0.3, 0.2, 1.0).after == Approx(-9.0 / 11 * 0.1));
+  // Faster than friction can stop within the step.
+  CHECK(solve(0.8, 0.8, 1.0).after == Approx(0.3));
+  // A stop that would give energy which the slide has not lost.
+  const auto poor = solve(0.2 - 0.15, 0.2, 0.0);
+  CHECK(poor.force * poor.velocity >= 0.0);
+}
+
+TEST_CASE("friction: breaks away between two steps, where it can hold no longer", "[physics]") {
+  // 1 N more in each step; 0.8 N could be held. 0.5 N in the step before, 1.5 N now: on the way from one
+  // middle to the next it has slid for 0.7 of a step, and the rest of this one, 0.5.
+  const FrictionLaw law{0.2, {{{0.6, 1e-9}, {}}}};
+  const FrictionStep step{
+      .normal = 1.0, .free = 1.5, .mobility = 1.0, .holds = true, .centred = true, .memory = {.margin = 0.3}};
+  // From 0.8 N to 2 N, mean 1.4 N, less 0.2 N, over 1.2 steps: 2 m/s/N a step at the end. The friction falls
+  // in no time: the first of 32 short steps is lost.
+  const auto found = solve_friction(law, 0.0, step);
+  CHECK(found.after + 2.0 * found.memory.owed == Approx(2.0 * 1.2 * (1.4 - 0.2)).epsilon(1.0 / 32));
+  CHECK(found.force >= 0.0);
+  // What has jumped has no place in between.
+  auto jumped = step;
+  jumped.memory.margin = FrictionMemory::kUnknown;
+  CHECK(solve_friction(law, 0.0, jumped).force == Approx(0.2).epsilon(1e-3));
 }
 
 TEST_CASE("friction: takes out what it gives as heat, with contacts and other frictions beside it",

@@ -62,3 +62,25 @@ TEST_CASE("oscillation: a thrown body falls through 0 when it must, whatever it 
   REQUIRE(falls.size() == 1);
   CHECK(falls[0] == Approx(std::sqrt(2e-3 / 9.81)).epsilon(1e-8));
 }
+
+TEST_CASE("oscillation: what bounces between two samples falls through 0 when it must", "[analysis]") {
+  // A ball that bounces in no time: falls after sqrt(2 h / g) and then every 2 sqrt(2 h / g).
+  const double fall = std::sqrt(2e-3 / 9.81);
+  std::vector<double> height;
+  for (int n = 0; n < 5000; ++n) {
+    const double since = std::fmod(n / 48000.0 + fall, 2 * fall) - fall;
+    height.push_back(std::max(1e-12, 1e-3 - 0.5 * 9.81 * since * since));
+  }
+  const auto falls = falls_through_zero(height, 48_kHz);
+  REQUIRE(falls.size() == 4);
+  for (std::size_t i = 0; i < falls.size(); ++i)
+    CHECK(falls[i] == Approx(fall * (1.0 + 2.0 * static_cast<double>(i))).epsilon(1e-8));
+}
+
+TEST_CASE("oscillation: what turns smoothly above 0 does not fall through it", "[analysis]") {
+  // Down to a millionth, where the samples beside are 3e-5 up.
+  std::vector<double> height;
+  for (int n = 0; n < 4800; ++n)
+    height.push_back(1.0 + 1e-6 - std::cos(2 * std::numbers::pi * 97.0 * (n + 0.37) / 48000.0));
+  CHECK(falls_through_zero(height, 48_kHz).empty());
+}
