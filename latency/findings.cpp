@@ -15,7 +15,7 @@ constexpr double kFullScale = 0.99996;  // 16-bit converters end there
 constexpr int kClippedRun = 3;          // frames at the end in a row
 constexpr double kOverdriven = -20.0;   // dB of any harmonic
 constexpr double kHarmonicsSnr = 10.0;  // dB of SNR
-constexpr double kLeastDrift = 0.5;     // ppm; one clock has none
+constexpr double kLeastDrift = 0.005;   // ppm: a frame in an hour; one clock has none
 constexpr double kGainMoves = 0.5;      // dB
 constexpr double kGainRises = 1.0;      // dB
 constexpr double kCancelled = 3.0;      // dB
@@ -29,6 +29,8 @@ constexpr const char* kAgainstOverload =
     "turn the input's gain or the output's level down, or measure with a lower --level";
 constexpr const char* kAgainstAgc =
     "switch off automatic gain control, noise suppression and limiters of the input";
+constexpr const char* kAgainstBackground =
+    "measure while it is quiet (speech, music, machines, tapping on the sensor), or play louder";
 constexpr const char* kAgainstNoise = "play louder, raise the input's gain, or find the source of the noise";
 
 int longest_clipped_run(std::span<const double> captured) {
@@ -68,14 +70,15 @@ Finding lost_frames(const Analysis& analysis) {
 }
 
 Finding clocks_differ(const Analysis& analysis) {
-  if (std::abs(analysis.drift_ppm) < kLeastDrift ||
+  if (!analysis.compared || std::abs(analysis.drift_ppm) < kLeastDrift ||
       std::abs(analysis.drift_ppm) < kFindingsCertain * analysis.drift_standard_error_ppm)
     return {};
   return {Verdict::ClocksDiffer,
-          fmt::format("the delay drifts by {:.2f} ppm ({:+.2f} frames per second): input and output have "
-                      "separate clocks; in the middle of the measurement it was {:.2f} frames",
-                      analysis.drift_ppm, 1e-6 * analysis.drift_ppm * analysis.sample_rate.value,
-                      analysis.delay_frames),
+          fmt::format(
+              "the delay drifts by {:.2g} ± {:.1g} ppm ({:+.2g} frames per second): input and output have "
+              "separate clocks; in the middle of the measurement it was {:.2f} frames",
+              analysis.drift_ppm, analysis.drift_standard_error_ppm,
+              1e-6 * analysis.drift_ppm * analysis.sample_rate.value, analysis.delay_frames),
           "use the input and output of one card, or synchronise both by word clock, ADAT or S/PDIF"};
 }
 
@@ -96,19 +99,26 @@ double deviation(const std::vector<double>& values) {
 /// The gains of probes that were played at full level, and of those that were softer by a quarter and more.
 struct Gains {
   std::vector<double> loud_db, soft_db;
+  double noise_db = 0.0;  ///< of a loud one, as the noise makes it
 
   explicit Gains(const std::vector<ProbeDelay>& probes) {
     double highest = 0.0;
     for (const auto& probe : probes) highest = std::max(highest, probe.level);
-    for (const auto& probe : probes)
-      (probe.level > 0.75 * highest ? loud_db : soft_db).push_back(probe.gain_db);
+    for (const auto& probe : probes) {
+      const bool loud = probe.level > 0.75 * highest;
+      (loud ? loud_db : soft_db).push_back(probe.gain_db);
+      if (loud) noise_db = std::max(noise_db, probe.gain_deviation_db);
+    }
+  }
+  /// Of the mean of some of them; few may agree by chance.
+  double error_of(const std::vector<double>& some, double noise) const {
+    return std::max(deviation(some), noise) / std::sqrt(static_cast<double>(some.size()));
   }
   /// How much more the soft ones are amplified, when that is certain.
   double by_level() const {
     if (loud_db.empty() || soft_db.empty()) return 0.0;
     const double difference = mean(soft_db) - mean(loud_db);
-    const double error = std::hypot(deviation(loud_db) / std::sqrt(static_cast<double>(loud_db.size())),
-                                    deviation(soft_db) / std::sqrt(static_cast<double>(soft_db.size())));
+    const double error = std::hypot(error_of(loud_db, noise_db), error_of(soft_db, 2.0 * noise_db));
     return std::abs(difference) > kFindingsCertain * error ? difference : 0.0;
   }
   /// By how much it rises from the first loud probe to the last, along a straight line, when that is certain.
@@ -124,7 +134,8 @@ struct Gains {
       squares += (loud_db[n] - level) * (loud_db[n] - level);
     }
     const double slope = common / times;
-    const double error = std::sqrt(std::max(0.0, squares - slope * common) / (count - 2.0) / times);
+    const double scatter = std::sqrt(std::max(0.0, squares - slope * common) / (count - 2.0));
+    const double error = std::max(scatter, noise_db) / std::sqrt(times);
     return slope > kFindingsCertain * error ? slope * (count - 1.0) : 0.0;
   }
   double fall() const { return loud_db.empty() ? 0.0 : loud_db.front() - loud_db.back(); }
@@ -155,6 +166,14 @@ Finding moving_gain(const Analysis& analysis, const Evidence& evidence) {
           kAgainstAgc};
 }
 
+/// The place of a response before the linear one says of which order it is.
+Finding distorted(int order, double level_db) {
+  return {Verdict::Clipping,
+          fmt::format("harmonic {} of the probe is {:.0f} dB below it: a stage of the path distorts", order,
+                      -level_db),
+          kAgainstOverload};
+}
+
 Finding detected_twice(std::int64_t frames, double level_db) {
   return {
       Verdict::DirectMonitoring,
@@ -164,12 +183,26 @@ Finding detected_twice(std::int64_t frames, double level_db) {
       "outputs"};
 }
 
-Finding low_snr(const Analysis& analysis, const Evidence& evidence) {
-  if (evidence.coarse.clear() && analysis.standard_error_frames < evidence.widest_error_frames) return {};
-  const auto effect =
-      evidence.coarse.clear()
-          ? fmt::format("the delay is uncertain by {:.2f} frames", analysis.standard_error_frames)
-          : "single probes cannot be separated, and lost frames or drift cannot be detected";
+/// What noise hides: the delay itself, or that frames were lost. Nothing: all can be seen.
+std::string hidden_by_noise(const Analysis& analysis, const Evidence& evidence) {
+  if (!evidence.coarse.clear())
+    return "single probes cannot be separated, and lost frames or drift cannot be detected";
+  if (analysis.standard_error_frames >= evidence.widest_error_frames)
+    return fmt::format("the delay is uncertain by {:.2f} frames", analysis.standard_error_frames);
+  if (evidence.least_step_frames > 1.0)
+    return fmt::format("fewer than {:.1f} lost frames cannot be detected", evidence.least_step_frames);
+  if (evidence.ends_hidden) return "frames that were lost before or behind the probes cannot be detected";
+  return {};
+}
+
+Finding too_noisy(const Analysis& analysis, const Evidence& evidence) {
+  const auto effect = hidden_by_noise(analysis, evidence);
+  if (effect.empty()) return {};
+  if (evidence.unsteady)
+    return {Verdict::BackgroundSound,
+            fmt::format("something else sounds now and then: with a signal {:.1f} dB above it, {}",
+                        analysis.snr_db, effect),
+            kAgainstBackground};
   return {
       Verdict::LowSnr,
       fmt::format("the noise is too strong: with a signal {:.1f} dB above it, {}", analysis.snr_db, effect),
@@ -231,15 +264,19 @@ Finding verdict_of(const Analysis& analysis, const Evidence& evidence, std::span
   // A second path far away overlaps the probes, so that nothing else can be separated from them.
   const auto& second = evidence.second;
   const auto& echo = evidence.echo;
+  const auto& order = evidence.harmonic;
   const bool near = echo.share >= kEchoShare && echo.level_db >= kLeastEcho;
+  const auto twice = [&](std::int64_t frames, double level_db) {
+    return order ? distorted(*order, level_db) : detected_twice(frames, level_db);
+  };
   const Finding overdriven{Verdict::Clipping,
                            "loud and soft probes differ in shape: a stage of the path is overdriven",
                            kAgainstOverload};
   for (const auto& found :
-       {clipping(analysis, captured), second ? detected_twice(second->frames, second->level_db) : Finding{},
+       {clipping(analysis, captured), second ? twice(second->frames, second->level_db) : Finding{},
         lost_frames(analysis), moving_gain(analysis, evidence), evidence.overdriven ? overdriven : Finding{},
-        clocks_differ(analysis), near ? detected_twice(echo.frames, echo.level_db) : Finding{},
-        evidence.coarse.clear() ? not_flat(analysis, evidence) : Finding{}, low_snr(analysis, evidence)})
+        clocks_differ(analysis), near ? twice(echo.frames, echo.level_db) : Finding{},
+        evidence.coarse.clear() ? not_flat(analysis, evidence) : Finding{}, too_noisy(analysis, evidence)})
     if (found.verdict != Verdict::Ok) return found;
   return {};
 }

@@ -27,8 +27,12 @@ struct Evidence {
   CoarseDelay coarse;
   Response::Echo echo;
   std::optional<SecondPath> second;  ///< further away
+  std::optional<int> harmonic;       ///< what looks like a second path is a distortion of that order
   bool with_profile = false;
   bool overdriven = false;                    ///< loud and soft probes differ in shape
+  bool unsteady = false;                      ///< the noise comes and goes
+  bool ends_hidden = false;                   ///< lost frames before or behind the probes would go unseen
+  double least_step_frames = 0.0;             ///< fewer lost frames between probes might not be detected
   double gain_range_db = 0.0;                 ///< highest over lowest gain of the model in the band
   double widest_error_frames = 0.1;           ///< standard error that is still called a result
   std::optional<double> level_probe_gain_db;  ///< highest gain of bursts before the probes

@@ -356,7 +356,8 @@ class Session {
 
   /// Another opening may have another result.
   static bool worth_repeating(const Opening& opening) {
-    return opening.finding.verdict == Verdict::Ok || opening.finding.verdict == Verdict::LostFrames;
+    const auto verdict = opening.finding.verdict;
+    return verdict == Verdict::Ok || verdict == Verdict::LostFrames || verdict == Verdict::BackgroundSound;
   }
 
   void locate_second_path(Measurement& measurement) {

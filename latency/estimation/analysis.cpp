@@ -20,11 +20,14 @@ constexpr double kAnalysisRounding =
     1e-4;  // misfit: less is left by the steps of converters, which have no shape
 constexpr Seconds kThroughActuator{0.00002};  // standard error: five of them are a tenth of a millisecond
 
-/// The gain of the bursts before the probes (the level ramp), for what changes with time.
-std::optional<double> level_probe_gain_db(std::span<const double> all_played, const LoopEstimate& loop) {
+/// The gain of the bursts before the probes (the level ramp), for what changes with time. The mark has more
+/// treble than probes, so that its gain is not theirs.
+std::optional<double> level_probe_gain_db(std::span<const double> all_played, const LoopEstimate& loop,
+                                          Hertz rate) {
+  const auto mark = loop.bursts.mark(rate);
   std::optional<double> highest;
   for (const auto& burst : loop.bursts.others) {
-    if (burst.at > loop.bursts.repeated.front().at) continue;
+    if (burst.at > loop.bursts.repeated.front().at || (mark && burst.at == mark->at)) continue;
     const auto played = part_of(all_played, burst.at, burst.end());
     const auto captured = part_of(loop.samples, burst.at + loop.at, burst.end() + loop.at);
     if (captured.size() < played.size()) continue;
@@ -88,6 +91,13 @@ void report_delay(const LoopEstimate& loop, Analysis& analysis) {
   const double last = static_cast<double>(loop.bursts.repeated.back().end());
   analysis.delay_frames = loop.captured_delay(loop.constant(), 0.5 * (first + last));
   analysis.spread_frames = loop.trend.scatter;
+  analysis.polarity = loop.fit.model.sign < 0.0 ? -1 : 1;
+  analysis.misfit = loop.fit.misfit;
+  if (loop.error) {
+    const double by_probes = std::hypot(loop.error->noise_frames, loop.error->shape_frames);
+    analysis.standard_error_frames = std::max(by_probes, analysis.misfit_frames);
+    return;
+  }
   const double by_scatter =
       loop.trend.scatter /
       std::sqrt(static_cast<double>(std::max<std::size_t>(1, loop.trend.longest.size())));
@@ -95,13 +105,28 @@ void report_delay(const LoopEstimate& loop, Analysis& analysis) {
   const double more = loop.floor.variance > 1e-16 ? std::max(1.0, loop.noise / loop.floor.variance) : 1.0;
   const double by_noise = loop.fit.delay_deviation * std::sqrt(std::max(1.0, loop.fit.chi_squared));
   analysis.standard_error_frames = std::max({by_scatter, by_noise * std::sqrt(more), analysis.misfit_frames});
-  analysis.polarity = loop.fit.model.sign < 0.0 ? -1 : 1;
-  analysis.misfit = loop.fit.misfit;
+}
+
+/// The scatter of few probes may be small by chance, but is not below what the noise makes.
+double slope_deviation(const LoopEstimate& loop) {
+  double weights = 0.0, times = 0.0, squares = 0.0;
+  for (const auto& probe : loop.steady) {
+    const double weight = probe.burst.gain * probe.burst.gain, time = static_cast<double>(probe.burst.at);
+    weights += weight;
+    times += weight * time;
+    squares += weight * time * time;
+  }
+  const double around = squares / weights - (times / weights) * (times / weights);
+  double noise = loop.error ? loop.error->noise_frames : 0.0;
+  for (const auto& probe : loop.probes)
+    noise = std::max(noise, probe.deviation_frames * probe.burst.gain / std::sqrt(weights));
+  const double by_noise = around > 0.0 ? noise / std::sqrt(around) : 0.0;
+  return std::max(loop.trend.slope_deviation, by_noise);
 }
 
 void report_probes(const LoopEstimate& loop, Analysis& analysis) {
   analysis.drift_ppm = 1e6 * (loop.speed * (1.0 + loop.trend.slope) - 1.0);
-  analysis.drift_standard_error_ppm = 1e6 * loop.trend.slope_deviation;
+  analysis.drift_standard_error_ppm = 1e6 * slope_deviation(loop);
   analysis.steps = loop.steps;
   analysis.compared = loop.probes.size() >= 3;
   for (const auto& probe : loop.probes)
@@ -109,15 +134,27 @@ void report_probes(const LoopEstimate& loop, Analysis& analysis) {
         {probe.burst.at,
          loop.captured_delay(loop.constant() + probe.delay_frames, static_cast<double>(probe.burst.at)),
          20.0 / std::numbers::ln10 * (loop.fit.model.log_gain + probe.log_gain),
-         probe.burst.gain * loop.bursts.peak});
+         probe.burst.gain * loop.bursts.peak, 20.0 / std::numbers::ln10 * probe.gain_deviation});
 }
 
 /// Of the probes at full level alone: distortion depends on the level.
-CapturedWindow loud_mean(const LoopEstimate& loop, ProbeWindows& windows) {
+std::vector<TrackedProbe> loud_ones(const LoopEstimate& loop) {
   std::vector<TrackedProbe> loud;
   for (const auto& probe : loop.steady)
     if (probe.burst.gain > 0.75) loud.push_back(probe);
-  return windows.mean(loop.samples, loop.at, loud.empty() ? loop.steady : loud);
+  return loud.empty() ? loop.steady : loud;
+}
+
+std::array<std::optional<double>, 4> harmonics_of(LoopEstimator& estimator, const LoopEstimate& loop,
+                                                  const ExponentialSweep& probe) {
+  auto loud = loud_ones(loop);
+  const auto mean = estimator.windows.mean(loop.samples, loop.at, loud);
+  loud.resize(loud.size() / 2 * 2);
+  for (std::size_t n = 1; n < loud.size(); n += 2) loud[n].burst.gain *= -1.0;
+  Spectrum differences;
+  if (!loud.empty()) differences = estimator.windows.mean(loop.samples, loop.at, loud).captured;
+  return Response{mean, loop.fit.model, estimator.rate, estimator.windows.fourier()}.harmonics(probe,
+                                                                                               differences);
 }
 
 void report_details(LoopEstimator& estimator, const LoopEstimate& loop, const Response& response,
@@ -130,9 +167,7 @@ void report_details(LoopEstimator& estimator, const LoopEstimate& loop, const Re
   analysis.response_at = loop.at + first;
   const auto probe = measuring_probe(estimator.rate);
   if (repeats(loop.bursts.waveform, probe.samples(estimator.rate)))
-    analysis.harmonics_db = Response{loud_mean(loop, estimator.windows), loop.fit.model, estimator.rate,
-                                     estimator.windows.fourier()}
-                                .harmonics(probe);
+    analysis.harmonics_db = harmonics_of(estimator, loop, probe);
   const auto within = [&](const ResponsePoint& point) { return point.gain_db > analysis.gain_db - 3.0; };
   const auto& points = analysis.spectrum;
   if (const auto low = std::find_if(points.begin(), points.end(), within); low != points.end())
@@ -145,6 +180,8 @@ void report_details(LoopEstimator& estimator, const LoopEstimate& loop, const Re
 
 constexpr double kSoftest = 0.01;  // of the path: it moves no delay by a thousandth of a frame
 constexpr double kAside = 2.0;
+constexpr int kHighestOrder = 9;
+constexpr double kBesideHarmonic = 3.0;  // frames
 
 /// The share of the path's response to a burst that `rest` contains at the delay `frames`.
 double usual_level(const LoopEstimate& loop, std::span<const double> first, std::span<const double> rest,
@@ -181,10 +218,23 @@ std::optional<SecondPath> find_second_path(const LoopEstimate& loop, CoarseSearc
   return second;
 }
 
+/// Of which order of distortion an exponential probe has the response so many frames from the linear one.
+std::optional<int> harmonic_at(int frames, const LoopEstimate& loop, Hertz rate) {
+  const auto probe = measuring_probe(rate);
+  if (!repeats(loop.bursts.waveform, probe.samples(rate))) return std::nullopt;
+  const double growth = frames_in(probe.growth(), rate);
+  for (int order = 2; order <= kHighestOrder; ++order)
+    if (std::abs(static_cast<double>(frames) + growth * std::log(order)) <= kBesideHarmonic) return order;
+  return std::nullopt;
+}
+
 void report(LoopEstimator& estimator, const LoopEstimate& loop, Analysis& analysis) {
   Evidence evidence;
   evidence.coarse = loop.coarse;
   evidence.overdriven = loop.overdriven;
+  evidence.unsteady = loop.unsteady;
+  evidence.least_step_frames = loop.least_step;
+  evidence.ends_hidden = loop.ends_hidden;
   evidence.with_profile = estimator.settings.profile.has_value();
   if (evidence.with_profile) evidence.widest_error_frames = frames_in(kThroughActuator, estimator.rate);
   const Response response{loop.mean, loop.fit.model, estimator.rate, estimator.windows.fourier()};
@@ -194,7 +244,9 @@ void report(LoopEstimator& estimator, const LoopEstimate& loop, Analysis& analys
   else if (loop.fit.misfit > 1e-3)
     evidence.echo = response.echo();
   if (evidence.echo.frames != 0) analysis.echo_frames = evidence.echo.frames;
-  evidence.level_probe_gain_db = level_probe_gain_db(estimator.recording.played, loop);
+  if (analysis.echo_frames) evidence.harmonic = harmonic_at(*analysis.echo_frames, loop, estimator.rate);
+  if (evidence.harmonic) analysis.echo_frames.reset();
+  evidence.level_probe_gain_db = level_probe_gain_db(estimator.recording.played, loop, estimator.rate);
   evidence.gain_range_db = gain_range_db(loop, estimator.rate);
   report_probes(loop, analysis);
   report_level(loop, analysis);

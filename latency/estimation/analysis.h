@@ -28,15 +28,27 @@ enum class Verdict {
   ClocksDiffer,      ///< input and output run at different speeds, so the delay moves
   DirectMonitoring,  ///< a second path beside the measured one
   NotFlat,           ///< a path whose own delay depends on the frequency: an actuator, a sensor, a room
+  BackgroundSound,   ///< something else sounds, and hides what was played
   LowSnr,            ///< too much noise
   UnstableStart,     ///< another delay each time that the stream is opened
 };
 
 /// What reports call them.
-inline constexpr std::array<const char*, 14> kVerdictCodes{
-    "ok",           "NO_SIGNAL",     "WRONG_CHANNEL", "HOWL",          "CLIPPING",          "LOST_FRAMES",
-    "API_MISMATCH", "ECHO_CANCEL",   "AGC",           "CLOCKS_DIFFER", "DIRECT_MONITORING", "NOT_FLAT",
-    "LOW_SNR",      "UNSTABLE_START"};
+inline constexpr std::array<const char*, 15> kVerdictCodes{"ok",
+                                                           "NO_SIGNAL",
+                                                           "WRONG_CHANNEL",
+                                                           "HOWL",
+                                                           "CLIPPING",
+                                                           "LOST_FRAMES",
+                                                           "API_MISMATCH",
+                                                           "ECHO_CANCEL",
+                                                           "AGC",
+                                                           "CLOCKS_DIFFER",
+                                                           "DIRECT_MONITORING",
+                                                           "NOT_FLAT",
+                                                           "BACKGROUND_SOUND",
+                                                           "LOW_SNR",
+                                                           "UNSTABLE_START"};
 inline const char* code(Verdict verdict) { return kVerdictCodes[static_cast<std::size_t>(verdict)]; }
 
 /// A verdict about one measurement, with its evidence.
@@ -80,7 +92,8 @@ struct ProbeDelay {
   std::int64_t played_at = 0;  ///< frame of the recording
   double delay_frames = 0.0;
   double gain_db = 0.0;
-  double level = 0.0;  ///< its peak as played
+  double level = 0.0;              ///< its peak as played
+  double gain_deviation_db = 0.0;  ///< as the noise makes it
 };
 
 /// What one recording says about the path from output to input.

@@ -31,13 +31,18 @@ struct Segment {
 std::vector<Segment> segments(std::span<const DelayPoint> points, double slope, double least_step,
                               std::vector<DelayStep>& steps) {
   std::vector<Segment> found{{{0}}};
+  const auto level = [&](std::size_t n) {
+    return points[n].delay_frames - slope * static_cast<double>(points[n].played_at);
+  };
+  std::vector<double> levels{level(0)};  // since the last step
   for (std::size_t n = 1; n < points.size(); ++n) {
-    const double time = static_cast<double>(points[n].played_at - points[n - 1].played_at);
-    const double jump = points[n].delay_frames - points[n - 1].delay_frames - slope * time;
+    const double jump = level(n) - median(levels);
     if (std::abs(jump) > least_step) {
       steps.push_back({points[n].played_at, jump});
       found.emplace_back();
+      levels.clear();
     }
+    levels.push_back(level(n));
     found.back().points.push_back(n);
   }
   for (auto& part : found)

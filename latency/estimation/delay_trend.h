@@ -14,9 +14,10 @@ struct DelayPoint {
   double delay_frames = 0.0;
 };
 
-/// A straight line through delays, and where they jump off it. Between jumps it is least squares with one
-/// slope for all segments; before that the slope is the median of those between neighbours, which a jump
-/// does not move.
+/// A straight line through delays, and where they jump off it: from the median since the last jump, so that a
+/// jump in the middle of a probe, which moves it by half, is none the less one. Between jumps it is least
+/// squares with one slope for all segments; before that the slope is the median of those between neighbours,
+/// which a jump does not move.
 struct DelayTrend {
   double slope = 0.0;            ///< frames per frame
   double slope_deviation = 0.0;  ///< from the scatter around the line; 0 for fewer than three points

@@ -7,6 +7,7 @@
 
 #include "engine/core/index.h"
 #include "engine/core/median.h"
+#include "latency/estimation/probe_damage.h"
 
 namespace tactus {
 namespace {
@@ -24,13 +25,16 @@ constexpr double kLoopEstimatorSilence = 1e-10;  // of the captured power: noise
 constexpr double kFaintest = -14.0;              // log gain: -122 dB, below the resolution of any converter
 // A hum or a click, which the model can follow only with a gain that nothing has, and leaves most of.
 constexpr double kStrongest = 14.0, kHum = 0.5;
-constexpr double kNothing = 1e-18;        // -180 dBFS, below what a float sample of full scale can hold
-constexpr double kDamaged = 0.05;         // of a probe's power, more than other probes leave unexplained
-constexpr double kTouched = 1e-3;         // the same, for a probe that is reported but still used
-constexpr double kNoisier = 1.5;          // than other probes is one that something happened to
-constexpr std::int64_t kSamePlace = 128;  // frames
-constexpr double kFitsWell = 1e-3;        // misfit of a cable
+constexpr double kNothing = 1e-18;    // -180 dBFS, below what a float sample of full scale can hold
+constexpr double kDamaged = 0.05;     // of a probe's power, more than other probes leave unexplained
+constexpr double kMoreDamaged = 1.5;  // the same, times what others leave
+constexpr Seconds kLongestDamage{0.02};
+constexpr std::size_t kManyProbes = 4;  // by how they differ, the noise is known
+constexpr double kUnsteady = 2.0;       // power
+constexpr double kLoudPilot = 10.0;     // power over that of the noise
+constexpr double kFitsWell = 1e-3;      // misfit of a cable
 constexpr int kDriftRounds = 3;
+constexpr double kClearest = 0.01;  // noise over signal: bands that are clearer count alike
 
 /// Of a converter of 16 or 24 bits, if all samples are its steps.
 double rounding_variance(std::span<const double> samples) {
@@ -55,7 +59,7 @@ double usual(double TrackedProbe::*of, const std::vector<TrackedProbe>& probes) 
 
 /// Sweeps in which nothing is broken: those that leave about as much unexplained as the others.
 std::vector<TrackedProbe> whole_ones(const std::vector<TrackedProbe>& probes) {
-  const double most = usual(&TrackedProbe::misfit, probes) + kDamaged;
+  const double most = kMoreDamaged * usual(&TrackedProbe::misfit, probes) + kDamaged;
   std::vector<TrackedProbe> whole;
   for (const auto& probe : probes)
     if (probe.misfit <= most) whole.push_back(probe);
@@ -88,118 +92,6 @@ std::vector<double> through(const std::vector<double>& played, std::span<const d
 }
 
 std::int64_t reach(const CoarseDelay& coarse) { return coarse.clear() ? kLoopEstimatorSearch : 0; }
-
-// ---- the pilot
-
-constexpr std::int64_t kPart = 2048;
-constexpr std::int64_t kPilotReach = 4096;
-constexpr std::int64_t kPilotLead = 64;  // what a filter may answer before its delay
-constexpr double kProminent = 10.0;
-
-/// What the path would bring, from `kPilotLead` frames before its delay on.
-std::vector<double> expected_pilot(std::span<const double> pilot, const PathModel& model,
-                                   std::span<const double> profile) {
-  Fourier fourier{pilot.size() + profile.size() + 2 * kPilotLead};
-  auto placed = model;
-  placed.delay_frames += static_cast<double>(kPilotLead);
-  const auto path = placed.spectrum(fourier.size(), profile.empty() ? Spectrum{} : fourier.forward(profile));
-  auto spectrum = fourier.forward(pilot);
-  for (std::size_t b = 0; b < spectrum.size(); ++b) spectrum[b] *= path[b];
-  auto signal = fourier.inverse(spectrum);
-  signal.resize(pilot.size() + 2 * kPilotLead);
-  return signal;
-}
-
-std::vector<double> cut(std::span<const double> all, std::int64_t from, std::int64_t frames) {
-  std::vector<double> part(index(frames), 0.0);
-  const auto end = std::min(from + frames, static_cast<std::int64_t>(all.size()));
-  for (auto n = std::max<std::int64_t>(0, from); n < end; ++n) part[index(n - from)] = all[index(n)];
-  return part;
-}
-
-/// Six standard deviations of a part's delay in that noise; or what a phase that is wrong by a seventh of a
-/// radian (2 % of the power) makes of it, twice.
-double least_step_of(const Spectrum& part, std::size_t size, double variance) {
-  double energy = 0.0, slope_energy = 0.0;
-  for (std::size_t b = 1; b < part.size(); ++b) {
-    const double w = angular_frequency(b, size);
-    const double share = 2.0 / static_cast<double>(size) * std::norm(part[b]);
-    energy += share;
-    slope_energy += w * w * share;
-  }
-  return std::max(6.0 * std::sqrt(variance / slope_energy), 0.3 * std::sqrt(energy / slope_energy));
-}
-
-/// Frames of `captured` from which on, for less than 50 ms, it is not what is expected from `begin` on.
-std::vector<std::int64_t> pilot_damage(const std::vector<double>& whole, std::span<const double> captured,
-                                       std::int64_t begin, double variance) {
-  constexpr std::int64_t kBlock = 64;
-  constexpr std::int64_t kMaxBlocks = 40;  // blocks; what lasts longer is a gain that changes
-  const auto blocks = static_cast<std::int64_t>(whole.size()) / kBlock;
-  double usual = 0.0;  // power of a block: at the ends there is less
-  for (const double sample : whole) usual += sample * sample * kBlock / static_cast<double>(whole.size());
-  const auto broken = [&](std::int64_t block) {
-    const auto from = block * kBlock, there = begin + from;
-    if (there < 0 || there + kBlock > static_cast<std::int64_t>(captured.size())) return false;
-    double explained = 0.0, unexplained = 0.0;
-    for (std::int64_t k = 0; k < kBlock; ++k) {
-      const double expects = whole[index(from + k)];
-      const double rest = captured[index(there + k)] - expects;
-      explained += expects * expects;
-      unexplained += rest * rest;
-    }
-    return unexplained > 0.25 * std::max(explained, usual) && unexplained > 36.0 * kBlock * variance;
-  };
-  auto places = short_runs(blocks, kMaxBlocks, broken);
-  for (auto& place : places) place = begin + place * kBlock;
-  return places;
-}
-
-/// Each place by the middle one of three. A step stays where it is; a part that was taken for its neighbour,
-/// an oscillation beside it, does not count. The ends have no two neighbours, and are left out.
-std::vector<DelayPoint> without_outliers(const std::vector<DelayPoint>& points) {
-  std::vector<DelayPoint> quiet;
-  for (std::size_t n = 1; n + 1 < points.size(); ++n)
-    quiet.push_back({points[n].played_at, median({points[n - 1].delay_frames, points[n].delay_frames,
-                                                  points[n + 1].delay_frames})});
-  return quiet;
-}
-
-/// What was captured of the pilot.
-struct PilotTrack {
-  std::vector<DelayPoint> points;  ///< of each part that was recorded and found
-  double least_step = 0.0;         ///< frames: less may be noise, or a path that the model does not know well
-  std::vector<std::int64_t>
-      damage;  ///< frames of the recording where for a moment something else is captured
-};
-
-/// In parts: where 2048 frames of it, as the path would bring them, are captured within 4096
-/// frames of the delay `at`, to the frame. `variance`: of a frame of noise.
-PilotTrack track_pilot(std::span<const double> played, std::span<const double> captured, const Burst& pilot,
-                       std::int64_t at, const PathModel& model, std::span<const double> profile,
-                       double variance) {
-  const auto whole = expected_pilot(played.subspan(index(pilot.at), index(pilot.frames)), model, profile);
-  Fourier fourier{index(kPart + 2 * kPilotReach)};
-  PilotTrack track;
-  for (std::int64_t from = 0; from + kPart <= pilot.frames; from += kPart / 2) {
-    const auto begin = pilot.at + at + from - kPilotLead;
-    if (begin < 0 || begin + kPart > static_cast<std::int64_t>(captured.size())) continue;
-    const auto part = fourier.forward(cut(whole, from, kPart));
-    if (track.least_step == 0.0) track.least_step = least_step_of(part, fourier.size(), variance);
-    auto cross = fourier.forward(cut(captured, begin - kPilotReach, kPart + 2 * kPilotReach));
-    for (std::size_t b = 0; b < cross.size(); ++b) cross[b] *= std::conj(part[b]);
-    auto correlation = fourier.inverse(cross);
-    correlation.resize(index(2 * kPilotReach));
-    const auto highest = std::max_element(correlation.begin(), correlation.end());
-    if (!(*highest > kProminent * robust_deviation(correlation))) continue;
-    const auto off = highest - correlation.begin() - kPilotReach;
-    track.points.push_back({pilot.at + from, static_cast<double>(at + off) + model.delay_frames});
-  }
-  track.points = without_outliers(track.points);
-  track.damage = pilot_damage(whole, captured, pilot.at + at - kPilotLead, variance);
-  for (auto& frame : track.damage) frame -= at;
-  return track;
-}
 
 }  // namespace
 
@@ -239,8 +131,9 @@ void LoopEstimator::locate(LoopEstimate& loop) {
   loop.cut_short = repeated.size() < needed;
 }
 
-/// The noise where nothing of the probe sounds: the last half second before it; where that behind it, or the
-/// ends of the pauses, are far quieter or all there is, those. If nothing was found at all, everything.
+/// The noise where nothing of the probe sounds: the last half second of the silence before it; where that
+/// behind it, or the ends of the pauses, are far quieter or all there is, those. If nothing was found at all,
+/// everything.
 NoiseFloor LoopEstimator::quiet(const CoarseDelay& coarse) const {
   const auto frames = [&](Seconds time) { return static_cast<std::int64_t>(frames_in(time, rate)); };
   const auto copy = [&](std::int64_t from, std::int64_t to) {
@@ -251,7 +144,15 @@ NoiseFloor LoopEstimator::quiet(const CoarseDelay& coarse) const {
   auto all = bursts_.repeated;
   all.insert(all.end(), bursts_.others.begin(), bursts_.others.end());
   std::sort(all.begin(), all.end(), [](const Burst& a, const Burst& b) { return a.at < b.at; });
-  const auto begin = all.front().at + coarse.frames - frames(kAir);
+  const auto shortest = frames(kLoopEstimatorShortestQuiet);
+  // The last silence before the probes that is long enough.
+  std::vector<double> before;
+  for (std::size_t n = 0; n < all.size() && all[n].at <= bursts_.repeated.front().at; ++n) {
+    const auto to = all[n].at + coarse.frames - frames(kAir);
+    const auto from =
+        n == 0 ? 0 : std::max<std::int64_t>(0, all[n - 1].end() + coarse.frames + frames(kRinging));
+    if (to - from >= shortest) before = copy(std::max(from, to - frames(kLoopEstimatorQuiet)), to);
+  }
   const auto end = all.back().end() + coarse.frames + frames(kRinging);
   std::vector<double> between;
   for (std::size_t n = 1; n < all.size(); ++n) {
@@ -261,9 +162,8 @@ NoiseFloor LoopEstimator::quiet(const CoarseDelay& coarse) const {
   }
   // Something else may sound in one of them.
   std::optional<NoiseFloor> best;
-  for (const auto& part : {copy(begin - frames(kLoopEstimatorQuiet), begin),
-                           copy(end, end + frames(kLoopEstimatorQuiet)), between}) {
-    if (part.size() < index(frames(kLoopEstimatorShortestQuiet))) continue;
+  for (const auto& part : {before, copy(end, end + frames(kLoopEstimatorQuiet)), between}) {
+    if (std::ssize(part) < shortest) continue;
     auto found = NoiseFloor::of(part);
     if (!best || best->variance > kFarLouder * found.variance) best = std::move(found);
   }
@@ -320,8 +220,15 @@ Spectrum LoopEstimator::loudest_probe(const LoopEstimate& loop) {
 
 PathFit LoopEstimator::fit_of(const CapturedWindow& window, const CoarseDelay& coarse) {
   // What a profile knows is not to be guessed again.
-  return fit_path(window, windows.start_of(window, coarse.sign, reach(coarse)),
-                  settings.profile ? PathShape::Kept : PathShape::Free);
+  const auto shape = settings.profile ? PathShape::Kept : PathShape::Free;
+  const auto start = windows.start_of(window, coarse.sign, reach(coarse));
+  const auto fit = fit_path(window, start, shape);
+  // Where the noise leaves one narrow band far clearer than all others, its oscillation may be taken for the
+  // place.
+  const auto other = windows.start_of(window, coarse.sign, reach(coarse), kClearest);
+  if (other.delay_frames == start.delay_frames) return fit;
+  const auto again = fit_path(window, other, shape);
+  return again.chi_squared < fit.chi_squared ? again : fit;
 }
 
 /// The model where it fits: it has no noise.
@@ -333,69 +240,93 @@ void LoopEstimator::fit(LoopEstimate& loop) {
   loop.mean = windows.mean(loop.samples, loop.at, loop.steady);
   const auto off = windows.start_of(loop.mean, loop.coarse.sign, reach(loop.coarse)).delay_frames;
   loop.at += static_cast<std::int64_t>(off);
-  if (off != 0.0) loop.mean = windows.mean(loop.samples, loop.at, loop.steady);
+  const bool by_probes = loop.coarse.clear() && loop.steady.size() >= kManyProbes;
+  // Beside probes there may be another noise than in the pauses.
+  if (by_probes) windows.set_noise_of(loop.samples, loop.at, loop.steady);
+  if (off != 0.0 || by_probes) loop.mean = windows.mean(loop.samples, loop.at, loop.steady);
   loop.fit = fit_of(loop.mean, loop.coarse);
-  loop.noise = loop.floor.variance;
-  if (loop.steady.size() > 1)
-    loop.noise = std::max(loop.noise, windows.scatter(loop.samples, loop.at, loop.steady, loop.mean));
+  estimate_noise(loop, by_probes);
   // A tone or a click may correlate with a probe, but no path makes one from the other.
   const double gain = loop.fit.model.log_gain;
   const bool nonsense = gain > kStrongest && loop.fit.misfit > kHum;
   loop.found = loop.fit.strength >= CoarseDelay::kNothing && gain >= kFaintest && !nonsense;
 }
 
+void LoopEstimator::estimate_noise(LoopEstimate& loop, bool by_probes) {
+  loop.noise = loop.floor.variance;
+  if (loop.steady.size() < 2) return;
+  const auto variances = windows.scatter(loop.samples, loop.at, loop.steady, loop.mean);
+  const auto [least, most] = std::minmax_element(variances.begin(), variances.end());
+  loop.noise = std::max(loop.noise, median(variances));
+  loop.unsteady = *most > kUnsteady * *least || loop.noise > kUnsteady * loop.floor.variance;
+  if (!by_probes) return;
+  std::vector<RepeatedWindow> bursts;
+  for (const auto& probe : loop.steady)
+    bursts.push_back({windows.one(loop.samples, loop.at, probe.burst),
+                      probe.burst.gain * probe.burst.gain / total_power(loop.steady)});
+  loop.error = DelayError::of(loop.mean, loop.fit, bursts);
+}
+
 void LoopEstimator::compare(LoopEstimate& loop) {
   loop.probes = windows.track(loop.bursts.repeated, loop.samples, loop.at, kLoopEstimatorSearch,
                               expected(loop.mean, loop.fit));
   const auto whole = whole_ones(loop.probes);
-  loop.trend = DelayTrend::of(points_of(whole, loop.constant()), least_step(whole));
+  loop.least_step = least_step(whole);
+  loop.trend = DelayTrend::of(points_of(whole, loop.constant()), loop.least_step);
   loop.steps = loop.trend.steps;
-  if (const auto pilot = loop.bursts.pilot(rate); pilot && loop.fit.misfit < kFits)
-    add_pilot_steps(loop, *pilot, whole);
+  const bool describes =
+      loop.fit.misfit < kFits;  // the path, so that what it makes of other signals is known
+  // An actuator keeps too little of so short a sound.
+  const bool is_cable = loop.fit.misfit < kFitsWell && !settings.profile;
+  if (const auto mark = loop.bursts.mark(rate); mark && is_cable) add_mark_steps(loop, *mark, whole);
+  if (const auto pilot = loop.bursts.pilot(rate); pilot && describes) add_pilot_steps(loop, *pilot, whole);
   if (loop.steps.empty()) find_damage(loop);
+}
+
+SingleBurst LoopEstimator::single(const LoopEstimate& loop, const Burst& burst, std::int64_t at) const {
+  return {recording.played, burst, loop.fit.model, profile, at};
+}
+
+/// Steps before the probes. Of one within a probe, which moves it by half, the others show all.
+void LoopEstimator::add_mark_steps(LoopEstimate& loop, const Burst& mark,
+                                   const std::vector<TrackedProbe>& whole) const {
+  const auto at = loop.at + (loop.steps.empty() ? 0 : std::llround(whole.front().delay_frames));
+  const auto silence = loop.bursts.repeated.front().at - mark.end();
+  const auto track = track_mark(single(loop, mark, at), loop.samples, silence);
+  loop.ends_hidden = track.recorded && !track.judged;
+  loop.steps.insert(loop.steps.begin(), track.steps.begin(), track.steps.end());
 }
 
 /// Steps behind the probes, where the pilot sounds.
 void LoopEstimator::add_pilot_steps(LoopEstimate& loop, const Burst& pilot,
                                     const std::vector<TrackedProbe>& whole) const {
-  const auto track = track_pilot(recording.played, loop.samples, pilot, loop.at, loop.fit.model, profile,
-                                 loop.floor.variance);
+  const auto burst = single(loop, pilot, loop.at);
+  const auto track = track_pilot(burst, loop.samples, loop.noise, loop.unsteady);
   std::vector<DelayPoint> points{points_of(whole, loop.constant()).back()};
+  if (loop.steps.empty())
+    points[0].delay_frames = loop.constant() + usual(&TrackedProbe::delay_frames, whole);
   points.insert(points.end(), track.points.begin(), track.points.end());
-  const auto more = DelayTrend::of(points, std::max(least_step(whole), track.least_step)).steps;
+  const auto more = DelayTrend::of(points, std::max(loop.least_step, track.least_step)).steps;
+  // What is louder than the pilot now and then is found at many places; frames are lost once.
+  const bool is_loud = power(burst.expected(), 0.0) > kLoudPilot * loop.noise;
+  if ((loop.unsteady || !is_loud) && more.size() > 1) {
+    loop.ends_hidden = true;
+    return;
+  }
   loop.steps.insert(loop.steps.end(), more.begin(), more.end());
   if (loop.steps.empty() && loop.fit.misfit < kFitsWell && !settings.profile)
     for (const auto place : track.damage) loop.steps.push_back({place, 0.0});
 }
 
-/// In a probe that leaves more unexplained than the others, or has something else in it for a moment. What
-/// lies at the same place of two probes is no damage: loud and soft ones differ there.
 void LoopEstimator::find_damage(LoopEstimate& loop) {
-  const auto& probes = loop.probes;
-  const double misfit = usual(&TrackedProbe::misfit, probes) + kTouched;
-  const double chi_squared = kNoisier * usual(&TrackedProbe::chi_squared, probes);
-  struct Damage {
-    std::size_t probe;
-    std::int64_t frame;
-  };
-  std::vector<Damage> damage;
-  for (std::size_t n = 0; n < probes.size(); ++n) {
-    const auto places = windows.damage(loop.samples, loop.at, probes[n], loop.mean, loop.noise);
-    for (const auto place : places) damage.push_back({n, place});
-    // Of a soft probe, noise is a larger share.
-    const bool touched = probes[n].misfit > misfit && probes[n].chi_squared > chi_squared;
-    if (places.empty() && touched) damage.push_back({n, probes[n].burst.at});
-  }
-  const auto offset = [&](const Damage& one) { return one.frame - probes[one.probe].burst.at; };
-  for (const auto& one : damage) {
-    const bool again = std::any_of(damage.begin(), damage.end(), [&](const Damage& other) {
-      return other.probe != one.probe && std::abs(offset(other) - offset(one)) <= kSamePlace;
-    });
-    if (again)
-      loop.overdriven = true;
-    else
-      loop.steps.push_back({one.frame, 0.0});
-  }
+  std::vector<ProbeInTime> probes;
+  for (const auto& probe : loop.probes)
+    probes.push_back(windows.in_time(loop.samples, loop.at, probe, loop.mean));
+  const auto longest = static_cast<std::int64_t>(frames_in(kLongestDamage, rate));
+  const bool between = loop.bursts.mark(rate) && loop.bursts.pilot(rate);
+  const auto damage = ProbeDamage::of(probes, loop.probes, loop.noise, longest, !between);
+  loop.overdriven = damage.overdriven;
+  loop.steps.insert(loop.steps.end(), damage.steps.begin(), damage.steps.end());
 }
 
 }  // namespace tactus

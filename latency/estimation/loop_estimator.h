@@ -2,6 +2,7 @@
 // Thread: [control]
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -9,7 +10,9 @@
 #include "latency/estimation/coarse.h"
 #include "latency/estimation/delay_trend.h"
 #include "latency/estimation/loop_recording.h"
+#include "latency/estimation/pilot_track.h"
 #include "latency/estimation/probe_windows.h"
+#include "latency/path/delay_error.h"
 #include "latency/path/path_model.h"
 #include "latency/probe/probe.h"
 
@@ -34,13 +37,17 @@ struct LoopEstimate {
   std::int64_t at = 0;  ///< whole frames of the delay
   CapturedWindow mean;
   PathFit fit;
-  double noise = 0.0;  ///< variance of a frame
+  double noise = 0.0;               ///< variance of a frame
+  bool unsteady = false;            ///< noise that is far louder at one time than at another
+  std::optional<DelayError> error;  ///< of at least four probes
 
   // Every probe beside what the path makes of it; where they are too weak to be found one by one, beside the
   // loudest.
   std::vector<TrackedProbe> probes;
   std::vector<DelayStep> steps;
   bool overdriven = false;  ///< loud and soft probes differ in shape
+  double least_step = 0.0;  ///< frames: fewer that are lost between two probes are not certain to be detected
+  bool ends_hidden = false;  ///< frames lost before the first probe or behind the last are not known
   DelayTrend trend;
 
   /// The delay at constant clock speed.
@@ -71,6 +78,7 @@ class LoopEstimator {
   void locate(LoopEstimate& loop);
   void align(LoopEstimate& loop);
   void fit(LoopEstimate& loop);
+  void estimate_noise(LoopEstimate& loop, bool by_probes);
   void compare(LoopEstimate& loop);
 
   NoiseFloor quiet(const CoarseDelay& coarse) const;
@@ -78,6 +86,8 @@ class LoopEstimator {
   Spectrum loudest_probe(const LoopEstimate& loop);
   PathFit fit_of(const CapturedWindow& window, const CoarseDelay& coarse);
   Spectrum expected(const CapturedWindow& window, const PathFit& fit) const;
+  SingleBurst single(const LoopEstimate& loop, const Burst& burst, std::int64_t at) const;
+  void add_mark_steps(LoopEstimate& loop, const Burst& mark, const std::vector<TrackedProbe>& whole) const;
   void add_pilot_steps(LoopEstimate& loop, const Burst& pilot, const std::vector<TrackedProbe>& whole) const;
   void find_damage(LoopEstimate& loop);
 

@@ -16,7 +16,6 @@ namespace {
 constexpr std::int64_t kProbeWindowsLead =
     64;                              // frames before the burst: a filter may answer before its delay
 constexpr Seconds kMostPause{0.12};  // after it; a longer one would add only noise
-constexpr Seconds kLongestDamage{0.02};
 constexpr std::int64_t kProbeWindowsReach = 8192;  // frames that may be lost at once and still be found
 constexpr double kLowestOfProfile = 30.0;  // where an actuator's resonance may be all that is captured
 constexpr double kLowestHz = 150.0;        // above the corners of coupling capacitors and above hum
@@ -26,12 +25,6 @@ constexpr double kLowestHz = 150.0;        // above the corners of coupling capa
 std::int64_t quarter_pause(const PlayedBursts& bursts, Hertz sample_rate) {
   const auto pause = std::min<std::int64_t>(bursts.pause, std::llround(frames_in(kMostPause, sample_rate)));
   return std::max<std::int64_t>(0, pause - 2 * kProbeWindowsLead) / 4;
-}
-
-std::vector<double> block_power(const std::vector<double>& samples, std::size_t block) {
-  std::vector<double> power(samples.size() / block, 0.0);
-  for (std::size_t n = 0; n < power.size() * block; ++n) power[n / block] += samples[n] * samples[n];
-  return power;
 }
 
 /// The least gain with which `played` explains `captured`, both as they stand.
@@ -67,6 +60,18 @@ std::vector<double> welch(std::span<const double> quiet, double mean) {
   return power;
 }
 
+/// Under a Hann window: of hum, whose periods do not fit, next to nothing remains.
+double mean_beside_hum(std::span<const double> quiet) {
+  double sum = 0.0, weights = 0.0;
+  for (std::size_t n = 0; n < quiet.size(); ++n) {
+    const double place = (static_cast<double>(n) + 0.5) / static_cast<double>(quiet.size());
+    const double weight = 1.0 - std::cos(2.0 * std::numbers::pi * place);
+    sum += weight * quiet[n];
+    weights += weight;
+  }
+  return sum / weights;
+}
+
 }  // namespace
 
 NoiseFloor NoiseFloor::of(std::span<const double> quiet) {
@@ -74,7 +79,7 @@ NoiseFloor NoiseFloor::of(std::span<const double> quiet) {
   floor.per_frame = {0.0, 0.0};
   if (quiet.empty()) return floor;
   const auto frames = static_cast<double>(quiet.size());
-  floor.mean = std::accumulate(quiet.begin(), quiet.end(), 0.0) / frames;
+  floor.mean = mean_beside_hum(quiet);
   for (const double sample : quiet) floor.variance += (sample - floor.mean) * (sample - floor.mean) / frames;
   if (quiet.size() < 2 * kNoiseWindow)
     floor.per_frame = {floor.variance, floor.variance};
@@ -127,6 +132,43 @@ ProbeWindows::ProbeWindows(const PlayedBursts& bursts, Hertz sample_rate, std::s
 void ProbeWindows::set_noise(const NoiseFloor& floor) {
   mean_ = floor.mean;
   noise_ = floor.in_bins(fourier_.size(), fade_power_);
+  least_noise_ = *std::min_element(noise_.begin(), noise_.end());
+}
+
+void ProbeWindows::set_noise_of(std::span<const double> captured, std::int64_t frames,
+                                std::span<const TrackedProbe> which) {
+  double loudest = 0.0;
+  for (const auto& probe : which) loudest = std::max(loudest, probe.burst.gain);
+  std::vector<Spectrum> bursts;
+  Spectrum mean(fourier_.bins());
+  for (const auto& probe : which) {
+    if (probe.burst.gain < 0.75 * loudest) continue;
+    bursts.push_back(cut(captured, probe.burst.at + frames));
+    for (std::size_t b = 0; b < mean.size(); ++b) mean[b] += bursts.back()[b];
+  }
+  if (bursts.size() < 2) return;
+  const auto count = static_cast<double>(bursts.size());
+  for (auto& bin : mean) bin /= count;
+  Spectrum left(fourier_.bins());  // its power is that of the noise
+  for (const auto& burst : bursts) {
+    double common = 0.0, power = 0.0;
+    for (auto b = lowest_bin_; b < mean.size(); ++b) {
+      common += (burst[b] * std::conj(mean[b])).real() / noise_[b];
+      power += std::norm(mean[b]) / noise_[b];
+    }
+    const double gain = power > 0.0 ? common / power : 1.0;
+    for (std::size_t b = 0; b < mean.size(); ++b)
+      left[b] += std::norm(burst[b] - gain * mean[b]) / (count - 1.0);
+  }
+  for (auto& bin : left) bin = std::sqrt(bin);
+  noise_ = smoothed_power(left);
+  for (auto& each : noise_) each = std::max(each, least_noise_);
+}
+
+Spectrum ProbeWindows::one(std::span<const double> captured, std::int64_t frames, const Burst& burst) {
+  auto spectrum = cut(captured, burst.at + frames);
+  for (auto& bin : spectrum) bin /= burst.gain;
+  return spectrum;
 }
 
 Spectrum ProbeWindows::cut(std::span<const double> captured, std::int64_t from) {
@@ -148,10 +190,11 @@ CapturedWindow ProbeWindows::window_of(Spectrum captured, double gain) const {
 }
 
 std::int64_t ProbeWindows::nearest(const CapturedWindow& window, const Spectrum& expected,
-                                   std::int64_t search) {
+                                   std::int64_t search, double clearest) {
   Spectrum cross(window.captured.size());
   for (auto b = window.lowest_bin; b + 1 < cross.size(); ++b)
-    cross[b] = window.captured[b] * std::conj(expected[b]) / window.noise[b];
+    cross[b] = window.captured[b] * std::conj(expected[b]) /
+               (window.noise[b] + clearest * std::norm(window.captured[b]));
   const auto correlation = fourier_.inverse(cross);
   const auto size = static_cast<std::int64_t>(correlation.size());
   std::int64_t best = 0;
@@ -170,7 +213,7 @@ std::vector<TrackedProbe> ProbeWindows::track(std::span<const Burst> bursts, std
   std::vector<TrackedProbe> tracked;
   for (const auto& burst : bursts) {
     auto window = window_of(cut(captured, burst.at + near), burst.gain);
-    const auto later = nearest(window, expected, std::min(search, kProbeWindowsReach));
+    const auto later = nearest(window, expected, std::min(search, kProbeWindowsReach), 0.0);
     if (later != 0) window = window_of(cut(captured, burst.at + near + later), burst.gain);
     window.played = expected;
     window.profile.clear();
@@ -179,7 +222,8 @@ std::vector<TrackedProbe> ProbeWindows::track(std::span<const Burst> bursts, std
     const auto fit = fit_path(window, start, PathShape::Kept);
     tracked.push_back({burst, static_cast<double>(later) + fit.model.delay_frames,
                        fit.delay_deviation * std::sqrt(std::max(1.0, fit.chi_squared)), fit.model.log_gain,
-                       fit.misfit, fit.chi_squared});
+                       fit.gain_deviation * std::sqrt(std::max(1.0, fit.chi_squared)), fit.misfit,
+                       fit.chi_squared});
   }
   return tracked;
 }
@@ -198,10 +242,11 @@ Spectrum ProbeWindows::cleaned(const CapturedWindow& window) {
   return all;
 }
 
-PathModel ProbeWindows::start_of(const CapturedWindow& window, double sign, std::int64_t search) {
+PathModel ProbeWindows::start_of(const CapturedWindow& window, double sign, std::int64_t search,
+                                 double clearest) {
   PathModel start;
   start.sign = sign;
-  start.delay_frames = static_cast<double>(nearest(window, expected(start), search));
+  start.delay_frames = static_cast<double>(nearest(window, expected(start), search, clearest));
   auto moved = window;
   moved.played = expected(start);
   moved.profile.clear();
@@ -221,8 +266,8 @@ CapturedWindow ProbeWindows::mean(std::span<const double> captured, std::int64_t
   return window_of(std::move(sum), std::sqrt(weight));
 }
 
-double ProbeWindows::scatter(std::span<const double> captured, std::int64_t frames,
-                             std::span<const TrackedProbe> which, const CapturedWindow& mean) {
+std::vector<double> ProbeWindows::scatter(std::span<const double> captured, std::int64_t frames,
+                                          std::span<const TrackedProbe> which, const CapturedWindow& mean) {
   const double weight = total_power(which);
   const double share = 1.0 - 2.0 * static_cast<double>(lowest_bin_) / static_cast<double>(fourier_.size());
   std::vector<double> variances;
@@ -235,32 +280,19 @@ double ProbeWindows::scatter(std::span<const double> captured, std::int64_t fram
     variances.push_back(power / (1.0 - gain * gain / weight) / static_cast<double>(fourier_.size()) /
                         fade_power_ / share);
   }
-  return median(std::move(variances));
+  return variances;
 }
 
-std::vector<std::int64_t> ProbeWindows::damage(std::span<const double> captured, std::int64_t frames,
-                                               const TrackedProbe& probe, const CapturedWindow& mean,
-                                               double variance) {
-  constexpr std::int64_t kBlock = 64;
-  auto rest = cut(captured, probe.burst.at + frames);
-  const double gain = probe.burst.gain * std::exp(probe.log_gain);
-  Spectrum expected(rest.size());
-  for (std::size_t b = 0; b < rest.size(); ++b) {
-    expected[b] = b < lowest_bin_ ? 0.0 : gain * mean.captured[b];
-    rest[b] = b < lowest_bin_ ? 0.0 : rest[b] - expected[b];
+ProbeInTime ProbeWindows::in_time(std::span<const double> captured, std::int64_t frames,
+                                  const TrackedProbe& probe, const CapturedWindow& mean) {
+  auto here = one(captured, frames, probe.burst);
+  auto all = mean.captured;
+  const double gain = std::exp(probe.log_gain);
+  for (std::size_t b = 0; b < here.size(); ++b) {
+    all[b] *= b < lowest_bin_ ? 0.0 : gain;
+    if (b < lowest_bin_) here[b] = 0.0;
   }
-  const auto unexplained = block_power(fourier_.inverse(rest), kBlock),
-             explained = block_power(fourier_.inverse(expected), kBlock);
-  const double loudest = *std::max_element(explained.begin(), explained.end());
-  const auto longest = static_cast<std::int64_t>(frames_in(kLongestDamage, sample_rate_)) / kBlock;
-  // What lasts longer is a gain that changes, or a path that no model fits.
-  auto places = short_runs(static_cast<std::int64_t>(explained.size()), longest, [&](std::int64_t block) {
-    const auto n = index(block);
-    return explained[n] > 1e-4 * loudest && unexplained[n] > 0.25 * explained[n] &&
-           unexplained[n] > 36.0 * kBlock * variance;
-  });
-  for (auto& place : places) place = probe.burst.at - lead_ + place * kBlock;
-  return places;
+  return {probe.burst.at - lead_, fourier_.inverse(here), fourier_.inverse(all)};
 }
 
 }  // namespace tactus

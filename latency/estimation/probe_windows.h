@@ -32,8 +32,15 @@ struct TrackedProbe {
   double delay_frames = 0.0;
   double deviation_frames = 0.0;  ///< as the noise makes it
   double log_gain = 0.0;
+  double gain_deviation = 0.0;  ///< of the log gain, as the noise makes it
   double misfit = 0.0;
   double chi_squared = 1.0;
+};
+
+/// A repeated burst in time, from `begin` of the recording that played on, as a burst of gain 1.
+struct ProbeInTime {
+  std::int64_t begin = 0;
+  std::vector<double> captured, expected;
 };
 
 /// [any] Of all of them together, where one at full level has 1.
@@ -47,6 +54,10 @@ class ProbeWindows {
 
   /// [control] What is only noise; its spectrum must not be zero anywhere.
   void set_noise(const NoiseFloor& floor);
+  /// [control] The noise as it is while bursts sound: what differs between those of one gain, of at least
+  /// two. A gain that moves is none.
+  void set_noise_of(std::span<const double> captured, std::int64_t frames,
+                    std::span<const TrackedProbe> which);
 
   /// [control] Each burst by itself, cut out at the delay `near` and compared with `expected`, what a burst
   /// of gain 1 should look like there: how much later it is (first to the frame within `search`, then
@@ -57,28 +68,29 @@ class ProbeWindows {
   Spectrum expected(const PathModel& model) const;
   /// [control] What it looked like, each frequency as far as it stands out of the noise (Wiener's filter).
   static Spectrum cleaned(const CapturedWindow& window);
-  /// [control] Whole frames and gain from which a fit of `window` may start.
-  PathModel start_of(const CapturedWindow& window, double sign, std::int64_t search);
+  /// [control] Whole frames and gain from which a fit of `window` may start. Bands count by signal over
+  /// noise, up to 1 / `clearest`.
+  PathModel start_of(const CapturedWindow& window, double sign, std::int64_t search, double clearest = 0.0);
   /// [control] The mean of the bursts `which`, all cut out at the delay `frames`, for a burst of gain 1.
   CapturedWindow mean(std::span<const double> captured, std::int64_t frames,
                       std::span<const TrackedProbe> which);
-  /// [control] The variance of a frame that differs between bursts that were equal, of at least two: in the
-  /// middle one of them, so that one with a click does not count.
-  double scatter(std::span<const double> captured, std::int64_t frames, std::span<const TrackedProbe> which,
-                 const CapturedWindow& mean);
-
-  /// [control] Where in a probe less than 20 ms of what is captured at the delay `frames` is something else
-  /// than in the others, and no noise of that `variance`: the driver put silence or old sound in its place.
-  /// Frames of the recording that played.
-  std::vector<std::int64_t> damage(std::span<const double> captured, std::int64_t frames,
-                                   const TrackedProbe& probe, const CapturedWindow& mean, double variance);
+  /// [control] One burst, cut out at the delay `frames`, for a burst of gain 1.
+  Spectrum one(std::span<const double> captured, std::int64_t frames, const Burst& burst);
+  /// [control] The variances of a frame that differs between each of the bursts and their mean, of at least
+  /// two.
+  std::vector<double> scatter(std::span<const double> captured, std::int64_t frames,
+                              std::span<const TrackedProbe> which, const CapturedWindow& mean);
+  /// [control] A burst, cut out at the delay `frames`, beside the mean of all at its gain.
+  ProbeInTime in_time(std::span<const double> captured, std::int64_t frames, const TrackedProbe& probe,
+                      const CapturedWindow& mean);
 
   Fourier& fourier() { return fourier_; }
 
  private:
   Spectrum cut(std::span<const double> captured, std::int64_t from);
   CapturedWindow window_of(Spectrum captured, double gain) const;
-  std::int64_t nearest(const CapturedWindow& window, const Spectrum& expected, std::int64_t search);
+  std::int64_t nearest(const CapturedWindow& window, const Spectrum& expected, std::int64_t search,
+                       double clearest);
 
   Hertz sample_rate_;
   std::int64_t lead_, frames_;
@@ -88,6 +100,7 @@ class ProbeWindows {
   Fourier fourier_;
   Spectrum played_, profile_;
   std::vector<double> noise_;
+  double least_noise_ = 0.0;
   std::size_t lowest_bin_;
 };
 

@@ -22,6 +22,9 @@ constexpr double kPathModelSettled = 1e-6;  // frames; each step squares what is
 // What coupling capacitors and filters of sound cards do stays well within one: without such a belief, noise
 // alone could bend the shape as it likes at frequencies where nothing is detected.
 constexpr double kShapeDeviation = 1.0;
+constexpr double kDroopEnd = 0.84 * 0.84;
+constexpr double kDroopCertain = 4.0;  // standard deviations
+constexpr double kFlat = 1e-4;         // log gain: what the ends of windows make
 
 /// The derivatives of ln H: those of delay and odd powers of u are imaginary, the others are real.
 constexpr std::array<bool, kFree> kImaginary{true, false, true, false, true, false, false};
@@ -133,13 +136,43 @@ PathFit fit_path(const CapturedWindow& window, const PathModel& start, PathShape
   PathFit fit;
   fit.model = model;
   Normal matrix = equations.matrix.selfadjointView<Eigen::Lower>();
-  fit.delay_deviation = std::sqrt(matrix.topLeftCorner(free, free).ldlt().solve(Step::Unit(0).head(free))[0]);
+  Step row = Step::Zero();
+  const auto solver = matrix.topLeftCorner(free, free).ldlt();
+  row.head(free) = solver.solve(Step::Unit(0).head(free));
+  std::copy_n(row.data(), fit.delay_row.size(), fit.delay_row.begin());
+  fit.delay_deviation = std::sqrt(row[0]);
+  fit.gain_deviation = std::sqrt(solver.solve(Step::Unit(1).head(free))[1]);
+  Step end = Step::Zero();  // where v is that of 0.42 of the sample rate
+  end[5] = kDroopEnd;
+  end[6] = kDroopEnd * kDroopEnd;
+  const double noise = std::sqrt(std::max(0.0, end.head(free).dot(solver.solve(end.head(free)))));
+  fit.droop = std::max(
+      0.0, std::abs(model.shape[3] * end[5] + model.shape[4] * end[6]) - kDroopCertain * noise - kFlat);
   const auto measurements = 2.0 * static_cast<double>(equations.bins);
   fit.chi_squared = equations.error / measurements;
   fit.strength = std::sqrt(equations.expected / std::max(1.0, fit.chi_squared));
   // The noise's own level is known to a tenth.
   fit.misfit = std::max(0.0, (equations.error - 1.1 * measurements) / equations.power);
   return fit;
+}
+
+std::vector<double> delay_influences(const CapturedWindow& window, const Spectrum& captured,
+                                     const PathFit& fit, std::span<const std::size_t> edges) {
+  std::vector<double> influences;
+  for (std::size_t k = 0; k + 1 < edges.size(); ++k) {
+    double sum = 0.0;
+    for (auto b = edges[k]; b < edges[k + 1]; ++b) {
+      const double w = angular_frequency(b, window.size);
+      const Complex profile = window.profile.empty() ? Complex{1.0} : window.profile[b];
+      const Complex answer = fit.model.at(w) * profile * window.played[b];
+      const Complex gradient = 2.0 / window.noise[b] * std::conj(answer) * (captured[b] - answer);
+      const auto slope = derivatives(w);
+      for (std::size_t i = 0; i < slope.size(); ++i)
+        sum += fit.delay_row[i] * slope[i] * (kImaginary[i] ? gradient.imag() : gradient.real());
+    }
+    influences.push_back(sum);
+  }
+  return influences;
 }
 
 }  // namespace tactus

@@ -4,6 +4,7 @@
 #include <array>
 #include <complex>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "latency/estimation/fourier.h"
@@ -45,8 +46,11 @@ struct CapturedWindow {
 struct PathFit {
   PathModel model;
   double delay_deviation = 0.0;  ///< [frames] as the noise makes it
-  double chi_squared = 0.0;      ///< per bin: 1 when the model explains all but the noise
-  double strength = 0.0;         ///< of the path, in standard deviations of what the model leaves over
+  double gain_deviation = 0.0;   ///< of the log gain
+  double droop = 0.0;  ///< of the log gain up to the highest bin that matters, beyond what the noise makes
+  std::array<double, 7> delay_row{};  ///< of the inverse of the equations' matrix
+  double chi_squared = 0.0;           ///< per bin: 1 when the model explains all but the noise
+  double strength = 0.0;              ///< of the path, in standard deviations of what the model leaves over
   double misfit = 0.0;  ///< share of the captured power, weighted as the fit, that it does not explain
 };
 
@@ -57,5 +61,10 @@ enum class PathShape { Kept, Free };
 /// from `start`, whose delay must be right to a frame. For normal noise and a path that has the model's
 /// shape, this is the maximum-likelihood estimate.
 PathFit fit_path(const CapturedWindow& window, const PathModel& start, PathShape shape);
+
+/// [control] By how much the delay of `fit` would be greater if `captured` stood in the window: in each band
+/// of bins [edges[k], edges[k + 1]), to first order.
+std::vector<double> delay_influences(const CapturedWindow& window, const Spectrum& captured,
+                                     const PathFit& fit, std::span<const std::size_t> edges);
 
 }  // namespace tactus

@@ -207,22 +207,25 @@ Response::Echo Response::echo() const {
   return echo;
 }
 
-std::array<std::optional<double>, 4> Response::harmonics(const ExponentialSweep& probe) const {
+std::array<std::optional<double>, 4> Response::harmonics(const ExponentialSweep& probe,
+                                                         const Spectrum& differences) const {
   constexpr double kHalf = 0.004;          // seconds around each response
   constexpr double kNowhere = 12.5;        // not a whole order: only noise is there
   constexpr double kFundamental = 1000.0;  // Hz
   const auto answer = deconvolved(window_.captured);
+  const auto noise_only =
+      differences.empty() ? std::vector<double>(answer.size(), 0.0) : deconvolved(differences);
   const auto size = static_cast<std::int64_t>(answer.size());
   const auto half = static_cast<std::int64_t>(kHalf * sample_rate_.value);
   const double growth = frames_in(probe.growth(), sample_rate_);
   // Mean power of the response at the position of order `place`, at the frequencies of another one.
-  const auto power = [&](double place, double order) {
+  const auto power = [&](const std::vector<double>& of, double place, double order) {
     const auto centre = std::llround(model_.delay_frames - growth * std::log(place));
     std::vector<double> window;
     for (auto n = centre - half; n < centre + half; ++n) {
       const double fade =
           0.5 + 0.5 * std::cos(pi * static_cast<double>(n - centre) / static_cast<double>(half));
-      window.push_back(std::sqrt(fade) * answer[index((n % size + size) % size)]);
+      window.push_back(std::sqrt(fade) * of[index((n % size + size) % size)]);
     }
     const auto spectrum = fourier_.forward(window);
     const double bins_per_hertz = static_cast<double>(fourier_.size()) / sample_rate_.value;
@@ -234,11 +237,12 @@ std::array<std::optional<double>, 4> Response::harmonics(const ExponentialSweep&
     for (auto b = low; b < high; ++b) sum += std::norm(spectrum[b]);
     return high > low ? sum / static_cast<double>(high - low) : 0.0;
   };
-  const double fundamental = power(1.0, 1.0);
+  const double fundamental = power(answer, 1.0, 1.0);
   std::array<std::optional<double>, 4> found;
   for (std::size_t k = 0; k < found.size(); ++k) {
     const double order = static_cast<double>(k) + 2.0;
-    const double harmonic = power(order, order), noise = power(kNowhere, order);
+    const double harmonic = power(answer, order, order);
+    const double noise = std::max(power(answer, kNowhere, order), power(noise_only, order, order));
     if (harmonic > 4.0 * noise && harmonic > kOwn * fundamental)
       found[k] = power_to_db((harmonic - noise) / fundamental);
   }

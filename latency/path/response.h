@@ -35,8 +35,10 @@ class Response {
   Echo echo() const;
   /// [control] H2 … H5 in dB below the fundamental, for fundamentals around 1 kHz: the responses that stand
   /// before the linear one in what was captured of an exponential probe. Nothing where noise is
-  /// stronger, or below -90 dB.
-  std::array<std::optional<double>, 4> harmonics(const ExponentialSweep& probe) const;
+  /// stronger, or below -90 dB. `differences`: of the probes, each second one subtracted: what is left is
+  /// noise; empty: not known.
+  std::array<std::optional<double>, 4> harmonics(const ExponentialSweep& probe,
+                                                 const Spectrum& differences) const;
 
  private:
   double hertz(std::size_t bin) const {

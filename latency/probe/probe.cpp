@@ -16,8 +16,11 @@ using std::numbers::pi;
 
 constexpr double kHighest = 0.42;    // of the sample rate: below where converters' filters begin
 constexpr Seconds kRise{0.008};      // of the first edge; the last one lasts an eighth of it
-constexpr Seconds kProbeQuiet{0.5};  // before the first probe of a stimulus
+constexpr Seconds kProbeQuiet{0.5};  // from the beginning of a stimulus to its first probe
 constexpr Seconds kProbePilot{0.5}, kPilotEdge{0.002};
+constexpr Seconds kMark{0.03}, kMarkEdge{0.0003};
+constexpr Seconds kLongestMark{0.034};          // a probe for the level lasts 40 ms
+constexpr std::uint64_t kMarkNoise = 1u << 20;  // behind the pilot's at any rate
 // No two stretches of pauses are equally long, so a train fits itself only where it is.
 constexpr std::array kPauses{0.100, 0.116, 0.104, 0.124, 0.108, 0.132, 0.112, 0.140};
 
@@ -152,10 +155,22 @@ std::vector<double> pilot(Hertz sample_rate) {
   return samples;
 }
 
+std::vector<double> mark(Hertz sample_rate) {
+  std::vector<double> samples(whole_frames(kMark, sample_rate));
+  const double edge = frames_in(kMarkEdge, sample_rate), length = frames_in(kMark, sample_rate);
+  const auto sign = [](std::uint64_t n) { return even_noise(kMarkNoise + n) < 0.0 ? -1.0 : 1.0; };
+  for (std::size_t n = 0; n < samples.size(); ++n)
+    samples[n] = (0.25 * sign(n) + 0.5 * sign(n + 1) + 0.25 * sign(n + 2)) *
+                 edges(static_cast<double>(n) + 0.5, length, edge, edge);
+  return samples;
+}
+
 double ProbeTrain::gain(int probe) { return probe % 4 == 1 ? kSoftGain : 1.0; }
 
-std::vector<double> ProbeTrain::samples(Hertz sample_rate, int count, double level) {
+std::vector<double> ProbeTrain::samples(Hertz sample_rate, int count, double level, Seconds lead) {
   std::vector<double> train;
+  append(train, mark(sample_rate), level);
+  train.resize(whole_frames(lead, sample_rate), 0.0);
   const auto probe = measuring_probe(sample_rate).samples(sample_rate);
   for (int k = 0; k < count; ++k) {
     append(train, probe, level * gain(k));
@@ -166,9 +181,7 @@ std::vector<double> ProbeTrain::samples(Hertz sample_rate, int count, double lev
 }
 
 std::vector<double> stimulus(Hertz sample_rate, double level) {
-  std::vector<double> samples(whole_frames(kProbeQuiet, sample_rate), 0.0);
-  append(samples, ProbeTrain::samples(sample_rate, ProbeTrain::kProbes, level), 1.0);
-  return samples;
+  return ProbeTrain::samples(sample_rate, ProbeTrain::kProbes, level, kProbeQuiet);
 }
 
 std::optional<Burst> PlayedBursts::pilot(Hertz sample_rate) const {
@@ -178,6 +191,14 @@ std::optional<Burst> PlayedBursts::pilot(Hertz sample_rate) const {
         (!longest || burst.frames > longest->frames))
       longest = burst;
   return longest;
+}
+
+std::optional<Burst> PlayedBursts::mark(Hertz sample_rate) const {
+  std::optional<Burst> last;
+  for (const auto& burst : others)
+    if (burst.at < repeated.front().at) last = burst;
+  const bool is_short = last && static_cast<double>(last->frames) <= frames_in(kLongestMark, sample_rate);
+  return is_short ? last : std::nullopt;
 }
 
 bool repeats(std::span<const double> samples, std::span<const double> waveform) {

@@ -35,18 +35,24 @@ ExponentialSweep level_probe(Hertz sample_rate);
 /// Noise between -1 and 1 for half a second, the same on every machine: whatever part of it is captured
 /// tells where in it that part stands.
 std::vector<double> pilot(Hertz sample_rate);
+/// 30 ms of noise of almost constant level, from its first frame on: frames that are lost before the first
+/// probe, or in its bass, move the probes away from it.
+std::vector<double> mark(Hertz sample_rate);
 
-/// Probes one after another, then the pilot. The pauses differ, so that no probe is taken for its neighbour.
+/// The mark, probes one after another, then the pilot. The pauses differ, so that no probe is taken for its
+/// neighbour.
 struct ProbeTrain {
   static constexpr int kProbes = 8;
   static constexpr double kSoftGain = 0.5;  ///< of some, so that a gain that depends on the level shows
+  static constexpr Seconds kLead{0.15};     ///< from the mark's beginning to the first probe
 
   static double gain(int probe);
   /// [control] `level` (0, 1] is that of the loudest.
-  static std::vector<double> samples(Hertz sample_rate, int count, double level);
+  static std::vector<double> samples(Hertz sample_rate, int count, double level, Seconds lead = kLead);
 };
 
-/// [control] The whole signal, `level` (0, 1] at its loudest: silence, the probes, the pilot.
+/// [control] The whole signal, `level` (0, 1] at its loudest, the first probe after half a second. Files that
+/// were written before there was a mark begin with silence; they are analysed like any other signal.
 std::vector<double> stimulus(Hertz sample_rate, double level);
 
 /// The sound between two pauses.
@@ -61,12 +67,14 @@ struct Burst {
 struct PlayedBursts {
   std::vector<double> waveform;  ///< of the repeated ones, as loud as the loudest of them
   std::vector<Burst> repeated;   ///< in time order, at least one
-  std::vector<Burst> others;     ///< the level ramp, the pilot
+  std::vector<Burst> others;     ///< the level ramp, the mark, the pilot
   std::int64_t pause = 0;        ///< the shortest one behind a repeated burst [frames]
   double peak = 0.0;             ///< of the waveform
 
   /// The longest of the others, if it lasts a quarter of a second.
   std::optional<Burst> pilot(Hertz sample_rate) const;
+  /// The last of the others before the first probe, if it is as short as a mark.
+  std::optional<Burst> mark(Hertz sample_rate) const;
 };
 
 /// [control] Is `samples` the waveform again, at whatever level?

@@ -58,6 +58,32 @@ TEST_CASE("bursts: a stimulus is taken apart into eight sweeps and a pilot", "[l
   CHECK(bursts->peak == Approx(0.25).epsilon(0.001));
 }
 
+TEST_CASE("probe: it begins with a mark, whose every part differs from the others", "[latency]") {
+  const auto rate = GENERATE(44.1_kHz, 48_kHz, 192_kHz);
+  const auto samples = stimulus(rate, 0.25);
+  const auto mark = find_bursts(samples, rate)->mark(rate);
+  REQUIRE(mark);
+  // Of its edges of 0.3 ms the first and last twentieth are below the silence of a converter.
+  CHECK(static_cast<double>(mark->at) <= 1.0 + 2e-5 * rate.value);
+  CHECK(static_cast<double>(mark->frames) == Approx(0.03 * rate.value).epsilon(0).margin(1e-4 * rate.value));
+  // Moved by a few frames, no part of it is like itself: a frame that is lost within it shows.
+  for (std::size_t from = 64; from + 512 < static_cast<std::size_t>(mark->frames); from += 256)
+    for (std::size_t lag = 3; lag < 64; ++lag) {
+      double common = 0.0, power = 0.0;
+      for (std::size_t n = from; n < from + 256; ++n) {
+        common += samples[n] * samples[n + lag];
+        power += samples[n] * samples[n];
+      }
+      CHECK(std::abs(common) < 0.6 * power);
+    }
+}
+
+TEST_CASE("bursts: a signal without a mark has none", "[latency]") {
+  auto samples = stimulus(48_kHz, 0.25);
+  std::fill_n(samples.begin(), 20000, 0.0);
+  CHECK_FALSE(find_bursts(samples, 48_kHz)->mark(48_kHz));
+}
+
 TEST_CASE("bursts: a recording of any other signal between pauses will do, and silence will not",
           "[latency]") {
   std::vector<double> samples(40000, 0.0);

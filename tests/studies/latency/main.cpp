@@ -1,6 +1,8 @@
 // How well the delay is measured: simulated loops in numbers. See scripts/study_latency.
 //   latency_study accuracy COUNT | nothing COUNT | drift COUNT | paths COUNT | methods COUNT      prints a
 //   table in Markdown
+//   latency_study captures COUNT SPEECH [FIRST] | held_out COUNT SPEECH [FIRST]      the same, beside
+//   recorded backgrounds
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +14,6 @@
 #include <optional>
 #include <random>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "latency/calibration.h"
@@ -20,6 +21,8 @@
 #include "latency/estimation/delay_trend.h"
 #include "latency/probe/probe.h"
 #include "tests/studies/latency/baselines.h"
+#include "tests/studies/latency/captures.h"
+#include "tests/studies/latency/in_parallel.h"
 #include "tests/support/graphs/plants.h"
 #include "tests/support/simulated_loop.h"
 
@@ -31,16 +34,6 @@ using std::numbers::pi;
 
 constexpr Hertz kRate = 48_kHz;
 constexpr double kLevel = 0.5;
-
-/// Calls `trial` for 0 … count - 1 on every core. What a trial does depends on its number alone.
-void in_parallel(int count, const std::function<void(int)>& trial) {
-  std::atomic<int> next{0};
-  std::vector<std::jthread> threads;
-  for (unsigned t = 0; t < std::max(1u, std::thread::hardware_concurrency()); ++t)
-    threads.emplace_back([&] {
-      for (int n = next++; n < count; n = next++) trial(n);
-    });
-}
 
 double decibels(double power) { return 10.0 * std::log10(power); }
 
@@ -359,6 +352,10 @@ int main(int argc, char** argv) {
   if (what == "drift") return drift(count), 0;
   if (what == "paths") return paths(count), 0;
   if (what == "methods") return compare(count), 0;
-  fmt::print(stderr, "accuracy, nothing, drift, paths or methods, and how many loops\n");
+  if ((what == "captures" || what == "held_out") && argc > 3)
+    return captures(argc > 4 ? std::stoi(argv[4]) : 0, count, what == "held_out", argv[3]);
+  fmt::print(stderr,
+             "accuracy, nothing, drift, paths or methods, and how many loops; captures or held_out, how "
+             "many, a folder of speech, and the first number\n");
   return 2;
 }
