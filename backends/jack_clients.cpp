@@ -3,6 +3,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
+#include <set>
 #include <utility>
 
 #if defined(TACTUS_HAS_JACK)
@@ -19,16 +20,38 @@ std::condition_variable clients_changed;
 int clients_held = 0;
 int clients_calling = 0;      ///< of those held: they open or close a client
 bool server_is_dead = false;  ///< that of the clients held
+std::set<_jack_client*> clients_open;
 
-}  // namespace
+/// Whether the server of an open client still answers. May hang.
+bool answers([[maybe_unused]] _jack_client* client) {
+#if defined(TACTUS_HAS_JACK)
+  char* id = jack_get_uuid_for_client_name(client, jack_get_client_name(client));
+  jack_free(id);
+  return id != nullptr;
+#else
+  return true;
+#endif
+}
 
-/// Waits up to a second. False: nothing may be opened now.
-static bool begin_opening(std::unique_lock<std::mutex>& lock) {
+/// Waits up to a second. False: nothing may be opened now. The library may know of a death before any
+/// callback is called, so one of the clients is asked; nobody closes it meanwhile.
+bool begin_opening(std::unique_lock<std::mutex>& lock) {
   const auto may_open = [] { return clients_calling == 0 && !server_is_dead; };
   if (!clients_changed.wait_for(lock, std::chrono::seconds{1}, may_open)) return false;
   ++clients_calling;
-  return true;
+  if (clients_open.empty()) return true;
+  auto* const one = *clients_open.begin();
+  lock.unlock();
+  const bool alive = answers(one);
+  lock.lock();
+  if (alive && !server_is_dead) return true;
+  server_is_dead = true;
+  --clients_calling;
+  clients_changed.notify_all();
+  return false;
 }
+
+}  // namespace
 
 std::unique_ptr<JackClientHold> JackClientHold::acquire() {
   std::unique_lock lock{clients_mutex};
@@ -56,37 +79,35 @@ bool JackClientHold::opening() {
   return calls_;
 }
 
-void JackClientHold::opened([[maybe_unused]] _jack_client* client) {
+void JackClientHold::opened(_jack_client* client) {
   if (!calls_) return;
-#if defined(TACTUS_HAS_JACK)
-  if (client == nullptr) client = watch_;
+  if (client_ == nullptr) client_ = client != nullptr ? client : watch_;
   // Of a death between the opening and the setting of the callback nobody is told.
-  if (client != nullptr) {
-    char* answer = jack_get_uuid_for_client_name(client, jack_get_client_name(client));
-    if (answer == nullptr) note_jack_server_death();
-    jack_free(answer);
-  }
-#endif
+  if (client_ != nullptr && !answers(client_)) note_jack_server_death();
   const std::lock_guard lock{clients_mutex};
-  if (std::exchange(calls_, false)) --clients_calling;
+  if (client_ != nullptr) clients_open.insert(client_);
+  calls_ = false;
+  --clients_calling;
   clients_changed.notify_all();
 }
 
 void JackClientHold::closing() {
   std::unique_lock lock{clients_mutex};
-  if (calls_) return;
-  clients_changed.wait(lock, [] { return clients_calling == 0; });
-  calls_ = true;
-  ++clients_calling;
+  if (!calls_) {
+    clients_changed.wait(lock, [] { return clients_calling == 0; });
+    calls_ = true;
+    ++clients_calling;
+  }
+  clients_open.erase(client_);
 }
 
 JackClientHold::~JackClientHold() {
-#if defined(TACTUS_HAS_JACK)
   closing();
+#if defined(TACTUS_HAS_JACK)
   if (watch_ != nullptr) jack_client_close(watch_);
 #endif
   const std::lock_guard lock{clients_mutex};
-  if (calls_) --clients_calling;
+  --clients_calling;
   if (--clients_held == 0) server_is_dead = false;
   clients_changed.notify_all();
 }

@@ -21,7 +21,7 @@ class JackClientHold {
   static std::unique_ptr<JackClientHold> acquire_watched(const std::string& name);
   ~JackClientHold();
   /// Further clients may be opened from now on: waits up to a second while another part of the program opens or
-  /// closes some. False: it still does, or clients of a server that died are still open.
+  /// closes some. False: it still does, or clients of a server that died are still open. May hang.
   bool opening();
   /// All are open. `client` (null: the one that watches) has a callback for the death of its server. May hang.
   void opened(_jack_client* client = nullptr);
@@ -34,6 +34,7 @@ class JackClientHold {
   JackClientHold() = default;
   bool calls_ = true;  ///< the library, to open or close a client: no death is reported meanwhile
   _jack_client* watch_ = nullptr;
+  _jack_client* client_ = nullptr;  ///< one that is open, and reports the death of its server
 };
 
 /// The server of the clients that are open now died.
