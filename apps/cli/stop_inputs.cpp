@@ -20,8 +20,13 @@
 namespace tactus::app {
 namespace {
 
-constexpr std::array kForwarded = {SIGINT,  SIGTERM, SIGQUIT,   SIGHUP,  SIGUSR1,
-                                   SIGUSR2, SIGALRM, SIGVTALRM, SIGXCPU, SIGCONT};
+constexpr std::array kForwarded = {
+    SIGINT,  SIGTERM,   SIGQUIT, SIGHUP, SIGUSR1, SIGUSR2,
+    SIGALRM, SIGVTALRM, SIGPROF, SIGIO,  SIGXCPU, SIGCONT,
+#if defined(__linux__)
+    SIGPWR,  SIGSTKFLT,
+#endif
+};
 /// A closed pipe and a file that is too large are errors of a write, not the end. A program that the terminal
 /// suspends (Ctrl-Z, or reading and writing in the background) could not be stopped any more.
 constexpr std::array kIgnored = {SIGPIPE, SIGXFSZ, SIGTSTP, SIGTTIN, SIGTTOU};
@@ -60,6 +65,24 @@ void open_signal_pipe() {
   }
 }
 
+/// A program inherits the signals that its parent had blocked.
+void unblock(int how_many, const int* signals) {
+  sigset_t set;
+  sigemptyset(&set);
+  for (int s = 0; s < how_many; ++s) sigaddset(&set, signals[s]);
+  ::pthread_sigmask(SIG_UNBLOCK, &set, nullptr);
+}
+
+/// A terminal that is not standard input: the controlling one, or where messages go; otherwise -1.
+int other_terminal() {
+  if (const int controlling = ::open("/dev/tty", O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+      controlling >= 0)
+    return controlling;
+  for (const int output : {STDERR_FILENO, STDOUT_FILENO})
+    if (::isatty(output) != 0) return ::fcntl(output, F_DUPFD_CLOEXEC, 0);
+  return -1;
+}
+
 bool in_foreground() { return ::tcgetpgrp(STDIN_FILENO) == ::getpgrp(); }
 
 /// A pipe or socket whose other end is closed, whatever is left to read.
@@ -82,6 +105,7 @@ StopInputs::StopInputs() {
   open_signal_pipe();
   handle(kForwarded, forward_signal, forwarded_before);
   handle(kIgnored, SIG_IGN, ignored_before);
+  unblock(static_cast<int>(kForwarded.size()), kForwarded.data());
   open_input();
 }
 
@@ -91,6 +115,7 @@ StopInputs::~StopInputs() {
   restore(kIgnored, ignored_before);
   for (const int end : signal_pipe) ::close(end);
   if (input_ != STDIN_FILENO) ::close(input_);
+  if (other_terminal_ >= 0) ::close(other_terminal_);
 }
 
 /// O_NONBLOCK belongs to an open file, and that of standard input is shared with other processes.
@@ -102,6 +127,7 @@ void StopInputs::open_input() {
   connection_ = (pipe || (known && S_ISSOCK(kind.st_mode))) && !is_closed(STDIN_FILENO);
   if (terminal_ || pipe)
     input_ = std::max(::open("/dev/stdin", O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC), STDIN_FILENO);
+  if (!terminal_) other_terminal_ = other_terminal();
   follow_foreground();
   reads_terminal_ = raw_;
 }
@@ -134,10 +160,16 @@ StopInputs::Arrived StopInputs::wait(std::chrono::milliseconds timeout) {
   Arrived arrived;
   follow_foreground();
   const bool keys = !terminal_ || raw_;
-  pollfd inputs[] = {{signal_pipe[0], POLLIN, 0}, {input_, static_cast<short>(keys ? POLLIN : 0), 0}};
-  const bool any = ::poll(inputs, open_ ? 2 : 1, static_cast<int>(timeout.count())) > 0;
+  pollfd inputs[] = {{signal_pipe[0], POLLIN, 0},
+                     {open_ ? input_ : -1, static_cast<short>(keys ? POLLIN : 0), 0},
+                     {other_terminal_, 0, 0}};
+  const bool any = ::poll(inputs, 3, static_cast<int>(timeout.count())) > 0;
   read_signals(arrived);
   if (any && open_) read_input(inputs[1].revents, arrived);
+  if (any && inputs[2].revents != 0) {
+    arrived.hung_up = true;
+    ::close(std::exchange(other_terminal_, -1));
+  }
   return arrived;
 }
 

@@ -7,8 +7,9 @@ namespace tactus::app {
 
 /// The stop inputs of the process: signals, and the keys of standard input. A terminal is switched to deliver
 /// keys without Enter, without echo and without flow control (Ctrl-S would stop its output), and restored at
-/// the end, as are the signals. In its background no keys are read, but its end is detected. Signals that
-/// would suspend the process, or end it for a failed write, are ignored. A process has one of these at a
+/// the end, as are the signals. In its background no keys are read, but its end is detected; so is that of
+/// the terminal of a process whose standard input is something else. Signals that would suspend the process,
+/// or end it for a failed write, are ignored; blocked ones are unblocked. A process has one of these at a
 /// time.
 class StopInputs {
  public:
@@ -41,7 +42,8 @@ class StopInputs {
   void set_raw();
   void restore_terminal();
 
-  int input_ = 0;  ///< standard input, opened again where that makes its reads never block
+  int other_terminal_ = -1;  ///< only its end counts
+  int input_ = 0;            ///< standard input, opened again where that makes its reads never block
   bool open_ = true, terminal_ = false, reads_terminal_ = false;
   bool connection_ = false;  ///< a pipe or socket that was open at first
   bool raw_ = false;         ///< the terminal delivers single keys to this process

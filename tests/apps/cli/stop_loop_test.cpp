@@ -15,8 +15,8 @@ using test::wait_until;
 using Ending = StopLoop::Ending;
 
 TEST_CASE("stop loop: a signal stops the dead man's switch, whatever the control thread does", "[live]") {
-  const auto signal =
-      GENERATE(SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGXCPU);
+  const auto signal = GENERATE(SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM,
+                               SIGXCPU, SIGPROF, SIGIO);
   DeadMansSwitch dead_man;
   {
     StopLoop loop{dead_man};

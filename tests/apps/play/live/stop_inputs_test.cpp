@@ -122,6 +122,26 @@ TEST_CASE("play: a terminal that is closed fades the drive of a program in its b
   stage.check_fade();
 }
 
+TEST_CASE("play: a terminal that is closed fades the drive of a program that does not read it", "[live]") {
+  const Stage stage;
+  const std::string how = GENERATE(as<std::string>{}, "set -m; \"$0\" \"$@\" </dev/null & read line; fg",
+                                   "setsid -w \"$0\" \"$@\" </dev/null");
+  test::TerminalProcess shell{in_shell(how, stage.command({"--duration", "100 s"}))};
+  REQUIRE(stage.sounds());
+  shell.close();
+  REQUIRE(wait_until([&] { return read_take(stage.wav)->finished; }));
+  stage.check_fade();
+}
+
+TEST_CASE("play: signals that its parent had blocked end it", "[live]") {
+  const Stage stage;
+  test::ChildProcess play{in_shell("exec env --block-signal=TERM \"$0\" \"$@\"", stage.command()), kLogged};
+  REQUIRE(stage.sounds());
+  play.send(SIGTERM);
+  CHECK(play.wait(kPatience) == 5);
+  stage.check_fade();
+}
+
 TEST_CASE("play: keys work as soon as it is brought to the foreground", "[live]") {
   const Stage stage;
   test::TerminalProcess shell{in_background(stage.command({"--duration", "100 s"}))};
