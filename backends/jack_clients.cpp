@@ -18,9 +18,9 @@ namespace {
 std::mutex clients_mutex;
 std::condition_variable clients_changed;
 int clients_held = 0;
-int clients_calling = 0;      ///< of those held: they open or close a client
-bool server_is_dead = false;  ///< that of the clients held
-std::set<_jack_client*> clients_open;
+int clients_calling = 0;          ///< of those held: they open or close a client
+bool server_is_dead = false;      ///< that of the clients held
+std::set<_jack_client*> watches;  ///< that are open: nobody else calls the library with one of them
 
 /// Whether the server of an open client still answers. May hang.
 bool answers([[maybe_unused]] _jack_client* client) {
@@ -34,13 +34,14 @@ bool answers([[maybe_unused]] _jack_client* client) {
 }
 
 /// Waits up to a second. False: nothing may be opened now. The library may know of a death before any
-/// callback is called, so one of the clients is asked; nobody closes it meanwhile.
+/// callback is called, so a client that watches is asked; nobody closes it meanwhile. (Of any other client
+/// another thread may await an answer.)
 bool begin_opening(std::unique_lock<std::mutex>& lock) {
   const auto may_open = [] { return clients_calling == 0 && !server_is_dead; };
   if (!clients_changed.wait_for(lock, std::chrono::seconds{1}, may_open)) return false;
   ++clients_calling;
-  if (clients_open.empty()) return true;
-  auto* const one = *clients_open.begin();
+  if (watches.empty()) return true;
+  auto* const one = *watches.begin();
   lock.unlock();
   const bool alive = answers(one);
   lock.lock();
@@ -81,11 +82,11 @@ bool JackClientHold::opening() {
 
 void JackClientHold::opened(_jack_client* client) {
   if (!calls_) return;
-  if (client_ == nullptr) client_ = client != nullptr ? client : watch_;
+  if (client == nullptr) client = watch_;
   // Of a death between the opening and the setting of the callback nobody is told.
-  if (client_ != nullptr && !answers(client_)) note_jack_server_death();
+  if (client != nullptr && !answers(client)) note_jack_server_death();
   const std::lock_guard lock{clients_mutex};
-  if (client_ != nullptr) clients_open.insert(client_);
+  if (watch_ != nullptr) watches.insert(watch_);
   calls_ = false;
   --clients_calling;
   clients_changed.notify_all();
@@ -98,7 +99,7 @@ void JackClientHold::closing() {
     calls_ = true;
     ++clients_calling;
   }
-  clients_open.erase(client_);
+  watches.erase(watch_);
 }
 
 JackClientHold::~JackClientHold() {

@@ -35,7 +35,6 @@ class JackClientHold {
   JackClientHold() = default;
   bool calls_ = true;  ///< the library, to open or close a client: no death is reported meanwhile
   _jack_client* watch_ = nullptr;
-  _jack_client* client_ = nullptr;  ///< one that is open, and reports the death of its server
 };
 
 /// The server of the clients that are open now died.
