@@ -31,6 +31,7 @@ constexpr double kMoreDamaged = 1.5;  // the same, times what others leave
 constexpr Seconds kLongestDamage{0.02};
 constexpr std::size_t kManyProbes = 4;  // by how they differ, the noise is known
 constexpr double kUnsteady = 2.0;       // power
+constexpr double kElsewhere = 0.5;      // of the amplitude
 constexpr double kLoudPilot = 10.0;     // power over that of the noise
 constexpr double kFitsWell = 1e-3;      // misfit of a cable
 constexpr int kDriftRounds = 3;
@@ -71,6 +72,13 @@ double least_step(const std::vector<TrackedProbe>& probes) {
   double widest = 0.0;
   for (const auto& probe : probes) widest = std::max(widest, probe.deviation_frames);
   return std::max(kLeastStep, kLoopEstimatorCertain * widest);
+}
+
+/// Is it not captured where the others are, although the noise leaves no doubt? Then it has another gain.
+bool is_elsewhere(const TrackedProbe& probe, double least_step) {
+  const double gain = std::exp(probe.log_gain), lost = 1.0 - gain;
+  const bool weak = lost > kElsewhere && lost > kLoopEstimatorCertain * gain * probe.gain_deviation;
+  return weak && std::abs(probe.delay_frames) > least_step;
 }
 
 std::vector<DelayPoint> points_of(const std::vector<TrackedProbe>& probes, double delay) {
@@ -274,6 +282,8 @@ void LoopEstimator::compare(LoopEstimate& loop) {
   loop.least_step = least_step(whole);
   loop.trend = DelayTrend::of(points_of(whole, loop.constant()), loop.least_step);
   loop.steps = loop.trend.steps;
+  for (const auto& probe : loop.probes)
+    if (is_elsewhere(probe, loop.least_step)) loop.steps.push_back({probe.burst.at, 0.0});
   const bool describes =
       loop.fit.misfit < kFits;  // the path, so that what it makes of other signals is known
   // An actuator keeps too little of so short a sound.
