@@ -42,6 +42,7 @@ TEST_CASE("jack clients: one that closes waits until no other one is opened", "[
     begun = true;
     open->closing();
     closed_after = opened;
+    open.reset();
   }};
   while (!begun) std::this_thread::yield();
   for (int turn = 0; turn < 1000; ++turn) std::this_thread::yield();  // it could close now
