@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <csignal>
 #include <mutex>
 #include <set>
 #include <utility>
@@ -22,9 +23,15 @@ int clients_calling = 0;          ///< of those held: they open or close a clien
 bool server_is_dead = false;      ///< that of the clients held
 std::set<_jack_client*> watches;  ///< that are open: nobody else calls the library with one of them
 
-/// Whether the server of an open client still answers. May hang.
+/// Whether the server of an open client still answers. May hang. The library writes to the server's socket.
 bool answers([[maybe_unused]] _jack_client* client) {
 #if defined(TACTUS_HAS_JACK)
+#if !defined(_WIN32)
+  sigset_t pipe;
+  sigemptyset(&pipe);
+  sigaddset(&pipe, SIGPIPE);
+  pthread_sigmask(SIG_BLOCK, &pipe, nullptr);  // for good: this thread is of those that call the library
+#endif
   char* id = jack_get_uuid_for_client_name(client, jack_get_client_name(client));
   jack_free(id);
   return id != nullptr;
