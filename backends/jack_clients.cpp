@@ -4,7 +4,6 @@
 #include <condition_variable>
 #include <csignal>
 #include <mutex>
-#include <set>
 #include <utility>
 
 #if defined(TACTUS_HAS_JACK)
@@ -19,11 +18,11 @@ namespace {
 std::mutex clients_mutex;
 std::condition_variable clients_changed;
 int clients_held = 0;
-int clients_calling = 0;          ///< of those held: they open or close a client
-bool server_is_dead = false;      ///< that of the clients held
-std::set<_jack_client*> watches;  ///< that are open: nobody else calls the library with one of them
+int clients_calling = 0;      ///< of those held: they open or close a client
+bool server_is_dead = false;  ///< that of the clients held
 
-/// Whether the server of an open client still answers. May hang. The library writes to the server's socket.
+/// Whether the server of a client that was just opened still answers. May hang. The library writes to the
+/// server's socket.
 bool answers([[maybe_unused]] _jack_client* client) {
 #if defined(TACTUS_HAS_JACK)
 #if !defined(_WIN32)
@@ -40,23 +39,12 @@ bool answers([[maybe_unused]] _jack_client* client) {
 #endif
 }
 
-/// Waits up to a second. False: nothing may be opened now. The library may know of a death before any
-/// callback is called, so a client that watches is asked; nobody closes it meanwhile. (Of any other client
-/// another thread may await an answer.)
+/// Waits up to a second. False: nothing may be opened now.
 bool begin_opening(std::unique_lock<std::mutex>& lock) {
   const auto may_open = [] { return clients_calling == 0 && !server_is_dead; };
   if (!clients_changed.wait_for(lock, std::chrono::seconds{1}, may_open)) return false;
   ++clients_calling;
-  if (watches.empty()) return true;
-  auto* const one = *watches.begin();
-  lock.unlock();
-  const bool alive = answers(one);
-  lock.lock();
-  if (alive && !server_is_dead) return true;
-  server_is_dead = true;
-  --clients_calling;
-  clients_changed.notify_all();
-  return false;
+  return true;
 }
 
 }  // namespace
@@ -77,6 +65,7 @@ std::unique_ptr<JackClientHold> JackClientHold::acquire_watched([[maybe_unused]]
   if (hold->watch_ == nullptr) return nullptr;
   jack_on_info_shutdown(
       hold->watch_, [](jack_status_t, const char*, void*) { note_jack_server_death(); }, nullptr);
+  if (!answers(hold->watch_)) note_jack_server_death();
 #endif
   return hold;
 }
@@ -89,11 +78,9 @@ bool JackClientHold::opening() {
 
 void JackClientHold::opened(_jack_client* client) {
   if (!calls_) return;
-  if (client == nullptr) client = watch_;
   // Of a death between the opening and the setting of the callback nobody is told.
   if (client != nullptr && !answers(client)) note_jack_server_death();
   const std::lock_guard lock{clients_mutex};
-  if (watch_ != nullptr) watches.insert(watch_);
   calls_ = false;
   --clients_calling;
   clients_changed.notify_all();
@@ -106,7 +93,6 @@ void JackClientHold::closing() {
     calls_ = true;
     ++clients_calling;
   }
-  watches.erase(watch_);
 }
 
 JackClientHold::~JackClientHold() {

@@ -21,10 +21,10 @@ class JackClientHold {
   static std::unique_ptr<JackClientHold> acquire_watched(const std::string& name);
   ~JackClientHold();
   /// Further clients may be opened from now on: waits up to a second while another part of the program opens
-  /// or closes some. False: it still does, or clients of a server that died are still open. May hang.
+  /// or closes some. False: it still does, or clients of a server that died are still open.
   bool opening();
-  /// All are open. `client` (null: the one that watches) has a callback for the death of its server. May
-  /// hang.
+  /// All are open. `client` (null: none) was opened last, and its callback for the death of its server is
+  /// set.
   void opened(_jack_client* client = nullptr);
   /// They are going to be closed: waits while another part of the program opens or closes some.
   void closing();
