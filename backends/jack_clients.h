@@ -14,19 +14,16 @@ namespace tactus {
 /// was open is closed.
 class JackClientHold {
  public:
-  /// To open clients now, as `opening`. Empty: try again later.
+  /// Waits up to a second while another part of the program opens or closes clients. Empty: it still does, or
+  /// clients of a server that died are still open; try again later.
   static std::unique_ptr<JackClientHold> acquire();
   /// For clients that do not report the death of their server, as those of RtMidi: an inactive client `name`
   /// reports it. Empty besides: no server answers.
   static std::unique_ptr<JackClientHold> acquire_watched(const std::string& name);
   ~JackClientHold();
-  /// Further clients may be opened from now on: waits up to a second while another part of the program opens
-  /// or closes some. False: it still does, or clients of a server that died are still open.
-  bool opening();
-  /// All are open. `client` (null: none) was opened last, and its callback for the death of its server is
-  /// set.
-  void opened(_jack_client* client = nullptr);
-  /// They are going to be closed: waits while another part of the program opens or closes some.
+  /// The client is open, and will report the death of its server.
+  void opened();
+  /// The clients are going to be closed.
   void closing();
   JackClientHold(const JackClientHold&) = delete;
   JackClientHold& operator=(const JackClientHold&) = delete;

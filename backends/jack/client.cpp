@@ -47,7 +47,7 @@ Client::Client(jack_client_t* opened, std::unique_ptr<JackClientHold> hold)
       block_frames(static_cast<int>(jack_get_buffer_size(opened))),
       hold_(std::move(hold)) {
   set_callbacks();
-  hold_->opened(handle);
+  hold_->opened();
 }
 
 Client::~Client() {

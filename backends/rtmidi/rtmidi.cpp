@@ -63,16 +63,14 @@ class Worker final : public MidiInputs {
   void run() {
     for (int checks = 0;; ++checks) {
       try {
+        const bool retry = checks % kChecksPerRetry == 0;
         if (hold_ != nullptr && jack_clients_must_close()) close();
-        // The library opens clients whenever it is asked for ports, if it could not before.
-        const bool may_open = hold_ == nullptr || hold_->opening();
-        if (scout_ == nullptr && may_open && checks % kChecksPerRetry == 0) open_scout();
-        if (scout_ != nullptr && may_open) update_ports();
+        if (scout_ == nullptr && retry) open_scout();
+        if (scout_ != nullptr) update_ports();
       } catch (const std::exception& error) {
         scout_.reset();
         report_error(explained(error.what()));
       }
-      if (hold_ != nullptr) hold_->opened();
       std::unique_lock lock{mutex_};
       if (wake_.wait_for(lock, interval_, [this] { return stop_; })) break;
     }
