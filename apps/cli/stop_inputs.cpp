@@ -66,10 +66,11 @@ void open_signal_pipe() {
 }
 
 /// A program inherits the signals that its parent had blocked.
-void unblock(int how_many, const int* signals) {
+template <class Signals>
+void unblock(const Signals& signals) {
   sigset_t set;
   sigemptyset(&set);
-  for (int s = 0; s < how_many; ++s) sigaddset(&set, signals[s]);
+  for (const int signal : signals) sigaddset(&set, signal);
   ::pthread_sigmask(SIG_UNBLOCK, &set, nullptr);
 }
 
@@ -105,7 +106,7 @@ StopInputs::StopInputs() {
   open_signal_pipe();
   handle(kForwarded, forward_signal, forwarded_before);
   handle(kIgnored, SIG_IGN, ignored_before);
-  unblock(static_cast<int>(kForwarded.size()), kForwarded.data());
+  unblock(kForwarded);
   open_input();
 }
 

@@ -1,7 +1,7 @@
 // Leaks of libraries that the address sanitizer shall not report. Nothing without it.
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer)
-// What a library leaks that was unloaded could not be named, and not be told from what we leak.
+// Libraries stay loaded: the report of a leak names only those that are, and a suppression needs the name.
 extern "C" int dlclose(void*) { return 0; }
 
 // JACK and PipeWire keep parts of every client that was closed, ALSA its configuration.

@@ -255,8 +255,9 @@ class CentredSolver final : public NetworkSolver {
     solver_.solve({state.change.data(), masses}, state.work);
   }
 
-  /// The root of a contact that is pressed at the start, so that it and the motion that it has given by then
-  /// hold what it holds at the start: with F its force in the first step, W the mobility of its points,
+  /// The root psi of a contact that is pressed at the start. Its energy, together with the kinetic energy
+  /// that the first half step gives to the masses, is the energy stored at the start: with F its force in the
+  /// first step, W the mobility of its points,
   ///   psi^2 / 2 = phi(n_0) - F k v_0 / 2 - F^2 W / 8.
   void store_pressed(NetworkState& state) const noexcept {
     for (std::size_t c = 0; c < model_.contacts.size(); ++c) {

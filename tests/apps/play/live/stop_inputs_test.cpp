@@ -55,6 +55,14 @@ struct Stage {
     REQUIRE(drive.end() - faded >= 480);
     CHECK(std::all_of(faded + 480, drive.end(), [](double sample) { return sample == 0.0; }));
   }
+  /// The shell's terminal is closed while the program in it sounds.
+  void check_closed_terminal(const Arguments& shell_command) const {
+    test::TerminalProcess shell{shell_command};
+    REQUIRE(sounds());
+    shell.close();
+    REQUIRE(wait_until([&] { return read_take(wav)->finished; }));
+    check_fade();
+  }
 
   test::TemporaryFolder folder;
   std::filesystem::path wav = folder.path() / "take.wav";
@@ -115,22 +123,14 @@ TEST_CASE("play: a terminal that is closed fades the drive, and the take ends", 
 
 TEST_CASE("play: a terminal that is closed fades the drive of a program in its background", "[live]") {
   const Stage stage;
-  test::TerminalProcess shell{in_background(stage.command({"--duration", "100 s"}))};
-  REQUIRE(stage.sounds());
-  shell.close();
-  REQUIRE(wait_until([&] { return read_take(stage.wav)->finished; }));
-  stage.check_fade();
+  stage.check_closed_terminal(in_background(stage.command({"--duration", "100 s"})));
 }
 
 TEST_CASE("play: a terminal that is closed fades the drive of a program that does not read it", "[live]") {
   const Stage stage;
   const std::string how = GENERATE(as<std::string>{}, "set -m; \"$0\" \"$@\" </dev/null & read line; fg",
                                    "setsid -w \"$0\" \"$@\" </dev/null");
-  test::TerminalProcess shell{in_shell(how, stage.command({"--duration", "100 s"}))};
-  REQUIRE(stage.sounds());
-  shell.close();
-  REQUIRE(wait_until([&] { return read_take(stage.wav)->finished; }));
-  stage.check_fade();
+  stage.check_closed_terminal(in_shell(how, stage.command({"--duration", "100 s"})));
 }
 
 TEST_CASE("play: signals that its parent had blocked end it", "[live]") {
