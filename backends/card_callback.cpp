@@ -24,6 +24,23 @@ std::chrono::nanoseconds duration_of(int blocks, int block_frames, const StreamG
 
 }  // namespace
 
+// Named by tests/support/known_reports.cpp.
+static void write_library_buffer(float* plane, const double* samples, int frames) noexcept {
+  std::transform(samples, samples + frames, plane, [](double sample) { return static_cast<float>(sample); });
+}
+static void silence_library_buffer(float* plane, int frames) noexcept { std::fill_n(plane, frames, 0.0f); }
+/// Returns how many samples were not finite, and became 0.
+static int read_library_buffer(const float* plane, double* samples, int frames) noexcept {
+  int bad = 0;
+  for (int n = 0; n < frames; ++n) {
+    const float sample = plane[n];
+    const bool finite = std::isfinite(sample);
+    samples[n] = finite ? static_cast<double>(sample) : 0.0;
+    bad += finite ? 0 : 1;
+  }
+  return bad;
+}
+
 CardCallback::CardCallback(Guarded& processor, const StreamRequest& request, const StreamGranted& granted)
     : processor_(processor),
       format_(granted.format),
@@ -68,17 +85,18 @@ void CardCallback::block(const float* const* in, float* const* out, int device_o
   busy_.store(true);
   const auto stage = stage_.load();
   for (int c = 0; c < device_outputs; ++c)
-    if (out[c] != nullptr) std::fill_n(out[c], std::max(0, frames), 0.0f);
-  const bool pauses = stage == Stage::Playing && suspended_.load();
-  if (pauses) skip();
+    if (out[c] != nullptr) silence_library_buffer(out[c], std::max(0, frames));
+  const auto begin = Clock::now();
+  // After a stall or a suspension the outputs must not jump back to full level.
+  const bool late = begin - last_block_.load(std::memory_order_relaxed) > patience_;
+  const bool suspended = stage == Stage::Playing && suspended_.load();
+  if (suspended) skip(begin);
+  if (!suspended && stage != Stage::Silent && frames > 0) watch(frames, begin);
+  const bool pauses = suspended || (stage == Stage::Playing && clock_.ahead());
   if (stage != Stage::Silent && frames > 0 && !(pauses && paused_)) {
-    const auto begin = Clock::now();
     if (std::exchange(first_, false)) meter_.realtime_priority(realtime_priority());
     if (stage == Stage::Playing && first_block_ == Clock::time_point{}) first_block_ = begin;
-    // After a stall or a suspension the outputs must not jump back to full level.
-    resumes_ = stage == Stage::Playing &&
-               (resumes_ || pauses || begin - last_block_.load(std::memory_order_relaxed) > patience_);
-    watch(frames, begin);
+    resumes_ = stage == Stage::Playing && (resumes_ || pauses || late);
     if (stage == Stage::Playing) meter_.clock(seconds(begin - first_block_));
     bool at_zero = true;
     for (int offset = 0; offset < frames; offset += format_.max_frames)
@@ -94,9 +112,9 @@ void CardCallback::block(const float* const* in, float* const* out, int device_o
 }
 
 /// Frames do not run at their rate, so the clock finds none missing.
-void CardCallback::skip() noexcept {
+void CardCallback::skip(Clock::time_point now) noexcept {
   clock_ = FrameWatch{format_.sample_rate.value};
-  last_block_.store(Clock::now(), std::memory_order_relaxed);
+  last_block_.store(now, std::memory_order_relaxed);
 }
 
 /// True: when finishing, every output ends at zero.
@@ -111,9 +129,7 @@ bool CardCallback::process(const float* const* in, float* const* out, int offset
     processor_.process(io);
   for (int c = 0; c < out_.size(); ++c) {
     auto* plane = out[out_map_[index(c)]];
-    if (plane == nullptr) continue;
-    std::transform(out_[c], out_[c] + frames, plane + offset,
-                   [](double sample) { return static_cast<float>(sample); });
+    if (plane != nullptr) write_library_buffer(plane + offset, out_[c], frames);
   }
   return at_zero;
 }
@@ -122,16 +138,10 @@ void CardCallback::convert_input(const float* const* in, int offset, int frames)
   std::int64_t bad = 0;
   for (int c = 0; c < in_.size(); ++c) {
     const auto* plane = in == nullptr ? nullptr : in[in_map_[index(c)]];
-    double* const samples = in_[c];
-    if (plane == nullptr) {
-      std::fill_n(samples, frames, 0.0);
-      continue;
-    }
-    for (int n = 0; n < frames; ++n) {
-      const bool finite = std::isfinite(plane[offset + n]);
-      samples[n] = finite ? static_cast<double>(plane[offset + n]) : 0.0;
-      bad += finite ? 0 : 1;
-    }
+    if (plane == nullptr)
+      std::fill_n(in_[c], frames, 0.0);
+    else
+      bad += read_library_buffer(plane + offset, in_[c], frames);
   }
   if (bad > 0) meter_.bad_input(bad);
 }

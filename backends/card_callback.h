@@ -22,11 +22,13 @@ namespace tactus {
 /// (0.2 %), frames are missing.
 ///
 /// Theory: with F frames brought until time t, e = F / rate - t is at most a constant while nothing is lost;
-/// a loss of L frames lowers its maximum by L / rate.
+/// a loss of L frames lowers its maximum by L / rate. Where it rises by more than half a second above the
+/// maximum of the half second before, frames run ahead of time: a server freewheels.
 class FrameWatch {
  public:
   static constexpr double kWindowSeconds = 0.5;
   static constexpr double kDrift = 0.002;
+  static constexpr double kAheadSeconds = 0.5;
 
   /// [any]
   explicit FrameWatch(double sample_rate_hz) : rate_(sample_rate_hz) {}
@@ -46,14 +48,19 @@ class FrameWatch {
       window_end_ = seconds + kWindowSeconds;
     }
     earliest_ = std::max(earliest_, early);
+    now_ = seconds;
+    if (before_ != kNever && early > before_ + kAheadSeconds) ahead_until_ = seconds + 2 * kWindowSeconds;
     return missing;
   }
+  /// [realtime] Frames run ahead of time, or did in the last second.
+  bool ahead() const noexcept { return now_ < ahead_until_; }
 
  private:
   static constexpr double kNever = -std::numeric_limits<double>::infinity();
 
   double rate_;
   double window_end_ = kNever, before_ = kNever, earliest_ = kNever;
+  double now_ = kNever, ahead_until_ = kNever;
 };
 
 /// The audio callback of every sound library: cuts a block that is longer than was granted, turns float32
@@ -93,7 +100,7 @@ class CardCallback {
   void lost(std::int64_t frames) noexcept;
   /// [any] Suspended: frames do not run at their rate, because the server freewheels or changed it. One block
   /// comes from Guarded::finish, then zeros go out and the processor is left alone; afterwards the guards
-  /// start softly.
+  /// start softly. The same happens where frames run ahead of time although nobody reports it.
   void suspend(bool on) noexcept { suspended_.store(on); }
 
   /// [any]
@@ -111,7 +118,7 @@ class CardCallback {
   };
   using Clock = std::chrono::steady_clock;
 
-  void skip() noexcept;
+  void skip(Clock::time_point now) noexcept;
   bool process(const float* const* in, float* const* out, int offset, int frames, Stage stage) noexcept;
   void convert_input(const float* const* in, int offset, int frames) noexcept;
   void watch(int frames, Clock::time_point now) noexcept;

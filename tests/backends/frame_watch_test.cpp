@@ -81,3 +81,25 @@ TEST_CASE("frame watch: blocks longer than its half second are no loss", "[backe
   stream.lose(3 * 8192);
   CHECK(sum(stream.play(watch, 10.0, kOnTime)) == 3 * 8192);
 }
+
+TEST_CASE("frame watch: frames that run ahead of time are noticed within 1.1 s of them", "[backends]") {
+  FrameWatch watch{48000.0};
+  TestStream stream;
+  std::int64_t unnoticed = 0;
+  const auto play = [&](double seconds, double pace) {
+    for (const double end = stream.now + seconds; stream.now < end;
+         stream.now += stream.block / stream.rate / pace) {
+      CHECK(watch.block(stream.frames, stream.block, stream.now) == 0);
+      stream.frames += stream.block;
+      if (!watch.ahead()) unnoticed += stream.block;
+    }
+  };
+  play(2.0, 1.0);
+  CHECK_FALSE(watch.ahead());
+  unnoticed = 0;
+  play(5.0, 20.0);  // 100 s of frames
+  CHECK(watch.ahead());
+  CHECK(unnoticed <= 52800);  // half a second, and once more where the watch's own half second ends just then
+  play(2.0, 1.0);
+  CHECK_FALSE(watch.ahead());
+}
