@@ -34,6 +34,9 @@ endif()
 if(TACTUS_SANITIZE)
   target_compile_options(tactus_flags INTERFACE -fsanitize=${TACTUS_SANITIZE} -fno-omit-frame-pointer -g)
   target_link_options(tactus_flags INTERFACE -fsanitize=${TACTUS_SANITIZE})
+  if(TACTUS_SANITIZE MATCHES "thread")  # its operator new is beside that of tests/support/allocation_count_test.cpp
+    target_link_options(tactus_flags INTERFACE -Wl,--allow-multiple-definition)
+  endif()
   # g++ 12 takes what the address sanitizer adds to <regex> for uninitialised.
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND TACTUS_SANITIZE MATCHES "address")
     target_compile_options(tactus_flags INTERFACE -Wno-maybe-uninitialized)

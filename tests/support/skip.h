@@ -13,4 +13,13 @@ constexpr int kSkipExitCode = 77;
 /// Prints why a part of the test case cannot run on this machine; the rest of it runs.
 void skip_part(const std::string& reason);
 
+/// ThreadSanitizer keeps signals back from a thread that waits in a system call until that returns.
+#if defined(__SANITIZE_THREAD__)
+inline constexpr bool kSignalsAreKeptBack = true;
+#elif defined(__has_feature)
+inline constexpr bool kSignalsAreKeptBack = __has_feature(thread_sanitizer);
+#else
+inline constexpr bool kSignalsAreKeptBack = false;
+#endif
+
 }  // namespace tactus::test

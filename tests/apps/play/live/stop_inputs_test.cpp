@@ -12,6 +12,7 @@
 #include "backends/take/take.h"
 #include "backends/wav_file.h"
 #include "tests/support/child_process.h"
+#include "tests/support/skip.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/terminal_process.h"
 #include "tests/support/wait_until.h"
@@ -247,6 +248,7 @@ TEST_CASE("play: a reader of standard error that is gone does not end it", "[liv
 }
 
 TEST_CASE("play: a second signal ends a program that hangs, once its drive has faded", "[live]") {
+  if (test::kSignalsAreKeptBack) test::skip("ThreadSanitizer keeps signals back");
   const Stage stage;
   const Pipe full;  // nobody reads the report
   const auto log = (stage.folder.path() / "log").string();
