@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -16,6 +17,8 @@
 #include "engine/guard/guarded.h"
 
 namespace tactus {
+
+class MidiInputs;
 
 /// Something with channels that a backend can open.
 struct Device {
@@ -154,6 +157,11 @@ class Backend {
   /// [control] Opens a device and calls `processor.prepare` with the granted format. `processor` must outlive
   /// the stream. Errors: UnknownName for the device; Device; BadArgument; those of `prepare`.
   virtual Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) = 0;
+  /// [control] The MIDI inputs of what the stream of this backend is connected to, while it plays; they are
+  /// looked for every `interval`. nullptr: the backend has none.
+  virtual std::shared_ptr<MidiInputs> midi_inputs([[maybe_unused]] std::chrono::milliseconds interval) {
+    return nullptr;
+  }
 };
 
 /// A backend for sound cards that this program was built with. The table is in

@@ -31,6 +31,9 @@ struct MidiEvent {
   MidiMessage message;
 };
 
+/// How often ports are looked for.
+inline constexpr std::chrono::milliseconds kMidiInterval{500};
+
 /// Inputs that may come and go. All functions are called from one control thread and never wait for a device
 /// or a server.
 class MidiInputs {
@@ -45,15 +48,15 @@ class MidiInputs {
   virtual std::vector<std::string> news() = 0;
 };
 
-/// [control] MIDI inputs by RtMidi 5 through `api`: "alsa", "jack", "core", "winmm"; empty: that of the
-/// system. Every `interval` ports are looked for and opened, on a thread of its own, because servers may
-/// hang: a call that never returns costs that thread and nothing else. A port that leaves and returns within
-/// one `interval` is not seen to have left, and stays silent: RtMidi does not report a lost connection.
+/// [control] MIDI inputs by RtMidi 5 through `api`: "alsa", "core", "winmm"; empty: that of the system.
+/// JACK's are those of Backend::midi_inputs. Every `interval` ports are looked for and opened. A port that
+/// leaves and returns within one `interval` is not seen to have left, and stays silent: RtMidi does not
+/// report a lost connection.
 ///
 /// An id is "api:name" with the name as the system gives it, without the numbers that change from one
 /// plugging in to the next; the second of the same name is "api:name #2".
 std::shared_ptr<MidiInputs> make_rtmidi(const std::string& api,
-                                        std::chrono::milliseconds interval = std::chrono::milliseconds{500});
+                                        std::chrono::milliseconds interval = kMidiInterval);
 
 /// [any] The message of these bytes, with `time` left open; nothing if it is of no use to us. Source:
 /// MIDI 1.0 Detailed Specification, table 1.

@@ -103,7 +103,8 @@ StreamRequest request_for(const ChosenDevices& devices, const Rig::Device& rig, 
   return request;
 }
 
-std::shared_ptr<MidiInputs> make_midi_inputs([[maybe_unused]] const std::string& api) {
+std::shared_ptr<MidiInputs> make_midi_inputs(const std::string& api, Backend& backend) {
+  if (api == "jack") return backend.midi_inputs(kMidiInterval);
 #if defined(TACTUS_HAS_RTMIDI)
   return make_rtmidi(api);
 #else

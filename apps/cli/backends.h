@@ -47,7 +47,8 @@ ChosenDevices choose_devices(const DeviceOptions& options, const Rig::Device& ri
 StreamRequest request_for(const ChosenDevices& devices, const Rig::Device& rig, const std::string& rate,
                           std::optional<int> block, std::optional<int> periods);
 
-/// nullptr: this program was built without MIDI. `api`: see make_rtmidi.
-std::shared_ptr<MidiInputs> make_midi_inputs(const std::string& api);
+/// `api`: "jack": those of the stream over `backend`; others: see make_rtmidi. nullptr: there are none, since
+/// the program was built without MIDI, or the stream is not one over JACK.
+std::shared_ptr<MidiInputs> make_midi_inputs(const std::string& api, Backend& backend);
 
 }  // namespace tactus::app

@@ -93,7 +93,9 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
                     "ask what is connected to each channel, and write the answers to this rig file");
   group->add_flag("--learn{*}", options.learn,
                   "set a sensor's sensitivity from five soft hits; default NAME: the first sensor");
-  group->add_option("--midi", options.midi, "MIDI backend: alsa, jack, core, winmm; default: the system's")
+  group
+      ->add_option("--midi", options.midi,
+                   "MIDI backend: alsa, core, winmm, or jack beside a card over JACK; default: the system's")
       ->check(CLI::IsMember({"alsa", "jack", "core", "winmm"}));
   group->add_flag("--listen", options.listen,
                   "simulate a scene in real time and play its sound through the sound card");

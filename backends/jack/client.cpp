@@ -19,6 +19,13 @@ std::string why(jack_status_t status) {
 
 }  // namespace
 
+Names names_of(const char** listed) {
+  Names names;
+  for (const char** name = listed; name != nullptr && *name != nullptr; ++name) names.emplace_back(*name);
+  jack_free(listed);
+  return names;
+}
+
 Status cannot(const std::string& what, const std::string& remedy) {
   return fail(Errc::Device, "", "JACK cannot " + what, remedy);
 }
@@ -29,7 +36,7 @@ tl::unexpected<Error> no_answer() {
 
 Result<std::shared_ptr<Client>> Client::open(const std::string& name) {
   silence_library_logs();
-  auto hold = JackClientHold::acquire();
+  auto hold = ClientHold::acquire();
   if (!hold)
     return fail(Errc::Device, "", "another part of the program still waits for the JACK server",
                 "restart the server if this persists");
@@ -41,7 +48,7 @@ Result<std::shared_ptr<Client>> Client::open(const std::string& name) {
                                  [](Client* client) { call_with_timeout([client] { delete client; }); });
 }
 
-Client::Client(jack_client_t* opened, std::unique_ptr<JackClientHold> hold)
+Client::Client(jack_client_t* opened, std::unique_ptr<ClientHold> hold)
     : handle(opened),
       sample_rate(static_cast<int>(jack_get_sample_rate(opened))),
       block_frames(static_cast<int>(jack_get_buffer_size(opened))),
@@ -78,13 +85,14 @@ void Client::set_callbacks() {
   jack_on_info_shutdown(
       handle,
       [](jack_status_t, const char*, void* self) {
-        note_jack_server_death();
+        note_server_death();
         client(self).lost = true;
       },
       this);
 }
 
 Status Client::add_ports(int inputs, int outputs) {
+  const std::lock_guard lock{requests_};
   const auto add = [this](std::vector<jack_port_t*>& ports, const std::string& kind, unsigned long way) {
     const auto name = kind + std::to_string(ports.size() + 1);
     ports.push_back(jack_port_register(handle, name.c_str(), JACK_DEFAULT_AUDIO_TYPE, way, 0));
@@ -104,6 +112,7 @@ std::string Client::input_port(int channel) const { return jack_port_name(inputs
 std::string Client::output_port(int channel) const { return jack_port_name(outputs_[index(channel)]); }
 
 Status Client::activate() {
+  const std::lock_guard lock{requests_};
   first_ = true;
   if (jack_activate(handle) != 0) return cannot("start the client", "check that the server is still running");
   for (const auto& wire : wires)
@@ -112,6 +121,11 @@ Status Client::activate() {
       return cannot("connect '" + wire.from + "' to '" + wire.to + "'",
                     "check with jack_lsp that both exist");
   return {};
+}
+
+void Client::deactivate() {
+  const std::lock_guard lock{requests_};
+  jack_deactivate(handle);
 }
 
 std::vector<OtherWriter> Client::other_writers() const {
@@ -129,18 +143,22 @@ std::vector<OtherWriter> Client::other_writers() const {
 }
 
 Names Client::connections_of(const std::string& port) const {
-  Names names;
   const auto* found = jack_port_by_name(handle, port.c_str());
-  const char** others = found == nullptr ? nullptr : jack_port_get_all_connections(handle, found);
-  for (const char** other = others; other != nullptr && *other != nullptr; ++other)
-    names.emplace_back(*other);
-  jack_free(others);
-  return names;
+  return found == nullptr ? Names{} : names_of(jack_port_get_all_connections(handle, found));
 }
 
 bool Client::is_hardware(const std::string& port) const {
   const auto* found = jack_port_by_name(handle, port.c_str());
   return found != nullptr && (jack_port_flags(found) & JackPortIsPhysical) != 0;
+}
+
+Names Client::midi_sources() const {
+  return names_of(jack_get_ports(handle, nullptr, JACK_DEFAULT_MIDI_TYPE, JackPortIsOutput));
+}
+
+std::shared_ptr<MidiInPort> Client::connect_midi(const std::string& source) {
+  const std::lock_guard lock{requests_};
+  return lost ? nullptr : midi_.connect(handle, source);
 }
 
 std::vector<bool> Client::connected() const {
@@ -175,10 +193,12 @@ void Client::note_removal(std::uint32_t port) {
   if (!std::all_of(wires.begin(), wires.end(),
                    [&](const Wire& wire) { return is_there(wire.from) && is_there(wire.to); }))
     lost = true;
+  midi_.keep(is_there);
 }
 
 void Client::process(int frames) noexcept {
   if (!card) return;
+  midi_.receive(frames);
   const auto buffer = [frames](jack_port_t* port) {
     return static_cast<float*>(jack_port_get_buffer(port, static_cast<jack_nframes_t>(frames)));
   };

@@ -3,12 +3,14 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "backends/card_callback.h"
-#include "backends/jack_clients.h"
+#include "backends/jack/client_hold.h"
+#include "backends/jack/midi_in.h"
 #include "backends/library_calls.h"
 
 // As JACK's own headers name them.
@@ -23,6 +25,9 @@ using Names = std::vector<std::string>;
 struct Wire {
   std::string from, to;
 };
+
+/// [control] Those that a function of JACK's listed, which is freed; nullptr: none.
+Names names_of(const char** listed);
 
 /// [any] Errors of this backend.
 Status cannot(const std::string& what, const std::string& remedy);
@@ -55,9 +60,15 @@ class Client {
 
   /// [control, may hang] Blocks come, and every wire is connected. Errors: Device.
   Status activate();
+  /// [control, may hang] No block comes any more.
+  void deactivate();
 
   /// [control] See Stream.
   std::vector<OtherWriter> other_writers() const;
+  /// [control & active] Ports of others that MIDI comes out of, by their full names.
+  Names midi_sources() const;
+  /// [control & active, may hang] What comes out of `source` is received. Empty: it cannot be connected now.
+  std::shared_ptr<MidiInPort> connect_midi(const std::string& source);
   /// [control & active] For each wire: is it connected?
   std::vector<bool> connected() const;
 
@@ -72,7 +83,7 @@ class Client {
   std::atomic<int> rewirings{0};  ///< how often wires were connected or disconnected
 
  private:
-  Client(_jack_client* opened, std::unique_ptr<JackClientHold> hold);
+  Client(_jack_client* opened, std::unique_ptr<ClientHold> hold);
   static Client& client(void* self) { return *static_cast<Client*>(self); }
   void set_callbacks();
   Names connections_of(const std::string& port) const;
@@ -83,7 +94,9 @@ class Client {
   void process(int frames) noexcept;
   void note_lost_frames(int frames) noexcept;
 
-  const std::unique_ptr<JackClientHold> hold_;
+  const std::unique_ptr<ClientHold> hold_;
+  std::mutex requests_;  ///< the answers to two threads that ask the server at once are mixed up
+  MidiIn midi_;
   std::vector<_jack_port*> inputs_, outputs_;
   std::vector<const float*> in_;
   std::vector<float*> out_;

@@ -6,6 +6,7 @@
 
 #include "backends/find_device.h"
 #include "backends/jack/client.h"
+#include "backends/jack/midi_inputs.h"
 #include "engine/core/index.h"
 
 namespace tactus {
@@ -25,11 +26,7 @@ struct Card {
 
 /// `flags` as JACK sees them: sound comes out of an output port.
 Names ports(const Client& client, unsigned long flags) {
-  Names names;
-  const char** found = jack_get_ports(client.handle, nullptr, JACK_DEFAULT_AUDIO_TYPE, flags);
-  for (const char** port = found; port != nullptr && *port != nullptr; ++port) names.emplace_back(*port);
-  jack_free(found);
-  return names;
+  return jack::names_of(jack_get_ports(client.handle, nullptr, JACK_DEFAULT_AUDIO_TYPE, flags));
 }
 
 /// The largest delay between these ports and the world outside [frames].
@@ -98,7 +95,9 @@ std::vector<Device> devices_of(const Client& client, const std::vector<Card>& ca
 
 class JackStream final : public CardStream<Client> {
  public:
-  using CardStream::CardStream;
+  JackStream(std::shared_ptr<Client> client, StreamGranted granted, const StreamRequest& request,
+             Guarded& processor, std::shared_ptr<jack::PlayingClient> playing)
+      : CardStream(std::move(client), std::move(granted), request, processor), playing_(std::move(playing)) {}
   ~JackStream() override {
     (void)stop();
     line_->card->abandon();
@@ -138,11 +137,13 @@ class JackStream final : public CardStream<Client> {
   Status start_library() override {
     auto started = ask_server([client = line_] { return client->activate(); });
     if (!started) (void)deactivate();
+    playing_->set(started ? line_ : nullptr);
     reported_rewirings_ = line_->rewirings;
     connected_.assign(line_->wires.size(), true);
     return started;
   }
   Status stop_library(bool finished) override {
+    playing_->set(nullptr);
     if (lost())
       return fail(Errc::Device, "", "the JACK server or the device was disconnected",
                   "reopen the stream when they are available again");
@@ -150,9 +151,10 @@ class JackStream final : public CardStream<Client> {
     return finished ? Status{} : jack::no_answer();
   }
   Status deactivate() {
-    return ask_server([client = line_] { return jack_deactivate(client->handle), Status{}; });
+    return ask_server([client = line_] { return client->deactivate(), Status{}; });
   }
 
+  const std::shared_ptr<jack::PlayingClient> playing_;
   std::vector<bool> connected_;  ///< as last reported
   int reported_rewirings_ = 0;
   bool reported_rate_ = false;
@@ -184,6 +186,9 @@ Status choose_ports(const Client& client, const StreamRequest& request, const Ca
   if (!to) return tl::unexpected(to.error());
   granted.input.hardware = hardware_of(client, *from);
   granted.output.hardware = hardware_of(client, *to);
+  // Without, two equal cards that are exchanged look the same.
+  for (auto* identity : {&granted.input, &granted.output})
+    identity->ambiguous = identity->channels > 0 && identity->hardware.empty();
   granted.input.ports = std::move(*from);
   granted.output.ports = std::move(*to);
   return {};
@@ -239,8 +244,14 @@ class JackBackend final : public Backend {
     if (auto status = processor.prepare(granted.format); !status) return tl::unexpected(status.error());
     auto unmapped = request;  // our ports are the channels themselves: what is mapped are the wires
     unmapped.in_map = unmapped.out_map = {};
-    return std::make_unique<JackStream>(client, std::move(granted), unmapped, processor);
+    return std::make_unique<JackStream>(client, std::move(granted), unmapped, processor, playing_);
   }
+  std::shared_ptr<MidiInputs> midi_inputs(std::chrono::milliseconds interval) override {
+    return jack::make_midi_inputs(playing_, interval);
+  }
+
+ private:
+  const std::shared_ptr<jack::PlayingClient> playing_ = std::make_shared<jack::PlayingClient>();
 };
 
 }  // namespace

@@ -1,7 +1,8 @@
 // A JACK client for tests, in a process of its own (see tests/support/sound_server.h).
 //   delay_client --hand NAME                                              changes other clients as asked
-//   delay_client --card NAME CHANNELS DELAY GAIN NOISE IN_LATENCY OUT_LATENCY REVERSED
-//     a sound card of known delay; REVERSED 1: its last channel's ports are registered first
+//   delay_client --card NAME CHANNELS DELAY GAIN NOISE IN_LATENCY OUT_LATENCY REVERSED HARDWARE
+//     a sound card of known delay; REVERSED 1: its last channel's ports are registered first; HARDWARE: what
+//     its driver calls it, as an alias of its ports; empty: none
 // It says "ready" once the server answers, then answers each line of stdin until that ends.
 #include <jack/jack.h>
 #include <unistd.h>
@@ -119,11 +120,14 @@ bool make_card(jack_client_t* client, Card& card, char** arguments) {
   card.input_latency = static_cast<jack_nframes_t>(std::atoi(arguments[4]));
   card.output_latency = static_cast<jack_nframes_t>(std::atoi(arguments[5]));
   const bool reversed = std::atoi(arguments[6]) != 0;
+  const std::string hardware = arguments[7];
   for (std::size_t n = 0; n < card.channels.size(); ++n) {
     const auto c = reversed ? card.channels.size() - 1 - n : n;
     const auto port = [&](const char* kind, unsigned long direction) {
-      return jack_port_register(client, (kind + std::to_string(c + 1)).c_str(), JACK_DEFAULT_AUDIO_TYPE,
-                                direction, 0);
+      const auto name = kind + std::to_string(c + 1);
+      auto* made = jack_port_register(client, name.c_str(), JACK_DEFAULT_AUDIO_TYPE, direction, 0);
+      if (made != nullptr && !hardware.empty()) jack_port_set_alias(made, (hardware + ":" + name).c_str());
+      return made;
     };
     card.channels[c].capture = port("capture_", JackPortIsOutput);
     card.channels[c].playback = port("playback_", JackPortIsInput);
@@ -186,7 +190,7 @@ bool answer(jack_client_t* client, Card& card, const std::string& line) {
 }  // namespace
 
 int main(int count, char** arguments) {
-  const bool is_card = count == 10 && std::strcmp(arguments[1], "--card") == 0;
+  const bool is_card = count == 11 && std::strcmp(arguments[1], "--card") == 0;
   if (!is_card && (count != 3 || std::strcmp(arguments[1], "--hand") != 0)) return 2;
   jack_client_t* client = open(arguments[2]);
   Card card;

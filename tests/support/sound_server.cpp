@@ -193,7 +193,7 @@ DelayClient::DelayClient(const Settings& settings) : name_(own_name(settings.nam
   process_ = std::make_unique<ChildProcess>(std::vector<std::string>{
       TACTUS_DELAY_CLIENT, "--card", name_, to_string(settings.channels), to_string(settings.delay_frames),
       to_string(settings.gain), to_string(settings.noise), to_string(settings.input_latency),
-      to_string(settings.output_latency), to_string(int{settings.reversed})});
+      to_string(settings.output_latency), to_string(int{settings.reversed}), settings.hardware});
   if (process_->hear() != "ready")
     throw std::runtime_error{"the delay client '" + name_ + "' does not start"};
 }

@@ -100,6 +100,9 @@ class Planner {
   LivePlan run() {
     read_rig();
     plan_.devices = choose_devices(options_, device_);
+    error_if(options_.midi == "jack" && plan_.devices.backend->name() != "jack", "--midi",
+             "MIDI over JACK needs a sound card over JACK",
+             "choose --device jack:system, or MIDI by another backend, such as --midi alsa");
     plan_.request = request_for(plan_.devices, device_, options_.rate, options_.block, options_.periods);
     if (!options_.save_rig.empty()) make_rig();
     if (!options_.learn.empty()) learn();

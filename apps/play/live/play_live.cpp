@@ -138,7 +138,7 @@ class LivePlay {
   const std::string& name() const { return controls_.all()[selected_].control.name; }
 
   bool open_midi() {
-    if (midi_ == nullptr) midi_ = make_midi_inputs(midi_api_);
+    if (midi_ == nullptr) midi_ = make_midi_inputs(midi_api_, *plan_.devices.backend);
     return midi_ != nullptr;
   }
 

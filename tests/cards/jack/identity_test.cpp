@@ -91,6 +91,18 @@ TEST_CASE("jack: the same card is the same when it is back, another one is not",
   CHECK(player.events.find("it has 4 outputs instead of 2") != std::string::npos);
 }
 
+TEST_CASE("jack: an equal card on other hardware, or one of unknown hardware, is not the same",
+          "[cards][jack]") {
+  const auto server = start_sound_server();
+  Player player{{.hardware = "hw:A"}};
+  CHECK(player.replace_card({.hardware = "hw:A"}).same());
+  CHECK(player.replace_card({.hardware = "hw:B"}).differences.size() == 2);
+  CHECK_FALSE(player.replace_card({.hardware = ""}).same());
+  CHECK_FALSE(player.replace_card({.hardware = ""}).same());
+  CHECK(player.events.find("it may be another device of the same name: check its outputs") !=
+        std::string::npos);
+}
+
 TEST_CASE("jack: the sound card of a server that was killed is the same when it is back", "[cards][jack]") {
   const auto server = start_sound_server();
   GuardedProbe probe{1};
