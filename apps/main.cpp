@@ -39,6 +39,7 @@ static int run(int argc, char** argv) {
   app.footer("Start with:  tactus play instruments/haptic_drum\nHelp on a command:  tactus render --help");
   int exit_code = kDone;
   for (auto* add : {TACTUS_COMMANDS}) add(app, exit_code);  // as apps/CMakeLists.txt says
+  refuse_empty_texts(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

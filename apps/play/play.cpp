@@ -78,9 +78,6 @@ void print(const Report& report) {
 void add_live_options(CLI::App& command, LiveOptions& options) {
   auto* group = command.add_option_group("on a sound card");
   add_device_options(*group, options, "rig file: device, channels, actuators, sensors, measured delay");
-  group->get_option("--device")->check([](const std::string& text) {
-    return text.empty() ? "it is empty" : std::string{};
-  });
   for (const auto& [name, channels, help] :
        {std::tuple{"--inputs", &options.in, "channels of the device for the inputs, such as --inputs 2,5"},
         {"--outputs", &options.out, "channels of the device for the outputs"}})
