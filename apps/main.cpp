@@ -2,6 +2,7 @@
 #include <cstdlib>
 #include <exception>
 #include <iostream>
+#include <new>
 
 #include "apps/cli/console.h"
 #include "apps/cli/terminal.h"
@@ -46,6 +47,8 @@ static int run(int argc, char** argv) {
     return app.exit(error) == 0 ? kDone : kUsage;
   } catch (const CommandError& error) {
     return report(error);
+  } catch (const std::bad_alloc&) {
+    return report({{out_of_memory("what this command was given")}, kNo});
   } catch (const std::exception& error) {
     std::fprintf(stderr, "tactus: %s\n", error.what());
     return kNo;

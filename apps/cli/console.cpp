@@ -78,6 +78,13 @@ int report(const CommandError& error) {
   return in_a_file ? kBadFile : kUsage;
 }
 
+Error out_of_memory(const std::string& what) {
+  return {
+      Errc::OutOfRange, "", "there is not enough memory for " + what,
+      "use fewer lanes and nodes, shorter delays, recordings and scenes, or allow the program more memory "
+      "(ulimit -v, other programs)"};
+}
+
 int exit_of(const Error& error) {
   return error.code == Errc::BadArgument || error.code == Errc::OutOfRange ? kUsage : kDevice;
 }

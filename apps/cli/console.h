@@ -73,6 +73,9 @@ struct CommandError {
 /// Prints errors on stderr and gives the exit code.
 int report(const CommandError& error);
 
+/// `what` needs more memory than there is.
+Error out_of_memory(const std::string& what);
+
 /// The exit code of what a device did not do: a request that it cannot grant is wrong usage.
 int exit_of(const Error& error);
 
