@@ -94,7 +94,7 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
       ->check(CLI::IsMember({"alsa", "jack", "core", "winmm"}));
   group->add_flag("--listen", options.listen,
                   "simulate a scene in real time and play its sound through the sound card");
-  group->add_flag("--arm", options.arm, "start with the drives armed, without waiting for 'a'");
+  group->add_flag("--arm", options.arm, "start with the drives armed, without waiting for a and Enter");
   group->add_flag("--shared-port", options.shared_port,
                   "arm drives even while another program writes to their ports: the actuator gets the sum");
   group->add_flag("--yes", options.yes, "answer every question with its default value");
