@@ -2,6 +2,7 @@
 #include <cstdlib>
 #include <exception>
 #include <iostream>
+#include <new>
 
 #include "apps/cli/console.h"
 #include "apps/cli/terminal.h"
@@ -39,12 +40,15 @@ static int run(int argc, char** argv) {
   app.footer("Start with:  tactus play instruments/haptic_drum\nHelp on a command:  tactus render --help");
   int exit_code = kDone;
   for (auto* add : {TACTUS_COMMANDS}) add(app, exit_code);  // as apps/CMakeLists.txt says
+  refuse_empty_texts(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kDone : kUsage;
   } catch (const CommandError& error) {
     return report(error);
+  } catch (const std::bad_alloc&) {
+    return report({{out_of_memory("what this command was given")}, kNo});
   } catch (const std::exception& error) {
     std::fprintf(stderr, "tactus: %s\n", error.what());
     return kNo;

@@ -58,6 +58,15 @@ CLI::App& add_command_group(CLI::App& app, const char* name, const char* help, c
   return *group;
 }
 
+void refuse_empty_texts(CLI::App& app) {
+  for (auto* option : app.get_options())
+    if (option->get_items_expected_max() > 0)
+      option->check([](const std::string& text) {
+        return text.empty() ? "the text is empty; give a value, or leave the option out" : std::string{};
+      });
+  for (auto* command : app.get_subcommands({})) refuse_empty_texts(*command);
+}
+
 CLI::Validator writable_file() { return writable_if(opens, "choose a file in an existing, writable folder"); }
 CLI::Validator writable_folder() { return writable_if(opens_into, "choose a writable folder"); }
 
@@ -67,6 +76,13 @@ int report(const CommandError& error) {
   if (error.exit != 0) return error.exit;
   const bool in_a_file = std::ranges::count(errors, Error::Place::File, &Error::place) > 0;
   return in_a_file ? kBadFile : kUsage;
+}
+
+Error out_of_memory(const std::string& what) {
+  return {
+      Errc::OutOfRange, "", "there is not enough memory for " + what,
+      "use fewer lanes and nodes, shorter delays, recordings and scenes, or allow the program more memory "
+      "(ulimit -v, other programs)"};
 }
 
 int exit_of(const Error& error) {

@@ -48,6 +48,10 @@ std::pair<CLI::App&, Options&> add_command(CLI::App& parent, const char* name, c
 /// A subcommand of subcommands. Without one of them it prints its help.
 CLI::App& add_command_group(CLI::App& app, const char* name, const char* help, const char* footer);
 
+/// For the whole program, once all commands have added themselves: no option takes an empty text. It names
+/// nothing, and some options would take it for their default.
+void refuse_empty_texts(CLI::App& app);
+
 /// A number from `low` to `high`, or several; the help shows its default.
 template <class Number, class Bound>
 CLI::Option* add_number(CLI::App& command, const char* name, Number& value, const char* help, Bound low,
@@ -68,6 +72,9 @@ struct CommandError {
 
 /// Prints errors on stderr and gives the exit code.
 int report(const CommandError& error);
+
+/// `what` needs more memory than there is.
+Error out_of_memory(const std::string& what);
 
 /// The exit code of what a device did not do: a request that it cannot grant is wrong usage.
 int exit_of(const Error& error);

@@ -7,6 +7,11 @@ namespace {
 
 constexpr unsigned char kEscape = 0x1b, kBell = 0x07;
 constexpr std::size_t kMostParameters = 16;  // bytes that are kept of a sequence
+constexpr int kMouseBytes = 3;               // of a report in the protocol of X10
+
+unsigned char small_letter(unsigned char byte) {
+  return byte >= 'A' && byte <= 'Z' ? static_cast<unsigned char>(byte - 'A' + 'a') : byte;
+}
 
 Key arrow(unsigned char final) {
   constexpr Key kArrows[] = {kUpKey, kDownKey, kRightKey, kLeftKey};
@@ -24,26 +29,46 @@ bool opens_string(unsigned char byte) {
 }  // namespace
 
 Key KeyDecoder::decode(unsigned char byte, Clock::time_point now) {
-  if (now - std::exchange(last_, now) > kPatience) state_ = State::Ground;
+  if (over(now)) state_ = State::Ground;
+  last_ = now;
+  const bool a = may_be_a(byte);
+  const Key key = key_of(byte, now);
+  return a && key == kNoKey ? kDisarmKey : key;
+}
+
+bool KeyDecoder::over(Clock::time_point now) const {
+  const bool endless = state_ == State::Paste || state_ == State::String;
+  return now - last_ > (state_ == State::Escape ? kPatienceAfterEscape : kPatience) ||
+         (endless && now - began_ > kPatience);
+}
+
+/// The A of a control sequence belongs to an arrow.
+bool KeyDecoder::may_be_a(unsigned char byte) const {
+  return byte == 'a' || (byte == 'A' && state_ != State::Csi && state_ != State::OneMore);
+}
+
+Key KeyDecoder::key_of(unsigned char byte, Clock::time_point now) {
   switch (state_) {
     case State::Ground:
       return first_byte(byte);
     case State::Escape:
       return after_escape(byte, now);
     case State::Csi:
-      return in_csi(byte);
+      return in_csi(byte, now);
     case State::OneMore:
       return one_more(byte);
+    case State::Mouse:
+      return in_mouse(byte);
     case State::Paste:
       return in_paste(byte);
     case State::String:
-      return in_string(byte, now);
+      return in_string(byte);
   }
   return kNoKey;
 }
 
 Key KeyDecoder::first_byte(unsigned char byte) {
-  if (byte != kEscape) return byte < 0x80 ? Key{byte} : kNoKey;
+  if (byte != kEscape) return byte < 0x80 ? Key{small_letter(byte)} : kNoKey;
   state_ = State::Escape;
   return kNoKey;
 }
@@ -51,7 +76,7 @@ Key KeyDecoder::first_byte(unsigned char byte) {
 Key KeyDecoder::after_escape(unsigned char byte, Clock::time_point now) {
   parameters_.clear();
   if (byte == kEscape) return kNoKey;
-  string_began_ = now;
+  began_ = now;
   state_ = byte == '['          ? State::Csi
            : byte == 'O'        ? State::OneMore
            : opens_string(byte) ? State::String
@@ -59,18 +84,22 @@ Key KeyDecoder::after_escape(unsigned char byte, Clock::time_point now) {
   return kNoKey;
 }
 
-Key KeyDecoder::in_csi(unsigned char byte) {
+Key KeyDecoder::in_csi(unsigned char byte, Clock::time_point now) {
   if (is_parameter(byte)) {
     if (parameters_.size() < kMostParameters) parameters_ += static_cast<char>(byte);
     return kNoKey;
   }
-  const bool pasted = byte == '~' && parameters_ == "200";
-  const bool linux_function_key = byte == '[' && parameters_.empty();
-  state_ = pasted               ? State::Paste
-           : linux_function_key ? State::OneMore
-           : byte == kEscape    ? State::Escape
-                                : State::Ground;
-  return std::exchange(parameters_, linux_function_key ? "[" : "").empty() ? arrow(byte) : kNoKey;
+  state_ = after_csi(byte);
+  began_ = now;
+  mouse_bytes_ = kMouseBytes;
+  return std::exchange(parameters_, state_ == State::OneMore ? "[" : "").empty() ? arrow(byte) : kNoKey;
+}
+
+KeyDecoder::State KeyDecoder::after_csi(unsigned char byte) const {
+  if (byte == kEscape) return State::Escape;
+  if (byte == '~' && parameters_ == "200") return State::Paste;
+  if (!parameters_.empty()) return State::Ground;
+  return byte == '[' ? State::OneMore : byte == 'M' ? State::Mouse : State::Ground;
 }
 
 /// Some terminals put parameters between ESC O and the final byte.
@@ -78,6 +107,12 @@ Key KeyDecoder::one_more(unsigned char byte) {
   if (is_parameter(byte)) return kNoKey;
   state_ = byte == kEscape ? State::Escape : State::Ground;
   return parameters_.empty() ? arrow(byte) : kNoKey;
+}
+
+/// Three bytes, each of them above 32.
+Key KeyDecoder::in_mouse(unsigned char byte) {
+  state_ = byte == kEscape ? State::Escape : --mouse_bytes_ > 0 ? State::Mouse : State::Ground;
+  return kNoKey;
 }
 
 Key KeyDecoder::in_paste(unsigned char byte) {
@@ -89,11 +124,7 @@ Key KeyDecoder::in_paste(unsigned char byte) {
 }
 
 /// ST is ESC \, which also ends what follows any other Escape.
-Key KeyDecoder::in_string(unsigned char byte, Clock::time_point now) {
-  if (now - string_began_ > kPatience) {
-    state_ = State::Ground;
-    return first_byte(byte);
-  }
+Key KeyDecoder::in_string(unsigned char byte) {
   if (byte == kEscape) state_ = State::Escape;
   if (byte == kBell) state_ = State::Ground;
   return kNoKey;

@@ -11,19 +11,23 @@ using Key = int;
 inline constexpr Key kUpKey = 0x100, kDownKey = 0x101, kRightKey = 0x102, kLeftKey = 0x103;
 /// A byte that is no key of its own.
 inline constexpr Key kNoKey = 0x104;
+/// An `a` beside other bytes (Alt-a, in pasted text, in what the terminal sends): it disarms, and nothing
+/// else.
+inline constexpr Key kDisarmKey = 0x105;
 /// What the stop loop made of keys, for the control thread (drive_keys.h).
-inline constexpr Key kArmKey = 0x110, kFirstArmKey = 0x111, kDisarmedKey = 0x112, kMutedKey = 0x113,
+inline constexpr Key kArmKey = 0x110, kPressEnterKey = 0x111, kDisarmedKey = 0x112, kMutedKey = 0x113,
                      kUnmutedKey = 0x114, kNotArmedKey = 0x115;
 
-/// Turns the bytes of a terminal into keys. Control sequences (CSI, SS3, Alt with a key) are read to their
-/// end however slowly they arrive, and pasted text is no key where the terminal marks it (bracketed paste). A
-/// sequence that does not continue for a second is over. A string that the terminal sends (DCS, OSC, APC, PM,
-/// SOS) ends with ST or BEL, or a second after it began: Alt with its first letter takes no key away for
-/// longer.
+/// Turns the bytes of a terminal into keys; a capital letter is its small one (Caps Lock). Control sequences
+/// (CSI, SS3, Alt with a key) are read to their end however slowly they arrive, and pasted text is no key
+/// where the terminal marks it (bracketed paste). An Escape that nothing follows for 50 ms is alone, and a
+/// sequence that does not continue for a second is over. So is, a second after it began, what has no length
+/// of its own: pasted text, and a string that the terminal sends (DCS, OSC, APC, PM, SOS), which ends with ST
+/// or BEL. Whatever an `a` is part of, it is at least kDisarmKey.
 class KeyDecoder {
  public:
   using Clock = std::chrono::steady_clock;
-  static constexpr std::chrono::seconds kPatience{1};
+  static constexpr std::chrono::milliseconds kPatience{1000}, kPatienceAfterEscape{50};
 
   /// Of every byte: the key that it is or completes, or kNoKey.
   Key decode(unsigned char byte, Clock::time_point now);
@@ -34,20 +38,27 @@ class KeyDecoder {
     Escape,
     Csi,      ///< ESC [ parameters final
     OneMore,  ///< ESC O final; ESC [ [ final
+    Mouse,    ///< ESC [ M button column row
     Paste,    ///< ESC [ 200 ~ text ESC [ 201 ~
     String,   ///< ESC P text ESC \; ESC ] text BEL
   };
 
+  bool over(Clock::time_point now) const;
+  bool may_be_a(unsigned char byte) const;
+  Key key_of(unsigned char byte, Clock::time_point now);
   Key first_byte(unsigned char byte);
   Key after_escape(unsigned char byte, Clock::time_point now);
-  Key in_csi(unsigned char byte);
+  Key in_csi(unsigned char byte, Clock::time_point now);
+  State after_csi(unsigned char byte) const;
   Key one_more(unsigned char byte);
+  Key in_mouse(unsigned char byte);
   Key in_paste(unsigned char byte);
-  Key in_string(unsigned char byte, Clock::time_point now);
+  Key in_string(unsigned char byte);
 
   State state_ = State::Ground;
-  std::string parameters_;  ///< of a CSI sequence; the last bytes of a paste
-  Clock::time_point last_, string_began_;
+  std::string parameters_;          ///< of a CSI sequence; the last bytes of a paste
+  int mouse_bytes_ = 0;             ///< that are still to come
+  Clock::time_point last_, began_;  ///< the last byte; what has no length of its own
 };
 
 /// Switch the marks around pasted text on and off, where standard error is a terminal.

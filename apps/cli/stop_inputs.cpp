@@ -16,45 +16,70 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <vector>
+
+#include "engine/core/index.h"
 
 namespace tactus::app {
 namespace {
 
-constexpr std::array kForwarded = {
-    SIGINT,  SIGTERM,   SIGQUIT, SIGHUP, SIGUSR1, SIGUSR2,
-    SIGALRM, SIGVTALRM, SIGPROF, SIGIO,  SIGXCPU, SIGCONT,
+constexpr char kCtrlC = 0x03;  // of a terminal that makes no signal of it
+
+/// SIGCONT, and those whose default is to end the process, except faults of its own.
+std::vector<int> forwarded_signals() {
+  std::vector<int> signals = {SIGINT,    SIGTERM, SIGQUIT, SIGHUP,  SIGUSR1, SIGUSR2, SIGALRM,
+                              SIGVTALRM, SIGPROF, SIGIO,   SIGXCPU, SIGSYS,  SIGTRAP, SIGCONT};
 #if defined(__linux__)
-    SIGPWR,  SIGSTKFLT,
+  signals.insert(signals.end(), {SIGPWR, SIGSTKFLT});
 #endif
-};
+#if defined(SIGRTMIN)
+  for (int signal = SIGRTMIN; signal <= SIGRTMAX; ++signal) signals.push_back(signal);
+#endif
+  return signals;
+}
+const std::vector<int> kForwarded = forwarded_signals();
 /// A closed pipe and a file that is too large are errors of a write, not the end. A program that the terminal
 /// suspends (Ctrl-Z, or reading and writing in the background) could not be stopped any more.
-constexpr std::array kIgnored = {SIGPIPE, SIGXFSZ, SIGTSTP, SIGTTIN, SIGTTOU};
+const std::vector<int> kIgnored = {SIGPIPE, SIGXFSZ, SIGTSTP, SIGTTIN, SIGTTOU};
 
 // A process has one terminal and one handler of each signal.
 termios terminal_before;
-std::array<struct sigaction, kForwarded.size()> forwarded_before;
-std::array<struct sigaction, kIgnored.size()> ignored_before;
+std::array<struct sigaction, NSIG> actions_before;
 int signal_pipe[2] = {-1, -1};
 
-extern "C" void forward_signal(int signal) {
+/// A breakpoint without a debugger, or a system call that is forbidden: not sent by another process.
+bool is_own_fault(int signal, const siginfo_t& info) {
+  return (signal == SIGTRAP || signal == SIGSYS) && info.si_code > 0;
+}
+
+extern "C" void forward_signal(int signal, siginfo_t* info, void*) {
+  if (is_own_fault(signal, *info)) {
+    ::signal(signal, SIG_DFL);
+    return void(::raise(signal));  // it ends the process where this handler returns
+  }
   const int error = errno;
   const auto byte = static_cast<char>(signal);
   [[maybe_unused]] const auto written = ::write(signal_pipe[1], &byte, 1);
   errno = error;
 }
 
-template <class Signals, class Before>
-void handle(const Signals& signals, void (*handler)(int), Before& before) {
-  struct sigaction action {};
-  action.sa_handler = handler;
-  action.sa_flags = SA_RESTART;
-  for (std::size_t s = 0; s < signals.size(); ++s) ::sigaction(signals[s], &action, &before[s]);
+void handle(const std::vector<int>& signals, const struct sigaction& action) {
+  for (const int signal : signals) ::sigaction(signal, &action, &actions_before[index(signal)]);
 }
 
-template <class Signals, class Before>
-void restore(const Signals& signals, const Before& before) {
-  for (std::size_t s = 0; s < signals.size(); ++s) ::sigaction(signals[s], &before[s], nullptr);
+void handle_signals() {
+  struct sigaction forward {};
+  forward.sa_sigaction = forward_signal;
+  forward.sa_flags = SA_RESTART | SA_SIGINFO;
+  handle(kForwarded, forward);
+  struct sigaction ignore {};
+  ignore.sa_handler = SIG_IGN;
+  handle(kIgnored, ignore);
+}
+
+void restore_signals() {
+  for (const auto* signals : {&kForwarded, &kIgnored})
+    for (const int signal : *signals) ::sigaction(signal, &actions_before[index(signal)], nullptr);
 }
 
 void open_signal_pipe() {
@@ -66,8 +91,7 @@ void open_signal_pipe() {
 }
 
 /// A program inherits the signals that its parent had blocked.
-template <class Signals>
-void unblock(const Signals& signals) {
+void unblock(const std::vector<int>& signals) {
   sigset_t set;
   sigemptyset(&set);
   for (const int signal : signals) sigaddset(&set, signal);
@@ -84,7 +108,22 @@ int other_terminal() {
   return -1;
 }
 
+/// One that is not the controlling terminal has no foreground for this process.
+bool is_foreign(int terminal) { return ::tcgetpgrp(terminal) < 0 && errno == ENOTTY; }
+
 bool in_foreground() { return ::tcgetpgrp(STDIN_FILENO) == ::getpgrp(); }
+
+bool is_pipe(int input) {
+  struct stat kind {};
+  return ::fstat(input, &kind) == 0 && S_ISFIFO(kind.st_mode);
+}
+
+/// -1: it is no socket.
+int socket_type(int input) {
+  int type = -1;
+  socklen_t size = sizeof type;
+  return ::getsockopt(input, SOL_SOCKET, SO_TYPE, &type, &size) == 0 ? type : -1;
+}
 
 /// A pipe or socket whose other end is closed, whatever is left to read.
 bool is_closed(int input) {
@@ -104,16 +143,14 @@ ssize_t read_now(int input, char* bytes, std::size_t most) {
 
 StopInputs::StopInputs() {
   open_signal_pipe();
-  handle(kForwarded, forward_signal, forwarded_before);
-  handle(kIgnored, SIG_IGN, ignored_before);
+  handle_signals();
   unblock(kForwarded);
   open_input();
 }
 
 StopInputs::~StopInputs() {
   restore_terminal();
-  restore(kForwarded, forwarded_before);
-  restore(kIgnored, ignored_before);
+  restore_signals();
   for (const int end : signal_pipe) ::close(end);
   if (input_ != STDIN_FILENO) ::close(input_);
   if (other_terminal_ >= 0) ::close(other_terminal_);
@@ -122,13 +159,14 @@ StopInputs::~StopInputs() {
 /// O_NONBLOCK belongs to an open file, and that of standard input is shared with other processes.
 void StopInputs::open_input() {
   terminal_ = ::isatty(STDIN_FILENO) != 0;
-  struct stat kind {};
-  const bool known = ::fstat(STDIN_FILENO, &kind) == 0;
-  const bool pipe = known && S_ISFIFO(kind.st_mode);
-  connection_ = (pipe || (known && S_ISSOCK(kind.st_mode))) && !is_closed(STDIN_FILENO);
+  foreign_terminal_ = terminal_ && is_foreign(STDIN_FILENO);
+  const bool pipe = is_pipe(STDIN_FILENO);
+  const int type = socket_type(STDIN_FILENO);
+  datagrams_ = type == SOCK_DGRAM;
+  connection_ = (pipe || (type >= 0 && !datagrams_)) && !is_closed(STDIN_FILENO);
   if (terminal_ || pipe)
     input_ = std::max(::open("/dev/stdin", O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC), STDIN_FILENO);
-  if (!terminal_) other_terminal_ = other_terminal();
+  if (!terminal_ || foreign_terminal_) other_terminal_ = other_terminal();
   follow_foreground();
   reads_terminal_ = raw_;
 }
@@ -161,12 +199,13 @@ StopInputs::Arrived StopInputs::wait(std::chrono::milliseconds timeout) {
   Arrived arrived;
   follow_foreground();
   const bool keys = !terminal_ || raw_;
+  const bool asked = open_ && !std::exchange(paused_, false);
   pollfd inputs[] = {{signal_pipe[0], POLLIN, 0},
-                     {open_ ? input_ : -1, static_cast<short>(keys ? POLLIN : 0), 0},
+                     {asked ? input_ : -1, static_cast<short>(keys ? POLLIN : 0), 0},
                      {other_terminal_, 0, 0}};
   const bool any = ::poll(inputs, 3, static_cast<int>(timeout.count())) > 0;
   read_signals(arrived);
-  if (any && open_) read_input(inputs[1].revents, arrived);
+  if (any && asked) read_input(inputs[1].revents, arrived);
   if (any && inputs[2].revents != 0) {
     arrived.hung_up = true;
     ::close(std::exchange(other_terminal_, -1));
@@ -199,10 +238,18 @@ void StopInputs::read_input(int events, Arrived& arrived) {
 }
 
 void StopInputs::read_keys(Arrived& arrived) {
-  char bytes[64];
+  char bytes[4096];
   const auto count = read_now(input_, bytes, sizeof bytes);
-  if (count > 0) return void(arrived.bytes.assign(bytes, static_cast<std::size_t>(count)));
-  if (terminal_ || (count < 0 && (errno == EINTR || errno == EAGAIN))) return;
+  if (count > 0) {
+    arrived.bytes.assign(bytes, static_cast<std::size_t>(count));
+    arrived.stops += static_cast<int>(std::ranges::count(arrived.bytes, kCtrlC));
+    return;
+  }
+  paused_ = true;
+  // No bytes are the end of a file, an error is that of a connection; anything else may pass.
+  const bool ended =
+      count == 0 ? !terminal_ && !datagrams_ : connection_ && errno != EINTR && errno != EAGAIN;
+  if (!ended) return;
   open_ = false;
   arrived.input_closed = connection_;
 }

@@ -20,7 +20,8 @@ class StopInputs {
   StopInputs& operator=(const StopInputs&) = delete;
 
   struct Arrived {
-    int stops = 0;              ///< SIGINT, SIGTERM and others whose default is to end; Ctrl-C, Ctrl-Break
+    int stops = 0;              ///< SIGINT, SIGTERM and others whose default is to end; Ctrl-C as a byte
+                                ///< too, Ctrl-Break
     bool hung_up = false;       ///< the terminal was closed
     bool input_closed = false;  ///< a pipe or socket at standard input, open at first, was closed
     std::string bytes;          ///< of standard input
@@ -30,6 +31,9 @@ class StopInputs {
 
   /// [any] The keys are those of a terminal, which had this process in its foreground at first.
   bool reads_terminal() const { return reads_terminal_; }
+  /// [any] Standard input is a terminal that does not control this process, but another session perhaps,
+  /// whose shell reads it too: no keys are read.
+  bool in_foreign_terminal() const { return foreign_terminal_; }
   /// [any] Restores the terminal and ends the process, whatever other threads do.
   [[noreturn]] void exit_now(int exit_code);
 
@@ -44,8 +48,10 @@ class StopInputs {
 
   int other_terminal_ = -1;  ///< only its end counts
   int input_ = 0;            ///< standard input, opened again where that makes its reads never block
-  bool open_ = true, terminal_ = false, reads_terminal_ = false;
+  bool open_ = true, terminal_ = false, foreign_terminal_ = false, reads_terminal_ = false;
   bool connection_ = false;  ///< a pipe or socket that was open at first
+  bool datagrams_ = false;   ///< a socket without an end
+  bool paused_ = false;      ///< the last read gave nothing: none in the next turn, which then waits
   bool raw_ = false;         ///< the terminal delivers single keys to this process
   bool mode_known_ = false;  ///< of the terminal, before it was raw
 };

@@ -32,11 +32,11 @@ void StopLoop::turn() {
   const auto arrived = inputs_.wait(kTurn);
   const auto now = Clock::now();
   if (ending() != Ending::None) stops_ += arrived.stops;
+  if (settings_.each_turn) settings_.each_turn(now);
   const bool lost = arrived.input_closed && settings_.needs_input && settings_.needs_input();
   if (arrived.stops > 0 || arrived.hung_up || lost) end(Ending::Interrupted);
   for (const char byte : arrived.bytes)
     handle_key(decoder_.decode(static_cast<unsigned char>(byte), now), now);
-  if (settings_.act_later) pass(settings_.act_later(now));
   if (std::ranges::any_of(settings_.inputs, [](const auto& input) { return input(); }))
     end(Ending::Interrupted);
   exit_if_hung(now);

@@ -29,8 +29,8 @@ class StopLoop {
   struct Settings {
     /// [stop loop] Acts on a key at once; the keys that it returns, other than kNoKey, go to `wait_key`.
     std::function<Key(Key, Clock::time_point)> act;
-    /// [stop loop] Asked in each turn, after the keys: a key that time made of them, or kNoKey.
-    std::function<Key(Clock::time_point)> act_later{};
+    /// [stop loop] Called in each turn, before its keys.
+    std::function<void(Clock::time_point)> each_turn{};
     /// [stop loop] Asked when a pipe or socket at standard input is closed: does that end the program?
     std::function<bool()> needs_input{};
     /// [stop loop] More stop inputs, asked in each turn: true ends the program as a signal does. None of them
@@ -50,6 +50,8 @@ class StopLoop {
   Ending ending() const { return ending_.load(); }
   /// [any] The keys are those of a terminal.
   bool reads_terminal() const { return inputs_.reads_terminal(); }
+  /// [any] As StopInputs has it.
+  bool in_foreign_terminal() const { return inputs_.in_foreign_terminal(); }
   /// [control, one thread] The next key; nothing if none is pressed within this time, or the program ends.
   std::optional<Key> wait_key(std::chrono::milliseconds timeout);
 

@@ -78,9 +78,6 @@ void print(const Report& report) {
 void add_live_options(CLI::App& command, LiveOptions& options) {
   auto* group = command.add_option_group("on a sound card");
   add_device_options(*group, options, "rig file: device, channels, actuators, sensors, measured delay");
-  group->get_option("--device")->check([](const std::string& text) {
-    return text.empty() ? "it is empty" : std::string{};
-  });
   for (const auto& [name, channels, help] :
        {std::tuple{"--inputs", &options.in, "channels of the device for the inputs, such as --inputs 2,5"},
         {"--outputs", &options.out, "channels of the device for the outputs"}})
@@ -99,7 +96,7 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
       ->check(CLI::IsMember({"alsa", "jack", "core", "winmm"}));
   group->add_flag("--listen", options.listen,
                   "simulate a scene in real time and play its sound through the sound card");
-  group->add_flag("--arm", options.arm, "start with the drives armed, without waiting for 'a'");
+  group->add_flag("--arm", options.arm, "start with the drives armed, without waiting for a and Enter");
   group->add_flag("--shared-port", options.shared_port,
                   "arm drives even while another program writes to their ports: the actuator gets the sum");
   group->add_flag("--yes", options.yes, "answer every question with its default value");

@@ -127,14 +127,14 @@ CONTROL = {"drum": replaced(("[nodes]", 'extra = { value = 0.2, range = [0, 1] }
            "voices": replaced(("[nodes]", 'extra = { value = 0.2, range = [0, 1] }\n[nodes]'), ("level * all", "extra * all")),
            "mass": replaced(("[nodes]", 'extra = { value = 0.2, range = [0, 1] }\n[nodes]'), ("0.5 * slow", "extra * slow"))}
 
-# Seconds after the start, and what is done then.
+# Seconds after the drives were armed, and what is done then.
 SCRIPTS = {
-    "controls": lambda g: [(0.05, b"a"), (0.15, RIGHT * 3), (0.25, DOWN), (0.3, RIGHT * 4), (0.4, LEFT * 7), (0.5, b"m"),
+    "controls": lambda g: [(0.15, RIGHT * 3), (0.25, DOWN), (0.3, RIGHT * 4), (0.4, LEFT * 7), (0.5, b"m"),
                            (0.55, b"m"), (0.6, UP + LEFT * 2)],
-    "constants": lambda g: [(0.05, b"a"), (0.2, CONSTANT[g]), (0.3, RIGHT), (0.45, AGAIN[g])],
-    "structure": lambda g: [(0.02, b"a"), (0.15, MORE[g]), (0.3, DOWN + RIGHT * 2), (0.4, CONSTANT[g]), (0.5, b"a"), (0.6, b"a")],
-    "broken": lambda g: [(0.02, b"a"), (0.15, broken), (0.25, RIGHT * 2), (0.35, repaired), (0.5, CONSTANT[g])],
-    "new_control": lambda g: [(0.02, b"a"), (0.1, CONTROL[g]), (0.3, DOWN * 2 + RIGHT * 5), (0.45, MORE[g]), (0.55, LEFT * 3),
+    "constants": lambda g: [(0.2, CONSTANT[g]), (0.3, RIGHT), (0.45, AGAIN[g])],
+    "structure": lambda g: [(0.15, MORE[g]), (0.3, DOWN + RIGHT * 2), (0.4, CONSTANT[g]), (0.5, b"a")],
+    "broken": lambda g: [(0.15, broken), (0.25, RIGHT * 2), (0.35, repaired), (0.5, CONSTANT[g])],
+    "new_control": lambda g: [(0.1, CONTROL[g]), (0.3, DOWN * 2 + RIGHT * 5), (0.45, MORE[g]), (0.55, LEFT * 3),
                               (0.6, part_replaced("0.5 * late", "0.8 * late"))],
 }
 
@@ -154,7 +154,7 @@ def record(program, graph, script, seconds=0.7):
         child, main = pty.fork()  # keys count only from the terminal that controls the program
         if child == 0:
             os.execv(program, [str(word) for word in command])
-        said, begin = b"", None
+        said, asked, begin = b"", None, None
         actions = SCRIPTS[script](graph) + [(seconds, b"q")]
         while True:
             if select.select([main], [], [], 0.005)[0]:
@@ -162,7 +162,11 @@ def record(program, graph, script, seconds=0.7):
                     said += os.read(main, 65536)
                 except OSError:  # the program has closed its end
                     break
-            if begin is None and b"keys:" in said:
+            if asked is None and b"keys:" in said:
+                os.write(main, b"a")
+                asked = time.monotonic()
+            if begin is None and asked and time.monotonic() - asked > 0.3:
+                os.write(main, b"\r")  # arms
                 begin = time.monotonic()
             while begin and actions and time.monotonic() - begin >= actions[0][0]:
                 action = actions.pop(0)[1]

@@ -1,6 +1,7 @@
 #include "apps/play/live/edit_reader.h"
 
 #include <chrono>
+#include <new>
 #include <system_error>
 
 namespace tactus::app {
@@ -52,9 +53,17 @@ void EditReader::run() {
   while (!wake_.wait_for(lock, kLookEvery, [this] { return done_; })) {
     const bool taken = !edit_;
     lock.unlock();
-    auto edit = look(taken);
+    auto edit = look_again(taken);
     lock.lock();
     if (edit) edit_ = std::move(edit);
+  }
+}
+
+std::optional<Edit> EditReader::look_again(bool may_read) {
+  try {
+    return look(may_read);
+  } catch (const std::bad_alloc&) {
+    return std::nullopt;  // of the few bytes that watching takes: the next look may get them
   }
 }
 

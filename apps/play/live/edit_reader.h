@@ -51,6 +51,7 @@ class EditReader {
 
  private:
   void run();
+  std::optional<Edit> look_again(bool may_read);
   std::optional<Edit> look(bool may_read);
 
   // Of the thread.

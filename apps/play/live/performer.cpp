@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <exception>
+#include <new>
 #include <utility>
 
 #include "apps/cli/console.h"
@@ -41,6 +42,8 @@ Edit edit_by(Fill fill) {
     fill(edit);
   } catch (const CommandError& error) {
     edit.errors = error.errors;
+  } catch (const std::bad_alloc&) {
+    edit.errors = {out_of_memory("the edited files")};
   } catch (const std::exception& error) {
     edit.errors = {{Errc::BadFile, "", error.what(), "check the files"}};
   }

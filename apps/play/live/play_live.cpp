@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <future>
+#include <new>
 #include <set>
 #include <system_error>
 
@@ -26,9 +27,12 @@ using Clock = std::chrono::steady_clock;
 using Ending = StopLoop::Ending;
 
 constexpr const char* kHelp =
-    "keys: a twice arm, a disarm | m mute | space strike | up, down select a control | left, right change it "
-    "| "
-    "l MIDI learn | s save the rig | q quit";
+    "keys: a, then Enter: arm | a: disarm | m: mute | space: strike | up, down: select a control | left, "
+    "right: change it | l: MIDI learn | s: save the rig | q: quit";
+
+constexpr const char* kForeignTerminal =
+    "note: keys are not read, because this terminal belongs to another session (setsid, su -c); run the "
+    "program without setsid or with su --pty, and end this one with the command kill";
 
 std::string source_text(const RigMidi& binding) {
   if (binding.kind == RigMidi::Kind::PitchBend) return "the pitch wheel";
@@ -117,9 +121,9 @@ class LivePlay {
 
   void press(Key pressed) {
     for (const auto& [key, text] :
-         {std::pair{kFirstArmKey, "press a again within a second to arm the drives"},
+         {std::pair{kPressEnterKey, "press Enter within three seconds to arm the drives"},
           {kDisarmedKey, "drives disarmed"},
-          {kNotArmedKey, "not armed: release a for a second, then press it twice"},
+          {kNotArmedKey, "not armed: press nothing for a second, then a, then Enter"},
           {kMutedKey, "muted"},
           {kUnmutedKey, "unmuted"}})
       if (key == pressed) print(text);
@@ -148,7 +152,7 @@ class LivePlay {
     if (session_.armed()) print("drives armed");
   }
   void strike() {
-    if (!plan_.performer->strike()) print("this scene has no strike gesture; m mutes, a arms");
+    if (!plan_.performer->strike()) print("this scene has no strike gesture; m mutes; a, then Enter, arms");
   }
   void help() { print(kHelp); }
   void select(int step) {
@@ -198,7 +202,7 @@ std::string announcement(const Session& session, const LivePlan& plan, const Liv
   for (const auto& line : describe_limits(plan.performer->outputs, plan.performer->guards))
     text += "\nlimits    " + line;
   if (!options.arm && session.has_drives())
-    text += "\nthe drives are disarmed: press a twice, or start with --arm";
+    text += "\nthe drives are disarmed: press a, then Enter, or start with --arm";
   return text;
 }
 
@@ -219,6 +223,7 @@ int play(Session& session, LivePlan& plan, StopLoop& stop_loop, const LiveOption
   Printer printer{terminal ? kMarkPastedText : "", terminal ? kDoNotMarkPastedText : ""};
   or_exit(session.start(), kDevice);
   printer.print(announcement(session, plan, options));
+  if (stop_loop.in_foreign_terminal()) printer.print(kForeignTerminal);
   LivePlay live{session, plan, stop_loop, printer, options.midi};
   const int ended = live.run(duration);
   const auto& view = session.view();
@@ -231,9 +236,7 @@ int play(Session& session, LivePlan& plan, StopLoop& stop_loop, const LiveOption
   return ended;
 }
 
-}  // namespace
-
-int play_live(const LiveOptions& options) {
+int play(const LiveOptions& options) {
   const auto duration = options.duration.empty() ? 0_s : parse_duration(options.duration);
   auto plan = make_plan(options);
   if (const auto locked = lock_memory(); !locked) print_note("note: " + to_string(locked.error()));
@@ -243,7 +246,7 @@ int play_live(const LiveOptions& options) {
   DriveKeys keys{session.switches()};
   StopLoop stop_loop{dead_man,
                      {.act = [&](Key key, Clock::time_point now) { return keys.act(key, now); },
-                      .act_later = [&](Clock::time_point now) { return keys.act_later(now); },
+                      .each_turn = [&](Clock::time_point now) { keys.notice_disarm(now); },
                       .needs_input = [&] { return session.armed(); },
                       .inputs = {},
                       .fade = session.closing_time()}};
@@ -253,6 +256,17 @@ int play_live(const LiveOptions& options) {
   session.set_delay(plan.delay ? std::optional{plan.delay_settings} : std::nullopt);
   on_slow_call({});  // a note of a library must not hold up what is printed
   return play(session, plan, stop_loop, options, duration);
+}
+
+}  // namespace
+
+/// Whatever throws, the session fades out with its end.
+int play_live(const LiveOptions& options) {
+  try {
+    return play(options);
+  } catch (const std::bad_alloc&) {
+    exit_with(out_of_memory(options.target), kNo);
+  }
 }
 
 }  // namespace tactus::app

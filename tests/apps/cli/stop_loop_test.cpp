@@ -16,7 +16,7 @@ using Ending = StopLoop::Ending;
 
 TEST_CASE("stop loop: a signal stops the dead man's switch, whatever the control thread does", "[live]") {
   const auto signal = GENERATE(SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM,
-                               SIGXCPU, SIGPROF, SIGIO);
+                               SIGXCPU, SIGPROF, SIGIO, SIGSYS, SIGTRAP);
   DeadMansSwitch dead_man;
   {
     StopLoop loop{dead_man};
@@ -28,6 +28,18 @@ TEST_CASE("stop loop: a signal stops the dead man's switch, whatever the control
   }
 }
 
+#if defined(SIGRTMIN)
+TEST_CASE("stop loop: so does every real-time signal", "[live]") {
+  for (int signal = SIGRTMIN; signal <= SIGRTMAX; ++signal) {
+    CAPTURE(signal);
+    DeadMansSwitch dead_man;
+    StopLoop loop{dead_man};
+    std::raise(signal);
+    REQUIRE(wait_until([&] { return loop.ending() == Ending::Interrupted; }));
+  }
+}
+#endif
+
 TEST_CASE("stop loop: no signal suspends the process, or ends it for a failed write", "[live]") {
   DeadMansSwitch dead_man;
   StopLoop loop{dead_man};
@@ -37,12 +49,12 @@ TEST_CASE("stop loop: no signal suspends the process, or ends it for a failed wr
   CHECK(loop.ending() == Ending::None);
 }
 
-TEST_CASE("stop loop: a key that time makes reaches the control thread", "[live]") {
+TEST_CASE("stop loop: it calls back in each turn, without keys too", "[live]") {
   DeadMansSwitch dead_man;
-  std::atomic<bool> made{false};
-  const auto later = [&](StopLoop::Clock::time_point) { return made.exchange(true) ? kNoKey : kArmKey; };
-  StopLoop loop{dead_man, {.act = {}, .act_later = later, .inputs = {}, .fade = {}}};
-  CHECK(loop.wait_key(std::chrono::seconds{30}) == kArmKey);
+  std::atomic<int> turns{0};
+  const auto count = [&](StopLoop::Clock::time_point) { ++turns; };
+  StopLoop loop{dead_man, {.act = {}, .each_turn = count, .inputs = {}, .fade = {}}};
+  CHECK(wait_until([&] { return turns > 3; }));
 }
 
 TEST_CASE("stop loop: it refreshes the dead man's switch, and other stop inputs end the program too",

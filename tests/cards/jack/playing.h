@@ -29,14 +29,17 @@ class Playing {
       : process_(command(program, arguments), Logged) {}
 
   void press(const std::string& key) { REQUIRE(process_.type(key)); }
-  /// Presses a twice, at a distance that arms; again where a busy machine made it too long, or a disarm is
-  /// not a second ago. Until `answer`. The times are part of what is pressed.
+  /// Presses a, then Enter; again where a busy machine took too long between them, or another key or a disarm
+  /// is not a second ago. Until `answer`. The times are part of what is pressed.
   void arm(const std::string& answer = "drives armed") {
     for (const auto before = count(answer); count(answer) == before;) {
-      const auto seen = answers(answer), refused = count(kNotArmed);
+      const auto asked = count("press Enter"), seen = answers(answer);
       press("a");
+      REQUIRE(wait_until([&] { return count("press Enter") > asked || answers(answer) > seen; }));
+      std::this_thread::sleep_for(count("press Enter") > asked ? 150ms : 1100ms);
+      if (count("press Enter") == asked) continue;
+      press("\n");
       REQUIRE(wait_until([&] { return answers(answer) > seen; }));
-      std::this_thread::sleep_for(count(kNotArmed) > refused ? 1100ms : 150ms);
     }
   }
   /// How often it has printed this.
@@ -60,11 +63,7 @@ class Playing {
   ChildProcess& process() { return process_; }
 
  private:
-  /// To presses of a.
-  int answers(const std::string& answer) const {
-    return count(answer) + count("press a again") + count(kNotArmed);
-  }
-  static constexpr const char* kNotArmed = "not armed: ";
+  int answers(const std::string& answer) const { return count(answer) + count("not armed: "); }
   static constexpr auto Logged = ChildProcess::Stdout::Logged;
   static std::vector<std::string> command(std::vector<std::string> program,
                                           const std::vector<std::string>& arguments) {

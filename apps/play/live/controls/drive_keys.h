@@ -47,33 +47,35 @@ class DriveSwitches {
 };
 
 /// [any, one thread: the stop loop] Keys that act on the drives at once: m mutes or unmutes, a disarms.
-/// Arming is deliberate: a twice, from 100 ms to 1 s apart, with no other byte between and none for 150 ms
-/// after them; the control thread then arms. A key that is held down repeats and so never arms. After it, and
-/// after a disarm by whomever, a must not be pressed for 1 s before it counts again.
+/// Arming takes two keys, so that no key that is held down arms: a, then Enter from 100 ms to 3 s after it
+/// with no other byte between; the control thread then arms. The a counts only when no other byte came, and
+/// nobody disarmed, in the second before it: a word that is typed or pasted, and presses that were meant to
+/// disarm, do not arm.
 class DriveKeys {
  public:
   using Clock = std::chrono::steady_clock;
-  static constexpr std::chrono::milliseconds kLeast{100}, kMost{1000};  ///< between both presses
-  static constexpr std::chrono::milliseconds kNothingAfter{150};        ///< both presses
-  static constexpr std::chrono::milliseconds kPause{1000};
+  static constexpr std::chrono::milliseconds kLeast{100}, kMost{3000};  ///< from a to Enter
+  static constexpr std::chrono::milliseconds kAlone{1000};              ///< without another byte before a
 
   explicit DriveKeys(DriveSwitches& switches) : switches_(switches) {}
 
   /// What the control thread is to know: the key, or what was made of it.
   Key act(Key key, Clock::time_point now);
-  /// To be called often: what time has made of the keys.
-  Key act_later(Clock::time_point now);
-
- private:
-  enum class State { Idle, PressedOnce, PressedTwice, Pause };
-
-  Key press_arm(Clock::time_point now);
-  Key count_press(Clock::duration apart, Clock::duration quiet);
+  /// To be called often: by its time a disarm is compared with the next key.
   void notice_disarm(Clock::time_point now);
 
+ private:
+  static constexpr Clock::time_point kNever{-std::chrono::hours{1}};
+
+  Key disarm(Clock::time_point now);
+  Key press_a(Clock::time_point now);
+  Key press_enter(Clock::time_point now);
+  Key press_other(Key key, Clock::time_point now);
+  void disturb(Clock::time_point now);
+
   DriveSwitches& switches_;
-  State state_ = State::Idle;
-  Clock::time_point pressed_at_, quiet_since_;  ///< a was pressed; it was, or a disarm was noticed
+  bool asked_ = false;                                             ///< a was pressed: Enter is to follow
+  Clock::time_point pressed_at_ = kNever, disturbed_at_ = kNever;  ///< a; what made it count for nothing
   int disarms_ = 0;
 };
 

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <new>
 
 #include "tests/support/temporary_folder.h"
 #include "tests/support/wait_until.h"
@@ -61,6 +62,22 @@ TEST_CASE("edit reader: a file system that does not answer holds up no one, and 
   REQUIRE(wait_until([&] { return (edit = edits.take()).has_value(); }));
   CHECK(edit->warning == "read");
   CHECK_FALSE(edits.take());
+}
+
+TEST_CASE("edit reader: too little memory for a look does not end it", "[live]") {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("a.toml", "one");
+  std::atomic<int> looks{0};
+  WatchedFiles files{[&](const std::filesystem::path& path) {
+    const int look = ++looks;
+    if (look == 2 || look == 3) throw std::bad_alloc{};
+    return WatchedFiles::read_stamp(path);
+  }};
+  files.watch({file});
+  EditReader edits{std::move(files), [&] { return Edit{{file}, {}, "read", {}}; }};
+  REQUIRE(wait_until([&] { return looks > 3; }));
+  folder.write("a.toml", "longer");
+  CHECK(wait_until([&] { return edits.take().has_value(); }));
 }
 
 TEST_CASE("edit reader: an edit that waits to be taken is not replaced, and what follows it is read then",

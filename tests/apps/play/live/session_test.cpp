@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "backends/loop/loop.h"
+#include "backends/wav_file.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/wait_until.h"
 
@@ -93,6 +94,24 @@ TEST_CASE("session: a compiled edit takes over, and a broken one changes nothing
   stage.folder.write("tone.toml", constant("0.25"));
   CHECK(stage.says(session, "edit applied"));
   CHECK(wait_until([&] { return session.view().outputs[0].peak == Approx(0.25); }));
+}
+
+TEST_CASE("session: one that an exception ends comes to zero first", "[live]") {
+  Stage stage;
+  test::TemporaryFolder folder;
+  const auto wav = folder.path() / "take.wav";
+  try {
+    Session session{stage.performer, stage.backend, stage.request, true};
+    REQUIRE(session.open(wav));
+    REQUIRE(session.start());
+    REQUIRE(wait_until([&] { return session.view().outputs[0].peak == Approx(0.1); }));
+    throw std::bad_alloc{};
+  } catch (const std::bad_alloc&) {
+  }
+  const auto samples = read_wav(wav);
+  REQUIRE(samples);
+  CHECK(samples->channels[0].back() == 0.0);
+  stage.performer.allowed = true;
 }
 
 TEST_CASE("session: sound that feedback faded can be armed again", "[live]") {

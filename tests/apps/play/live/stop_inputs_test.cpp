@@ -7,6 +7,7 @@
 #include <cmath>
 #include <csignal>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "backends/take/take.h"
@@ -203,18 +204,51 @@ TEST_CASE("play: Ctrl-S stops nothing, and keys, SIGINT, SIGTERM and SIGHUP do a
   CHECK(read_take(stage.wav)->finished);
 }
 
-TEST_CASE("play: it takes two presses to arm, and a paste and a stray escape sequence do not", "[live]") {
+TEST_CASE("play: a, then Enter, arms, and a held key, a paste and a stray escape sequence do not", "[live]") {
   const Stage stage;
   test::TerminalProcess play{{TACTUS_PROGRAM, "play", stage.tone, "--backend", "loop"}};
   REQUIRE(play.shows("the drives are disarmed"));
-  play.type("\x1bOa\x1b[200~a a\x1b[201~");
-  play.type("aa");
-  REQUIRE(play.shows("press a again"));
-  REQUIRE(play.shows("not armed"));
-  CHECK(play.output().find("drives armed") == std::string::npos);
+  play.type("\x1bOa\x1b[200~a\ra\r\x1b[201~xa\r");
+  REQUIRE(play.shows("not armed: "));
+  play.type("aaaaaaaaaa\r?");
+  REQUIRE(play.shows("keys: "));
+  const auto armed = [&] { return play.output().find("drives armed") != std::string::npos; };
+  CHECK_FALSE(armed());
+  while (!armed()) {  // a busy machine may take too long between both keys
+    std::this_thread::sleep_for(std::chrono::milliseconds{1100});  // the times are part of what is pressed
+    play.type("a");
+    REQUIRE(play.shows("press Enter"));
+    std::this_thread::sleep_for(std::chrono::milliseconds{150});
+    play.type("\r?");
+    REQUIRE(play.shows("keys: "));
+  }
+  play.type(
+      "\x1b"
+      "a");
+  CHECK(play.shows("drives disarmed"));
   play.type("q");
   CHECK(play.wait() == 0);
   CHECK(play.output().find("\x1b[?2004l") != std::string::npos);
+}
+
+TEST_CASE("play: Ctrl-C stops it too where the terminal makes no signal of it", "[live]") {
+  const Stage stage;
+  test::TerminalProcess play{in_shell("stty raw; exec \"$0\" \"$@\"", stage.command())};
+  REQUIRE(stage.sounds());
+  play.type("\x03");
+  CHECK(play.wait() == 5);
+  stage.check_fade();
+}
+
+TEST_CASE("play: in the terminal of another session it says that it reads no keys, and ends with it",
+          "[live]") {
+  const Stage stage;
+  test::TerminalProcess shell{in_shell("setsid -w \"$0\" \"$@\"", stage.command({"--duration", "100 s"}))};
+  REQUIRE(shell.shows("keys are not read"));
+  REQUIRE(stage.sounds());
+  shell.close();
+  REQUIRE(wait_until([&] { return read_take(stage.wav)->finished; }));
+  stage.check_fade();
 }
 
 TEST_CASE("play: standard error that takes nothing holds up neither the fade nor the end", "[live]") {

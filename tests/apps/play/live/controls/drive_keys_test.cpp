@@ -1,6 +1,9 @@
 #include "apps/play/live/controls/drive_keys.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/support/full_scale.h"
@@ -17,17 +20,17 @@ struct Drive {
       : guarded(one, {{DriveGuard::Kind::Drive, kAtOnce}}, armed), switches(guarded, armed) {
     REQUIRE(guarded.prepare({.out_channels = 1}));
   }
-  Key press(Key key, std::chrono::milliseconds at) { return keys.act(key, DriveKeys::Clock::time_point{at}); }
-  Key later(std::chrono::milliseconds at) { return keys.act_later(DriveKeys::Clock::time_point{at}); }
-  /// One press after another, until nothing follows any more. False: none of them armed.
-  bool arms(const std::vector<std::chrono::milliseconds>& presses) {
-    for (std::size_t p = 0; p < presses.size(); ++p) {
-      press('a', presses[p]);
-      const auto end = p + 1 < presses.size() ? presses[p + 1] : presses[p] + 5s;
-      for (auto now = presses[p]; now < end; now += 20ms)
-        if (later(now) == kArmKey) return true;
-    }
-    return false;
+  Key press(Key key, std::chrono::milliseconds at) {
+    return keys.act(key, DriveKeys::Clock::time_point{rested + at});
+  }
+  void notice(std::chrono::milliseconds at) { keys.notice_disarm(DriveKeys::Clock::time_point{rested + at}); }
+  /// Nothing is pressed for an hour.
+  void rest() { rested += 1h; }
+  /// Of these, all from `rested` on: does any arm?
+  bool arms(const std::vector<std::pair<Key, std::chrono::milliseconds>>& presses) {
+    rest();
+    return std::ranges::any_of(presses,
+                               [&](const auto& next) { return press(next.first, next.second) == kArmKey; });
   }
   bool sounds() {
     double sample = 0.0;
@@ -41,88 +44,109 @@ struct Drive {
   Guarded guarded;
   DriveSwitches switches;
   DriveKeys keys{switches};
+  std::chrono::milliseconds rested{0};
 };
+
+constexpr Key kEnter = '\n';
 
 }  // namespace
 
-TEST_CASE("drive keys: two presses from 100 ms to 1 s apart arm after 150 ms, on the control thread",
-          "[live]") {
-  const auto apart = GENERATE(100ms, 1000ms);
+TEST_CASE("drive keys: a, then Enter from 100 ms to 3 s after it, arm on the control thread", "[live]") {
+  const auto apart = GENERATE(100ms, 3000ms);
+  const auto enter = GENERATE(as<Key>{}, '\n', '\r');
   Drive drive{false};
-  CHECK(drive.press('a', 5000ms) == kFirstArmKey);
-  CHECK(drive.later(5099ms) == kNoKey);
-  CHECK(drive.press('a', 5000ms + apart) == kNoKey);
-  CHECK(drive.later(5149ms + apart) == kNoKey);
-  CHECK(drive.later(5150ms + apart) == kArmKey);
-  CHECK(drive.later(5170ms + apart) == kNoKey);
+  CHECK(drive.press('a', 5000ms) == kPressEnterKey);
+  CHECK(drive.press(enter, 5000ms + apart) == kArmKey);
   CHECK_FALSE(drive.sounds());
   drive.switches.arm();
   CHECK(drive.switches.armed());
   CHECK(drive.sounds());
 }
 
-TEST_CASE("drive keys: no single byte arms, nor do two that come too late or with another beside them",
-          "[live]") {
+TEST_CASE("drive keys: no key that is held down arms, however it repeats", "[live]") {
+  const auto key = GENERATE(as<Key>{}, 'a', kEnter);
+  const auto delay = GENERATE(200ms, 500ms, 1000ms);
+  const auto period = GENERATE(0ms, 33ms, 99ms, 110ms, 500ms);
+  std::vector<std::pair<Key, std::chrono::milliseconds>> held = {{key, 1000ms}};
+  for (int n = 0; n < 40; ++n) held.push_back({key, 1000ms + delay + n * period});
+  held.push_back({key, held.back().second + 300ms});  // a pause
+  CHECK_FALSE(Drive{false}.arms(held));
+  CHECK_FALSE(Drive{true}.arms(held));
+}
+
+TEST_CASE("drive keys: an a that is held down asks again and again, and Enter then arms", "[live]") {
+  CHECK(Drive{false}.arms({{'a', 0ms}, {'a', 500ms}, {'a', 533ms}, {kEnter, 900ms}}));
   Drive drive{false};
-  CHECK(drive.press('a', 0ms) == kFirstArmKey);
-  CHECK(drive.press('a', 1001ms) == kFirstArmKey);
-  CHECK(drive.press(kNoKey, 1200ms) == kNoKey);
-  CHECK(drive.press('a', 1300ms) == kFirstArmKey);
-  CHECK(drive.press('\n', 1400ms) == '\n');
-  CHECK(drive.press('a', 1500ms) == kFirstArmKey);
-  CHECK(drive.press('a', 1700ms) == kNoKey);
-  CHECK(drive.press('x', 1800ms) == 'x');
-  CHECK(drive.later(1850ms) == kNoKey);
+  CHECK(drive.press('a', 0ms) == kPressEnterKey);
+  CHECK(drive.press('a', 99ms) == kNoKey);
+  CHECK(drive.press('a', 500ms) == kPressEnterKey);
+}
+
+TEST_CASE("drive keys: Enter too soon or too late does not arm, nor with another byte between", "[live]") {
+  Drive drive{false};
+  CHECK(drive.press(kEnter, 0ms) == kEnter);
+  CHECK(drive.press('a', 1000ms) == kPressEnterKey);
+  CHECK(drive.press(kEnter, 1099ms) == kNotArmedKey);
+  CHECK(drive.press(kEnter, 1300ms) == kEnter);
+  CHECK(drive.press('a', 3000ms) == kPressEnterKey);
+  CHECK(drive.press(kEnter, 6001ms) == kNotArmedKey);
+  for (const Key other : {Key{'x'}, kNoKey, kDisarmKey, kUpKey}) {
+    CAPTURE(other);
+    CHECK_FALSE(drive.arms({{'a', 0ms}, {other, 300ms}, {kEnter, 600ms}}));
+  }
   drive.switches.arm();  // without an order
   CHECK_FALSE(drive.switches.armed());
   CHECK_FALSE(drive.sounds());
 }
 
-TEST_CASE("drive keys: a key that repeats does not arm, nor does a press soon after it", "[live]") {
-  const auto delay = GENERATE(200ms, 500ms, 1000ms);
-  const auto period = GENERATE(0ms, 33ms, 99ms, 110ms, 149ms);
-  std::vector<std::chrono::milliseconds> held = {1000ms};
-  for (int n = 0; n < 10; ++n) held.push_back(held.front() + delay + n * period);
-  CHECK_FALSE(Drive{false}.arms(held));
-  CHECK_FALSE(Drive{true}.arms(held));
-  held.push_back(held.back() + 500ms);
-  CHECK_FALSE(Drive{false}.arms(held));
-  held.insert(held.end(), {held.back() + 1000ms, held.back() + 1300ms});
-  CHECK(Drive{false}.arms(held));
+TEST_CASE("drive keys: text that is typed, or pasted slowly, does not arm", "[live]") {
+  const auto apart = GENERATE(0ms, 33ms, 100ms, 300ms, 900ms);
+  for (const std::string text : {"ls -la\n", "data are\na\naa\n\n", "q a\n", "\na\n", "aa\n"}) {
+    std::vector<std::pair<Key, std::chrono::milliseconds>> typed = {{'x', 0ms}};
+    for (const char byte : text) typed.push_back({Key{byte}, typed.back().second + apart});
+    CAPTURE(text, apart.count());
+    CHECK_FALSE(Drive{false}.arms(typed));
+  }
 }
 
-TEST_CASE("drive keys: two presses less than 100 ms apart do not arm, and a second must pass", "[live]") {
+TEST_CASE("drive keys: an a within a second after another byte is not counted", "[live]") {
+  const auto other = GENERATE(as<Key>{}, 'x', kNoKey, kDisarmKey, kUpKey, kEnter);
   Drive drive{false};
-  CHECK(drive.press('a', 0ms) == kFirstArmKey);
-  CHECK(drive.press('a', 99ms) == kNotArmedKey);
-  CHECK(drive.press('a', 1098ms) == kNotArmedKey);
-  CHECK(drive.press('a', 2098ms) == kFirstArmKey);
+  drive.press(other, 0ms);
+  CHECK(drive.press('a', 999ms) == kNotArmedKey);
+  CHECK(drive.press('a', 1998ms) == kNotArmedKey);
+  CHECK(drive.press(kEnter, 2200ms) == kEnter);
+  drive.rest();
+  drive.press(other, 0ms);
+  CHECK(drive.press('a', 1000ms) == kPressEnterKey);
 }
 
 TEST_CASE("drive keys: one press disarms at once, and takes an order to arm back", "[live]") {
+  const auto press = GENERATE(as<Key>{}, 'a', kDisarmKey);
   Drive drive{true};
   CHECK(drive.sounds());
-  CHECK(drive.press('a', 0ms) == kDisarmedKey);
+  CHECK(drive.press(press, 0ms) == kDisarmedKey);
   CHECK_FALSE(drive.sounds());
-  CHECK(drive.press('a', 1000ms) == kFirstArmKey);
-  CHECK(drive.press('a', 1500ms) == kNoKey);
-  CHECK(drive.later(1650ms) == kArmKey);
-  CHECK(drive.press('a', 1660ms) == kDisarmedKey);  // the control thread was busy meanwhile
+  CHECK(drive.press('a', 1000ms) == kPressEnterKey);
+  CHECK(drive.press(kEnter, 1500ms) == kArmKey);
+  CHECK(drive.press(press, 1510ms) == kDisarmedKey);  // the control thread was busy meanwhile
   drive.switches.arm();
   CHECK_FALSE(drive.switches.armed());
   CHECK_FALSE(drive.sounds());
 }
 
 TEST_CASE("drive keys: presses that follow a disarm do not arm again", "[live]") {
-  CHECK_FALSE(Drive{true}.arms({0ms, 400ms, 650ms, 900ms}));
-  CHECK(Drive{true}.arms({0ms, 1000ms, 1300ms}));
+  CHECK_FALSE(Drive{true}.arms({{'a', 0ms}, {'a', 400ms}, {kEnter, 800ms}}));
+  CHECK(Drive{true}.arms({{'a', 0ms}, {'a', 1000ms}, {kEnter, 1300ms}}));
   Drive drive{true};
-  drive.later(0ms);
+  drive.notice(0ms);
   drive.switches.disarm();  // the guard, or a device that is not as it was
-  drive.later(100ms);
+  drive.notice(100ms);
   CHECK(drive.press('a', 110ms) == kNotArmedKey);
-  CHECK(drive.press('a', 600ms) == kNotArmedKey);
-  CHECK(drive.press('a', 1600ms) == kFirstArmKey);
+  CHECK(drive.press(kEnter, 600ms) == kEnter);
+  CHECK(drive.press('a', 1600ms) == kPressEnterKey);
+  drive.switches.disarm();
+  CHECK(drive.press(kEnter, 2000ms) == kEnter);
 }
 
 TEST_CASE("drive keys: m mutes and unmutes at once", "[live]") {
