@@ -94,7 +94,10 @@ void CardCallback::block(const float* const* in, float* const* out, int device_o
   if (!suspended && stage != Stage::Silent && frames > 0) watch(frames, begin);
   const bool pauses = suspended || (stage == Stage::Playing && clock_.ahead());
   if (stage != Stage::Silent && frames > 0 && !(pauses && paused_)) {
-    if (std::exchange(first_, false)) meter_.realtime_priority(realtime_priority());
+    if (std::exchange(first_, false)) {
+      use_stack();
+      meter_.realtime_priority(realtime_priority());
+    }
     if (stage == Stage::Playing && first_block_ == Clock::time_point{}) first_block_ = begin;
     resumes_ = stage == Stage::Playing && (resumes_ || pauses || late);
     if (stage == Stage::Playing) meter_.clock(seconds(begin - first_block_));

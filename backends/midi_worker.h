@@ -31,9 +31,9 @@ class MidiWorker : public MidiInputs {
   static std::shared_ptr<MidiInputs> start(std::shared_ptr<MidiWorker> worker,
                                            std::chrono::milliseconds interval);
 
-  std::vector<std::string> ports() final;
-  std::vector<MidiEvent> poll() final;
-  std::vector<std::string> news() final;
+  std::vector<std::string> ports() override;
+  std::vector<MidiEvent> poll() override;
+  std::vector<std::string> news() override;
 
  protected:
   // On the worker's own thread.

@@ -1,5 +1,7 @@
 #include "backends/realtime_thread.h"
 
+#include <cstddef>
+
 #if defined(__unix__) || defined(__APPLE__)
 #include <pthread.h>
 #include <sched.h>
@@ -30,6 +32,9 @@ Status become_realtime(int priority) {
 }
 
 Status lock_memory() {
+#if defined(MCL_ONFAULT)
+  if (mlockall(MCL_CURRENT) == 0 && mlockall(MCL_FUTURE | MCL_ONFAULT) == 0) return {};
+#endif
   if (mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return {};
   return fail(Errc::Device, "", std::string{"the memory is not locked: "} + std::strerror(errno),
               "see tactus doctor");
@@ -45,3 +50,12 @@ Status lock_memory() { return fail(Errc::Device, "", "not supported on this syst
 
 }  // namespace tactus
 #endif
+
+namespace tactus {
+
+void use_stack() noexcept {
+  volatile char bytes[1 << 16];
+  for (std::size_t at = 0; at < sizeof bytes; at += 1024) bytes[at] = 0;
+}
+
+}  // namespace tactus
