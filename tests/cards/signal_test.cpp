@@ -7,6 +7,7 @@
 
 #include "tests/cards/ways.h"
 #include "tests/support/noise_probe.h"
+#include "tests/support/not_realtime.h"
 #include "tests/support/undisturbed.h"
 #include "tests/support/wait_until.h"
 
@@ -263,8 +264,9 @@ std::optional<Missed> miss_frames(const Way& way, const Way& generating_way, con
     Status prepare(const StreamFormat& format) override { return probe.prepare(format); }
     void process(const BlockIo& io) noexcept override {
       probe.process(io);
-      if (probe.frames() > 30000 && !std::exchange(slept, true))
-        std::this_thread::sleep_for(std::chrono::milliseconds{50});
+      if (probe.frames() <= 30000 || std::exchange(slept, true)) return;
+      const test::NotRealtime waits;
+      std::this_thread::sleep_for(std::chrono::milliseconds{50});
     }
     NoiseProbe probe{96000};
     bool slept = false;

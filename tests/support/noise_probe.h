@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/guard/guarded.h"
+#include "tests/support/not_realtime.h"
 
 namespace tactus::test {
 
@@ -38,6 +39,7 @@ class NoiseProbe final : public BlockProcessor {
     if (const int ms = sleep_ms; ms > 0) {
       again_ = true;
       sleep_ms = 0;
+      const NotRealtime waits;
       std::this_thread::sleep_for(std::chrono::milliseconds{ms});
     } else if (again_.exchange(false)) {
       from_ = first;

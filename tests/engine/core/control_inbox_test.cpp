@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "engine/core/journal.h"
+#include "tests/support/not_realtime.h"
 
 using namespace tactus;
 
@@ -11,7 +12,10 @@ JournalEntry entry(std::int64_t frame, int index) {
 }
 
 struct Tap : JournalTap {
-  void applied(const JournalEntry& applied) noexcept override { entries.push_back(applied); }
+  void applied(const JournalEntry& applied) noexcept override {
+    const test::NotRealtime allocates;
+    entries.push_back(applied);
+  }
   std::vector<JournalEntry> entries;
 };
 

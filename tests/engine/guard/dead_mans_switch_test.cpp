@@ -5,6 +5,7 @@
 
 #include "engine/guard/guarded.h"
 #include "tests/support/full_scale.h"
+#include "tests/support/not_realtime.h"
 
 using namespace tactus;
 using Kind = JournalEntry::Kind;
@@ -45,7 +46,10 @@ class Watched final : private BlockTap {
   std::vector<double> drive, audio;
 
  private:
-  void applied(const JournalEntry& entry) noexcept override { journal.push_back(entry); }
+  void applied(const JournalEntry& entry) noexcept override {
+    const test::NotRealtime allocates;
+    journal.push_back(entry);
+  }
   void observe(const BlockIo&, std::int64_t) noexcept override {}
   test::FullScale one_;
 

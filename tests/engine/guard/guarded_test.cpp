@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tests/support/error_summary.h"
+#include "tests/support/not_realtime.h"
 
 using namespace tactus;
 using Kind = JournalEntry::Kind;
@@ -35,7 +36,10 @@ class Level final : public BlockProcessor {
 
 /// Keeps every entry that is applied.
 struct RecordedJournal final : BlockTap {
-  void applied(const JournalEntry& entry) noexcept override { entries.push_back(entry); }
+  void applied(const JournalEntry& entry) noexcept override {
+    const test::NotRealtime allocates;
+    entries.push_back(entry);
+  }
   void observe(const BlockIo&, std::int64_t) noexcept override {}
   std::vector<JournalEntry> entries;
 };
