@@ -142,6 +142,13 @@ Expression bind_signal(const Value& value, const Scope& scope, ErrorList& errors
       "give a number, a quantity such as \"15 ms\", or an expression such as \"0.5 * x\"");
 }
 
+/// What a setting is where it is left out, in SI.
+static double fallback_number(const Setting& setting) {
+  if (setting.fallback.empty()) return 0.0;
+  const auto unit = parse_unit(setting.unit()).value_or(Unit{});
+  return read_quantity({setting.fallback, {}}, unit, setting.name).value();
+}
+
 SettingValue bind_setting(const Setting& setting, const Value::Table& fields,
                           const std::filesystem::path& folder, const std::string& owner, const Source& at,
                           ErrorList& errors) {
@@ -155,8 +162,8 @@ SettingValue bind_setting(const Setting& setting, const Value::Table& fields,
       errors.add(Errc::Missing, at, owner + " lacks '" + setting.name + "'",
                  "write " + setting.name + " = … (" + setting.doc + ")");
     result.text = setting.fallback;
-    if (setting.kind == Kind::Integer && !setting.fallback.empty())
-      result.number = std::stod(setting.fallback);
+    if (setting.kind == Kind::Integer || setting.kind == Kind::Quantity)
+      result.number = fallback_number(setting);
   } else if (setting.kind == Kind::Choice) {
     if (const auto choice = reader.choice(setting.name)) result.text = setting.choices[index(*choice)];
   } else if (setting.kind == Kind::Integer || setting.kind == Kind::Quantity) {

@@ -59,6 +59,22 @@ TEST_CASE("modal: a series has the ratios, decays and gains that it says", "[nod
   CHECK(worst_error(output, {{200, 0.8, 0.5}, {400, 0.4, 0.125}, {600, 0.8 / 3, 0.5 / 9}}) < 1e-9);
 }
 
+TEST_CASE("modal: a series without settings has those of the reference: slope 0.5, 16 modes up to 16 times",
+          "[nodes]") {
+  const auto engine = engine_of(
+      "format = 1\n[inputs]\nx = {}\n[nodes]\n"
+      "y = { type = \"modal\", in = \"x\", series = \"geometric\", frequency = \"200 Hz\", decay = \"0.8 s\" "
+      "}\n"
+      "[outputs]\nout = { from = \"y\" }\n");
+  const auto output = run(*engine, {impulse(6000)}, 6000, {64})[0];
+  std::vector<Partial> expected;
+  for (int k = 0; k < 16; ++k) {
+    const double ratio = std::pow(16.0, k / 15.0);
+    expected.push_back({200 * ratio, 0.8 / std::sqrt(ratio), 1});
+  }
+  CHECK(worst_error(output, expected) < 1e-9);
+}
+
 TEST_CASE("modal: a mode that rings is retuned at the next group of eight frames, in phase", "[nodes]") {
   constexpr int kFrames = 400, kChange = 101, kRetuned = 104;
   Samples frequency(kFrames, 1000.0);
