@@ -1,5 +1,6 @@
 #include "apps/play/live/controls/drive_keys.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace tactus::app {
@@ -20,14 +21,15 @@ Key DriveKeys::disarm(Clock::time_point now) {
   return kDisarmedKey;
 }
 
-/// Of the presses while the drives are disarmed.
+/// Of the presses while the drives are disarmed. Another a counts for as little as any other key.
 Key DriveKeys::press_a(Clock::time_point now) {
-  const bool repeats = now - std::exchange(pressed_at_, now) < kLeast;
-  const bool alone = now - disturbed_at_ >= kAlone;
+  const auto before = std::exchange(pressed_at_, now);
+  const bool alone = now - std::max(before, disturbed_at_) >= kAlone;
+  const bool held = !asked_ && now - before < kLeast;
   if (!alone) disturb(now);
   asked_ = alone;
-  if (repeats) return kNoKey;
-  return alone ? kPressEnterKey : kNotArmedKey;
+  if (alone) return kPressEnterKey;
+  return held ? kNoKey : kNotArmedKey;
 }
 
 Key DriveKeys::press_enter(Clock::time_point now) {

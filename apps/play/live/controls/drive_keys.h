@@ -48,14 +48,14 @@ class DriveSwitches {
 
 /// [any, one thread: the stop loop] Keys that act on the drives at once: m mutes or unmutes, a disarms.
 /// Arming takes two keys, so that no key that is held down arms: a, then Enter from 100 ms to 3 s after it
-/// with no other byte between; the control thread then arms. The a counts only when no other byte came, and
-/// nobody disarmed, in the second before it: a word that is typed or pasted, and presses that were meant to
-/// disarm, do not arm.
+/// with no byte between, no second a either; the control thread then arms. The a counts only when no byte
+/// came, and nobody disarmed, in the second before it: a word that is typed or pasted, and presses that were
+/// meant to disarm, do not arm.
 class DriveKeys {
  public:
   using Clock = std::chrono::steady_clock;
   static constexpr std::chrono::milliseconds kLeast{100}, kMost{3000};  ///< from a to Enter
-  static constexpr std::chrono::milliseconds kAlone{1000};              ///< without another byte before a
+  static constexpr std::chrono::milliseconds kAlone{1000};              ///< without a byte before a
 
   explicit DriveKeys(DriveSwitches& switches) : switches_(switches) {}
 

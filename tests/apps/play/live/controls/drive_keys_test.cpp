@@ -74,12 +74,19 @@ TEST_CASE("drive keys: no key that is held down arms, however it repeats", "[liv
   CHECK_FALSE(Drive{true}.arms(held));
 }
 
-TEST_CASE("drive keys: an a that is held down asks again and again, and Enter then arms", "[live]") {
-  CHECK(Drive{false}.arms({{'a', 0ms}, {'a', 500ms}, {'a', 533ms}, {kEnter, 900ms}}));
+TEST_CASE("drive keys: more than one a, or one that is held down, does not arm with Enter", "[live]") {
+  const auto apart = GENERATE(0ms, 33ms, 100ms, 200ms, 500ms, 999ms);
+  const auto many = GENERATE(2, 3, 20);
+  std::vector<std::pair<Key, std::chrono::milliseconds>> presses;
+  for (int n = 0; n < many; ++n) presses.push_back({Key{'a'}, n * apart});
+  presses.push_back({kEnter, presses.back().second + 300ms});
+  CHECK_FALSE(Drive{false}.arms(presses));
+  CHECK_FALSE(Drive{true}.arms(presses));
   Drive drive{false};
   CHECK(drive.press('a', 0ms) == kPressEnterKey);
-  CHECK(drive.press('a', 99ms) == kNoKey);
-  CHECK(drive.press('a', 500ms) == kPressEnterKey);
+  CHECK(drive.press('a', 500ms) == kNotArmedKey);
+  CHECK(drive.press('a', 533ms) == kNoKey);  // held: reported once
+  CHECK(drive.press('a', 1533ms) == kPressEnterKey);
 }
 
 TEST_CASE("drive keys: Enter too soon or too late does not arm, nor with another byte between", "[live]") {
