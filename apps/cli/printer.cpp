@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "apps/cli/terminal.h"
+#include "engine/core/printable.h"
 
 namespace tactus::app {
 
@@ -79,7 +80,7 @@ Printer::~Printer() { finish(); }
 void Printer::print(std::string message) noexcept {
   const std::lock_guard lock{shared_->mutex};
   if (shared_->messages.size() < kMostMessages)
-    shared_->messages.push_back(std::move(message));
+    shared_->messages.push_back(printable(std::move(message), true));
   else
     ++shared_->dropped;
   shared_->changed.notify_all();

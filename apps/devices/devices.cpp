@@ -4,6 +4,7 @@
 #include "apps/cli/console.h"
 #include "apps/cli/json.h"
 #include "engine/core/named.h"
+#include "engine/core/printable.h"
 #include "latency/measured.h"
 
 namespace tactus::app {
@@ -34,10 +35,10 @@ Json device_json(const Device& device, const MeasuredDelays& delays) {
 }
 
 void print(const Device& device, const MeasuredDelays& delays) {
-  fmt::print("  {}{}\n", device.id, device.is_default ? "  (default)" : "");
+  fmt::print("  {}{}\n", printable(device.id), device.is_default ? "  (default)" : "");
   std::vector<double> rates;
   for (const auto& rate : device.sample_rates) rates.push_back(rate.value / 1e3);
-  fmt::print("      {}: {} in, {} out, {}", device.name, device.in_channels, device.out_channels,
+  fmt::print("      {}: {} in, {} out, {}", printable(device.name), device.in_channels, device.out_channels,
              rates.empty() ? fmt::format("{:g} kHz and other rates", device.default_rate.value / 1e3)
                            : fmt::format("{:g} kHz", fmt::join(rates, ", ")));
   if (device.block_frames) fmt::print(", {} frames per block", *device.block_frames);

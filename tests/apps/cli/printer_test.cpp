@@ -64,6 +64,15 @@ TEST_CASE("printer: messages come in order, with the latest status below them", 
   CHECK(err.text.starts_with("begin one"));
 }
 
+TEST_CASE("printer: no name of another program is a command for the terminal", "[live]") {
+  StderrPipe err;
+  Printer printer{"", " end"};
+  printer.print("from '\x1b]0;title\x07\x1b[2J\xc2\x9b'\nsecond line");
+  printer.finish();
+  REQUIRE(err.shows(" end"));
+  CHECK(err.text.starts_with("from '?]0;title??[2J?'\nsecond line\n"));
+}
+
 TEST_CASE("printer: nobody waits for a pipe that is full, and what is too much is counted", "[live]") {
   StderrPipe err;
   err.fill();
