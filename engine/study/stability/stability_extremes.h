@@ -40,7 +40,7 @@ struct ExtremeRun : ExtremePlan {
   double peak = 0;           ///< of the drives, behind the guard where there is one
   double energy_before = 0;  ///< of the networks, largest in the first three quarters [J]
   double energy_after = 0;   ///< and in the last
-  long faults = 0;           ///< of nodes
+  std::int64_t faults = 0;   ///< of nodes
   bool finite = true;
   bool grew = false;
   bool bounded() const { return finite && faults == 0 && !grew; }
