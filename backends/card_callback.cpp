@@ -24,7 +24,6 @@ std::chrono::nanoseconds duration_of(int blocks, int block_frames, const StreamG
 
 }  // namespace
 
-// Named by tests/support/known_reports.cpp.
 static void write_library_buffer(float* plane, const double* samples, int frames) noexcept {
   std::transform(samples, samples + frames, plane, [](double sample) { return static_cast<float>(sample); });
 }
