@@ -73,6 +73,11 @@ bool MidiWorker::is_open(const std::string& id) {
   return ports_.contains(id);
 }
 
+void MidiWorker::note(std::string message) {
+  const std::lock_guard lock{mutex_};
+  news_.push_back(std::move(message));
+}
+
 void MidiWorker::add(const std::string& id, std::shared_ptr<MidiPort> port) {
   const std::lock_guard lock{mutex_};
   ports_[id] = std::move(port);
@@ -94,9 +99,7 @@ void MidiWorker::keep(const std::function<bool(const std::string&, MidiPort&)>& 
 }
 
 void MidiWorker::report_error(const std::string& text) {
-  if (std::exchange(reported_error_, text) == text) return;
-  const std::lock_guard lock{mutex_};
-  news_.push_back("no MIDI: " + text);
+  if (std::exchange(reported_error_, text) != text) note("no MIDI: " + text);
 }
 
 }  // namespace tactus

@@ -42,6 +42,7 @@ class MidiWorker : public MidiInputs {
   /// The last call: closes whatever is open.
   virtual void close() = 0;
   bool is_open(const std::string& id);
+  void note(std::string message);
   void add(const std::string& id, std::shared_ptr<MidiPort> port);
   /// Removes the ports for which `stays` returns false.
   void keep(const std::function<bool(const std::string& id, MidiPort& port)>& stays);

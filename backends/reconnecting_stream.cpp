@@ -133,6 +133,10 @@ void ReconnectingStream::change(const std::string& what) {
 
 void ReconnectingStream::watch_stall(Clock::time_point now) {
   const bool stalled = stream_->state() == StreamState::Stalled;
+  if (stalled && stalled_at_ && !stall_is_long_ && now - *stalled_at_ > kShortAbsence) {
+    stall_is_long_ = true;
+    change(fmt::format("does not respond for more than {} s", kShortAbsence.count()));
+  }
   if (stalled == stalled_at_.has_value()) return;
   if (stalled)
     report("does not respond");
@@ -140,6 +144,7 @@ void ReconnectingStream::watch_stall(Clock::time_point now) {
     report(fmt::format("responds again after {:.1f} s",
                        std::chrono::duration<double>(now - *stalled_at_).count()));
   stalled_at_ = stalled ? std::optional{now} : std::nullopt;
+  stall_is_long_ = false;
 }
 
 void ReconnectingStream::report(const std::string& what) {

@@ -43,8 +43,8 @@ class ReconnectingStream {
 
   /// [control] `returned` is called each time that the device came back, before blocks flow again.
   void on_return(std::function<void(const Return&)> returned) { returned_ = std::move(returned); }
-  /// [control] `changed` is called when a running stream is not as it was: another block size, or the
-  /// computer was suspended.
+  /// [control] `changed` is called when a running stream is not as it was: another block size, no response
+  /// for longer than a short absence, or the computer was suspended.
   void on_change(std::function<void()> changed) { changed_ = std::move(changed); }
   /// [control] As in Stream. What is stopped does not come back by itself.
   [[nodiscard]] Status start(const std::function<void()>& ready = [] {});
@@ -92,6 +92,7 @@ class ReconnectingStream {
   std::string last_error_;
   Clock::time_point lost_at_, next_try_;
   std::optional<Clock::time_point> stalled_at_;
+  bool stall_is_long_ = false;  ///< longer than a short absence: reported
   std::optional<std::chrono::nanoseconds> suspended_;
   std::chrono::nanoseconds suspended_while_lost_{};
   std::function<void(const Return&)> returned_;

@@ -75,7 +75,12 @@ void Client::set_callbacks() {
   jack_set_freewheel_callback(
       handle, [](int starting, void* self) { client(self).freewheels_ = starting != 0; }, this);
   jack_set_port_connect_callback(
-      handle, [](jack_port_id_t, jack_port_id_t, int, void* self) { ++client(self).rewirings; }, this);
+      handle,
+      [](jack_port_id_t from, jack_port_id_t to, int connected, void* self) {
+        if (connected != 0) client(self).note_connection(from, to);
+        ++client(self).rewirings;
+      },
+      this);
   jack_set_port_registration_callback(
       handle,
       [](jack_port_id_t port, int registered, void* self) {
@@ -140,6 +145,24 @@ std::vector<OtherWriter> Client::other_writers() const {
       if (to != assigned && is_hardware(to)) found.push_back({output, ours, std::move(to)});
   }
   return found;
+}
+
+std::vector<OtherWriter> Client::take_passing_writers() {
+  const std::lock_guard lock{passing_mutex_};
+  return std::exchange(passing_writers_, {});
+}
+
+/// A writer may come and go between two looks at the connections.
+void Client::note_connection(std::uint32_t from, std::uint32_t to) {
+  const auto* writes = jack_port_by_id(handle, from);
+  const auto* reads = jack_port_by_id(handle, to);
+  if (writes == nullptr || reads == nullptr) return;
+  const std::string source = jack_port_name(writes), target = jack_port_name(reads);
+  for (std::size_t c = 0; c < outputs_.size(); ++c) {
+    if (target != wires[inputs_.size() + c].to || source == jack_port_name(outputs_[c])) continue;
+    const std::lock_guard lock{passing_mutex_};
+    passing_writers_.push_back({static_cast<int>(c), source, target});
+  }
 }
 
 Names Client::connections_of(const std::string& port) const {

@@ -65,6 +65,8 @@ class Client {
 
   /// [control] See Stream.
   std::vector<OtherWriter> other_writers() const;
+  /// [control] Those that connected since the last call, even if they are gone again.
+  std::vector<OtherWriter> take_passing_writers();
   /// [control & active] Ports of others that MIDI comes out of, by their full names.
   Names midi_sources() const;
   /// [control & active, may hang] What comes out of `source` is received. Empty: it cannot be connected now.
@@ -90,6 +92,7 @@ class Client {
   bool is_hardware(const std::string& port) const;
   void note_rate(int rate) noexcept;
   void note_xrun() noexcept;
+  void note_connection(std::uint32_t from, std::uint32_t to);
   void note_removal(std::uint32_t port);
   void process(int frames) noexcept;
   void note_lost_frames(int frames) noexcept;
@@ -97,6 +100,8 @@ class Client {
   const std::unique_ptr<ClientHold> hold_;
   std::mutex requests_;  ///< the answers to two threads that ask the server at once are mixed up
   MidiIn midi_;
+  std::mutex passing_mutex_;
+  std::vector<OtherWriter> passing_writers_;
   std::vector<_jack_port*> inputs_, outputs_;
   std::vector<const float*> in_;
   std::vector<float*> out_;

@@ -110,6 +110,11 @@ class JackStream final : public CardStream<Client> {
     if (const int rewirings = line_->rewirings; !running() || rewirings != writers_as_of_) {
       writers_ = line_->other_writers();
       writers_as_of_ = running() ? rewirings : -1;
+      for (auto& writer : line_->take_passing_writers())
+        if (std::ranges::find(writers_, writer) == writers_.end()) {
+          writers_.push_back(std::move(writer));
+          writers_as_of_ = -1;  // it is gone at the next look
+        }
     }
     return writers_;
   }
@@ -118,6 +123,10 @@ class JackStream final : public CardStream<Client> {
     if (const int rate = line_->new_rate; rate != 0 && !std::exchange(reported_rate_, true))
       return fmt::format("the sample rate is now {} Hz instead of {}", rate, line_->sample_rate);
     if (!running() || line_->lost) return {};
+    if (is_left_out()) {
+      line_->lost = true;
+      return "the server runs, but without this program";
+    }
     const int rewirings = line_->rewirings;
     if (rewirings == reported_rewirings_) return {};
     const auto now = line_->connected();
@@ -150,11 +159,23 @@ class JackStream final : public CardStream<Client> {
     if (auto status = deactivate(); !status) return status;
     return finished ? Status{} : jack::no_answer();
   }
+  /// The server's cycles go on, and none of them is ours: JACK may lose a client whose connections form a
+  /// loop.
+  bool is_left_out() {
+    const auto cycle = jack_last_frame_time(line_->handle);
+    const bool begins = cycle != std::exchange(last_cycle_, cycle);
+    cycles_left_out_ = line_->card->stalled() ? cycles_left_out_ + (begins ? 1 : 0) : 0;
+    return cycles_left_out_ > kCyclesLeftOut;
+  }
   Status deactivate() {
     return ask_server([client = line_] { return client->deactivate(), Status{}; });
   }
 
+  static constexpr int kCyclesLeftOut = 10;
+
   const std::shared_ptr<jack::PlayingClient> playing_;
+  jack_nframes_t last_cycle_ = 0;
+  int cycles_left_out_ = 0;      ///< seen while it is stalled
   std::vector<bool> connected_;  ///< as last reported
   int reported_rewirings_ = 0;
   bool reported_rate_ = false;

@@ -1,6 +1,10 @@
 #include "backends/jack/midi_inputs.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <set>
+#include <string>
 #include <utility>
 
 namespace tactus::jack {
@@ -21,8 +25,17 @@ class JackMidi final : public MidiWorker {
       return static_cast<MidiInPort&>(port).is_there && std::ranges::count(sources, id.substr(5)) > 0;
     });
     for (const auto& source : sources)
-      if (!is_open("jack:" + source))
-        if (auto port = client->connect_midi(source)) add("jack:" + source, std::move(port));
+      if (!is_open("jack:" + source)) open(*client, source);
+  }
+  void open(Client& client, const std::string& source) {
+    const auto id = "jack:" + source;
+    if (ports().size() == MidiIn::kMostPorts) {
+      if (refused_.insert(id).second)
+        note(fmt::format("no MIDI from '{}': {} sources are connected already", id, MidiIn::kMostPorts));
+    } else if (auto port = client.connect_midi(source)) {
+      refused_.erase(id);
+      add(id, std::move(port));
+    }
   }
 
   void close() override {
@@ -30,7 +43,8 @@ class JackMidi final : public MidiWorker {
   }
 
   const std::shared_ptr<PlayingClient> playing_;
-  std::weak_ptr<Client> client_;  ///< whose ports are open
+  std::weak_ptr<Client> client_;   ///< whose ports are open
+  std::set<std::string> refused_;  ///< sources for which there was no port, once reported
 };
 
 }  // namespace

@@ -306,3 +306,20 @@ TEST_CASE("kept stream: an error of the first opening is the caller's", "[backen
   REQUIRE_FALSE(stream);
   CHECK(test::summary(stream) == "UnknownName 'fake:one'");
 }
+
+TEST_CASE("reconnecting stream: a device that does not respond for more than 10 s is not as it was",
+          "[backends]") {
+  Fixture f;
+  f.run(1s);
+  f.world.state = StreamState::Stalled;
+  f.run(9900ms);
+  CHECK(f.changes == 0);
+  f.run(20s);
+  CHECK(f.changes == 1);
+  f.world.state = StreamState::Running;
+  f.run(1s);
+  f.world.state = StreamState::Stalled;
+  f.run(9900ms);
+  CHECK(f.changes == 1);
+  CHECK(f.events()[1] == "'fake:one': does not respond for more than 10 s");
+}

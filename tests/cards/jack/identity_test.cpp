@@ -160,6 +160,21 @@ TEST_CASE("jack: who else writes to the ports of the outputs is found, who reads
         std::vector<OtherWriter>{{1, player.name + ":out_2", "system:playback_3"}});
 }
 
+TEST_CASE("jack: a writer that came and went between two looks is found once", "[cards][jack]") {
+  const auto server = start_sound_server();
+  const DelayClient other{{.name = "other"}};
+  Player player{{}};
+  REQUIRE(player.plays_on());
+  REQUIRE(player.stream->other_writers().empty());
+  const auto to = player.card->name() + ":playback_2", from = other.name() + ":capture_1";
+  server->connect(from, to);
+  server->disconnect(other.name());
+  std::vector<OtherWriter> found;
+  REQUIRE(wait_until([&] { return !(found = player.stream->other_writers()).empty(); }));
+  CHECK(found == std::vector<OtherWriter>{{1, from, to}});
+  CHECK(wait_until([&] { return player.stream->other_writers().empty(); }));
+}
+
 TEST_CASE("jack: while the server freewheels outputs are silent and no time passes for the guards",
           "[cards][jack]") {
   const auto server = start_sound_server();
