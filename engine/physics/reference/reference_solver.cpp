@@ -43,7 +43,7 @@ double largest(const double* numbers, std::size_t count) {
   return most;
 }
 
-double sign_of(double x) { return x > 0.0 ? 1.0 : -1.0; }
+double direction_of(double x) { return x > 0.0 ? 1.0 : -1.0; }
 
 /// A force that pushes `lower` down and `upper` up.
 template <class Link>
@@ -391,7 +391,7 @@ class Motion {
   void start_slides() {
     for (std::size_t f = 0; f < frictions(); ++f) {
       const double v = between(velocities(numbers_.data()), model_.frictions[f]);
-      if (slide_[f] == 0.0 && std::abs(v) > kStill) slide_[f] = sign_of(v);
+      if (slide_[f] == 0.0 && std::abs(v) > kStill) slide_[f] = direction_of(v);
     }
   }
 
@@ -506,7 +506,7 @@ class Motion {
   double until_turn(double seconds) {
     for (std::size_t c = 0; c < contacts_.size(); ++c) {
       if (!turns(seconds, c)) continue;
-      const double before = approach(numbers_.data(), c), sign = sign_of(before);
+      const double before = approach(numbers_.data(), c), sign = direction_of(before);
       seconds = cut(seconds, std::abs(before), [&](const double* y) { return sign * approach(y, c); });
     }
     return seconds;
@@ -518,7 +518,7 @@ class Motion {
       if (contact_margin(y, c) < 0.0) switch_contact(c);
     for (std::size_t b = 0; b < model_.bonds.size(); ++b)
       if (bond_margin(y, b) < 0.0)
-        slipped_[b] = slipped_[b] != 0.0 ? 0.0 : sign_of(between(y, model_.bonds[b]));
+        slipped_[b] = slipped_[b] != 0.0 ? 0.0 : direction_of(between(y, model_.bonds[b]));
     for (std::size_t f = 0; f < frictions(); ++f)
       if (friction_margin(y, f) < 0.0) switch_friction(f);
   }
@@ -537,7 +537,7 @@ class Motion {
   void switch_friction(std::size_t friction) {
     halt(model_.frictions[friction]);
     slide_[friction] = 0.0;
-    if (friction_margin(numbers_.data(), friction) < 0.0) slide_[friction] = sign_of(hold_[friction]);
+    if (friction_margin(numbers_.data(), friction) < 0.0) slide_[friction] = direction_of(hold_[friction]);
   }
 
   /// Takes away what rounding has left of the velocity at a stop.
