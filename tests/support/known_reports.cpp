@@ -16,8 +16,10 @@ extern "C" const char* __lsan_default_suppressions() {
 // is tested without them: tests/backends/card_callback_test.cpp and the simulated cards.
 extern "C" const char* __tsan_default_options() { return "print_suppressions=0:handle_segv=0"; }
 extern "C" const char* __tsan_default_suppressions() {
-  return "race:libjack\nrace:librtaudio\nrace:libportaudio\nrace:libasound\nrace:libpipewire\nrace:libspa\n"
-         "thread:libjack\nthread:librtaudio\nthread:libportaudio\nthread:libasound\nthread:libpipewire\n";
+  return "race:libjack\nrace:librtaudio\nrace:libportaudio\nrace:libasound\nrace:libpipewire\nrace:"
+         "libspa\nrace:libpulse\n"
+         "thread:libjack\nthread:librtaudio\nthread:libportaudio\nthread:libasound\nthread:"
+         "libpipewire\ndeadlock:libasound\ndeadlock:libpipewire\n";
 }
 #endif
 #endif
