@@ -24,12 +24,8 @@ std::chrono::nanoseconds duration_of(int blocks, int block_frames, const StreamG
 
 }  // namespace
 
-static void write_library_buffer(float* plane, const double* samples, int frames) noexcept {
-  std::transform(samples, samples + frames, plane, [](double sample) { return static_cast<float>(sample); });
-}
-static void silence_library_buffer(float* plane, int frames) noexcept { std::fill_n(plane, frames, 0.0f); }
 /// Returns how many samples were not finite, and became 0.
-static int read_library_buffer(const float* plane, double* samples, int frames) noexcept {
+static int copy_finite(const float* plane, double* samples, int frames) noexcept {
   int bad = 0;
   for (int n = 0; n < frames; ++n) {
     const float sample = plane[n];
@@ -84,15 +80,16 @@ void CardCallback::block(const float* const* in, float* const* out, int device_o
   busy_.store(true);
   const auto stage = stage_.load();
   for (int c = 0; c < device_outputs; ++c)
-    if (out[c] != nullptr) silence_library_buffer(out[c], std::max(0, frames));
+    if (out[c] != nullptr) std::fill_n(out[c], std::max(0, frames), 0.0f);
   const auto begin = Clock::now();
   // After a stall or a suspension the outputs must not jump back to full level.
   const bool late = begin - last_block_.load(std::memory_order_relaxed) > patience_;
   const bool suspended = stage == Stage::Playing && suspended_.load();
   if (suspended) skip(begin);
-  if (!suspended && stage != Stage::Silent && frames > 0) watch(frames, begin);
+  const bool wanted = stage != Stage::Silent && frames > 0;
+  if (wanted && !suspended) watch(frames, begin);
   const bool pauses = suspended || (stage == Stage::Playing && clock_.ahead());
-  if (stage != Stage::Silent && frames > 0 && !(pauses && paused_)) {
+  if (wanted && !(pauses && paused_)) {
     if (std::exchange(first_, false)) {
       use_stack();
       meter_.realtime_priority(realtime_priority());
@@ -131,7 +128,9 @@ bool CardCallback::process(const float* const* in, float* const* out, int offset
     processor_.process(io);
   for (int c = 0; c < out_.size(); ++c) {
     auto* plane = out[out_map_[index(c)]];
-    if (plane != nullptr) write_library_buffer(plane + offset, out_[c], frames);
+    if (plane == nullptr) continue;
+    std::transform(out_[c], out_[c] + frames, plane + offset,
+                   [](double sample) { return static_cast<float>(sample); });
   }
   return at_zero;
 }
@@ -143,7 +142,7 @@ void CardCallback::convert_input(const float* const* in, int offset, int frames)
     if (plane == nullptr)
       std::fill_n(in_[c], frames, 0.0);
     else
-      bad += read_library_buffer(plane + offset, in_[c], frames);
+      bad += copy_finite(plane + offset, in_[c], frames);
   }
   if (bad > 0) meter_.bad_input(bad);
 }

@@ -100,7 +100,7 @@ class CardCallback {
   void lost(std::int64_t frames) noexcept;
   /// [any] Suspended: frames do not run at their rate, because the server freewheels or changed it. One block
   /// comes from Guarded::finish, then zeros go out and the processor is left alone; afterwards the guards
-  /// start softly. The same happens where frames run ahead of time although nobody reports it.
+  /// start softly. Without this call, the same happens while frames run ahead of time (FrameWatch::ahead).
   void suspend(bool on) noexcept { suspended_.store(on); }
 
   /// [any]

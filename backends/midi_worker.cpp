@@ -68,6 +68,10 @@ std::vector<std::string> MidiWorker::news() {
   return std::exchange(news_, {});
 }
 
+void MidiWorker::close() {
+  keep([](const auto&, auto&) { return false; });
+}
+
 bool MidiWorker::is_open(const std::string& id) {
   const std::lock_guard lock{mutex_};
   return ports_.contains(id);

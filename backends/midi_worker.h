@@ -39,8 +39,8 @@ class MidiWorker : public MidiInputs {
   // On the worker's own thread.
   /// Opens what appeared, closes what disappeared. A std::exception is reported as the reason for no MIDI.
   virtual void look() = 0;
-  /// The last call: closes whatever is open.
-  virtual void close() = 0;
+  /// Closes whatever is open; also the last call.
+  virtual void close();
   bool is_open(const std::string& id);
   void note(std::string message);
   void add(const std::string& id, std::shared_ptr<MidiPort> port);

@@ -38,10 +38,6 @@ class JackMidi final : public MidiWorker {
     }
   }
 
-  void close() override {
-    keep([](const auto&, auto&) { return false; });
-  }
-
   const std::shared_ptr<PlayingClient> playing_;
   std::weak_ptr<Client> client_;   ///< whose ports are open
   std::set<std::string> refused_;  ///< sources for which there was no port, once reported

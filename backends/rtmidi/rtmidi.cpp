@@ -69,7 +69,7 @@ class RtMidiWorker final : public MidiWorker {
   }
 
   void close() override {
-    keep([](const auto&, auto&) { return false; });
+    MidiWorker::close();
     scout_.reset();
   }
 

@@ -47,10 +47,10 @@ class DriveSwitches {
 };
 
 /// [any, one thread: the stop loop] Keys that act on the drives at once: m mutes or unmutes, a disarms.
-/// Arming takes two keys, so that no key that is held down arms: a, then Enter from 100 ms to 3 s after it
-/// with no byte between, no second a either; the control thread then arms. The a counts only when no byte
-/// came, and nobody disarmed, in the second before it: a word that is typed or pasted, and presses that were
-/// meant to disarm, do not arm.
+/// Arming takes two keys, so that no key that is held down arms: a, then Enter from 100 ms to 3 s after it.
+/// No byte may come between them, not even a second a, and neither a byte nor a disarm in the second before
+/// the a. So neither text that is typed or pasted arms, nor several presses of a that were meant to disarm.
+/// The control thread then arms.
 class DriveKeys {
  public:
   using Clock = std::chrono::steady_clock;
