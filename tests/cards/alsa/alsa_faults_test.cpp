@@ -10,13 +10,13 @@
 using namespace tactus;
 using test::alsa_ways;
 using test::CableCard;
+using test::kSlowMachine;
 using test::OtherProgram;
 using test::Playing;
 using test::wait_until;
 
 namespace {
 
-constexpr std::chrono::milliseconds kPatience = std::chrono::seconds{120};
 constexpr std::uintmax_t kFrameBytes = 4, kSecond = 48000 * kFrameBytes;
 
 const std::string kTone = R"(format = 1
@@ -45,12 +45,12 @@ struct Listener {
     return most;
   }
   bool plays() const {
-    return wait_until([this] { return bytes() > kSecond && highest() > 6000; }, kPatience);
+    return wait_until([this] { return bytes() > kSecond && highest() > 6000; }, kSlowMachine);
   }
   /// The highest sample of a second, when what was on its way in a buffer is over.
   int highest_later() const {
     const auto end = bytes() + 3 * kSecond;
-    REQUIRE(wait_until([&] { return bytes() >= end; }, kPatience));
+    REQUIRE(wait_until([&] { return bytes() >= end; }, kSlowMachine));
     return highest();
   }
 

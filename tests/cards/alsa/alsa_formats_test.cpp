@@ -18,12 +18,12 @@ using namespace tactus;
 using test::alsa_ways;
 using test::CableCard;
 using test::GuardedProbe;
+using test::kSlowMachine;
 using test::NoiseProbe;
 using test::OtherProgram;
 
 namespace {
 
-constexpr std::chrono::milliseconds kPatience = std::chrono::seconds{120};
 constexpr double kStep = 1.0 / 32768;
 /// The libraries scale by 32767 to 32768 and round, half a step each.
 constexpr double kTolerance = 1.5 * kStep;
@@ -85,7 +85,7 @@ TEST_CASE("alsa: a card of 16 bit plays what it is given, rounded, and silence a
     if (!stream) FAIL(to_string(stream.error()));
     probe.guarded.skip_soft_start();
     REQUIRE((*stream)->start());
-    REQUIRE(test::wait_until([&] { return probe.probe.frames() > 48000; }, kPatience));
+    REQUIRE(test::wait_until([&] { return probe.probe.frames() > 48000; }, kSlowMachine));
     CHECK((*stream)->stop());
     other.end();
     const auto samples = read_raw(file);
@@ -114,7 +114,7 @@ TEST_CASE("alsa: what a card of 16 bit records is exact to a step", "[.alsa]") {
     auto stream = backend->open(one_way(*backend, card, 1, 0), probe.guarded);
     if (!stream) FAIL(to_string(stream.error()));
     REQUIRE((*stream)->start());
-    REQUIRE(test::wait_until([&] { return probe.probe.full(); }, kPatience));
+    REQUIRE(test::wait_until([&] { return probe.probe.full(); }, kSlowMachine));
     CHECK((*stream)->stop());
     CHECK(has_noise(probe.probe.heard(0)));
     other.end();

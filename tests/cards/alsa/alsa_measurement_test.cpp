@@ -13,11 +13,10 @@
 using namespace tactus;
 using test::alsa_ways;
 using test::CableCard;
+using test::kSlowMachine;
 using test::wait_until;
 
 namespace {
-
-constexpr std::chrono::milliseconds kPatience = std::chrono::seconds{120};
 
 /// The whole number of frames by which the capture follows what was played, by a plain correlation at every
 /// lag:
@@ -88,7 +87,7 @@ TEST_CASE("alsa: a measurement that loses frames is refused as LOST_FRAMES", "[.
         std::getline(std::ifstream{"/proc/asound/" + card.id() + "/pcm0p/sub0/status"}, state);
         return state == "state: RUNNING";
       };
-      REQUIRE(wait_until(runs, kPatience));
+      REQUIRE(wait_until(runs, kSlowMachine));
       // Again and again until it ends: some of it is in the middle of a probe.
       while (!latency.wait(std::chrono::milliseconds{1500})) {
         latency.pause();

@@ -10,16 +10,15 @@
 
 using namespace tactus;
 using test::CableCard;
+using test::kSlowMachine;
 using test::Playing;
 using test::VirtualKeyboard;
 using test::wait_until;
 
 namespace {
 
-constexpr std::chrono::milliseconds kPatience = std::chrono::seconds{120};
-
 bool says(Playing& play, const std::string& words) {
-  return wait_until([&] { return play.log().find(words) != std::string::npos; }, kPatience);
+  return wait_until([&] { return play.log().find(words) != std::string::npos; }, kSlowMachine);
 }
 
 /// A control that is heard, at 0.1.
@@ -49,7 +48,7 @@ TEST_CASE("alsa: a keyboard on the sequencer is heard, also when it was pulled o
   const VirtualKeyboard keyboard;
   const auto inputs = make_rtmidi("alsa", std::chrono::milliseconds{100});
   for (int turn = 0; turn < 3; ++turn) {
-    REQUIRE(wait_until([&] { return !inputs->ports().empty(); }, kPatience));
+    REQUIRE(wait_until([&] { return !inputs->ports().empty(); }, kSlowMachine));
     const auto port = inputs->ports().front();
     CHECK(port.find("VirMIDI") != std::string::npos);
     std::vector<MidiEvent> heard;
@@ -59,12 +58,12 @@ TEST_CASE("alsa: a keyboard on the sequencer is heard, also when it was pulled o
           heard = inputs->poll();
           return !heard.empty();
         },
-        kPatience));
+        kSlowMachine));
     CHECK(heard.front().port == port);
     CHECK(heard.front().message.channel == 3);
     CHECK(heard.front().message.value == 20 + turn);
     keyboard.pull();
-    REQUIRE(wait_until([&] { return inputs->ports().empty(); }, kPatience));
+    REQUIRE(wait_until([&] { return inputs->ports().empty(); }, kSlowMachine));
     keyboard.plug();
   }
 }
@@ -90,9 +89,9 @@ TEST_CASE("alsa: a control learns its controller, and obeys it when that was awa
   const auto before = play.log().size();
   keyboard.plug();
   REQUIRE(wait_until([&] { return play.log().find("MIDI from 'alsa:", before) != std::string::npos; },
-                     kPatience));
+                     kSlowMachine));
   keyboard.play({0xb0, 7, 102});
-  CHECK(wait_until([&] { return saved_level(play, rig) == Approx(102.0 / 127).margin(1e-3); }, kPatience));
+  CHECK(wait_until([&] { return saved_level(play, rig) == Approx(102.0 / 127).margin(1e-3); }, kSlowMachine));
   play.press("q");
   CHECK(play.ends() == 0);
 }

@@ -7,12 +7,11 @@
 using namespace tactus;
 using test::alsa_ways;
 using test::CableCard;
+using test::kSlowMachine;
 using test::Playing;
 using test::wait_until;
 
 namespace {
-
-constexpr std::chrono::milliseconds kPatience = std::chrono::seconds{120};
 
 int times(const char* variable, int usual) {
   const char* text = std::getenv(variable);
@@ -22,7 +21,7 @@ int times(const char* variable, int usual) {
 /// Until it has printed this `many` times.
 bool says(Playing& play, const std::string& words, int many) {
   const bool said =
-      wait_until([&] { return play.count(words) >= many || !play.process().running(); }, kPatience);
+      wait_until([&] { return play.count(words) >= many || !play.process().running(); }, kSlowMachine);
   if (const auto code = play.process().wait(std::chrono::milliseconds{0})) WARN("it ended with " << *code);
   return said && play.count(words) == many;
 }

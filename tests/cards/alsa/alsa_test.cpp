@@ -13,16 +13,15 @@ using std::chrono::seconds;
 using test::alsa_ways;
 using test::CableCard;
 using test::GuardedProbe;
+using test::kSlowMachine;
 using test::wait_until;
 
 namespace {
 
-constexpr std::chrono::milliseconds kPatience = seconds{120};
-
 test::WatchedStream play(const test::Way& way, const CableCard& card) {
   auto backend = way.backend();
   const auto request = card.request(*backend, 48000, 2048);
-  return {std::move(backend), request, 48000, kPatience};
+  return {std::move(backend), request, 48000, kSlowMachine};
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -10,6 +11,9 @@
 #include "tests/support/child_process.h"
 
 namespace tactus::test {
+
+/// How long to wait for what happens in the virtual machine, which is slow.
+inline constexpr std::chrono::milliseconds kSlowMachine = std::chrono::seconds{120};
 
 /// A real ALSA card with a cable from its outputs to its inputs: snd-aloop's, in the virtual machine that
 /// scripts/vm/run starts. There are two, equal but for their names.

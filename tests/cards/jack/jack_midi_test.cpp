@@ -14,14 +14,14 @@
 #include "tests/support/sound_server.h"
 #include "tests/support/wait_until.h"
 
-// MIDI of a stream on a real server: a JACK client plays, and what it plays must be heard.
+// MIDI inputs of a stream on a real server: another JACK client sends messages, which must arrive.
 
 using namespace tactus;
 using namespace std::chrono_literals;
 
 namespace {
 
-constexpr int kTrial = 16;  // channel of what is played until something is heard
+constexpr int kTrial = 16;  // channel of the messages of Player::hears
 
 using Bytes = std::array<std::uint8_t, 3>;
 
@@ -91,7 +91,7 @@ struct Player : test::WatchedStream {
 
 const std::string kKeys = "jack:tactus_keys:keys";
 
-/// What is heard until as many came as were played, but for what Player::hears played.
+/// Waits until `many` messages have arrived, those of Player::hears not counted.
 std::vector<MidiEvent> hear(MidiInputs& inputs, std::size_t many) {
   std::vector<MidiEvent> heard;
   test::wait_until([&] {
