@@ -116,7 +116,7 @@ class BracketScan {
   Status run() {
     for (std::size_t i = 0; i < text_.size();) {
       const char c = text_[i];
-      if (c == '"' || c == '\'') {
+      if ((c == '"' || c == '\'') && may_begin_string(i)) {
         i = skip_string(text_, i);
       } else if (c == '#') {
         i = std::min(text_.find('\n', i), text_.size());
@@ -141,6 +141,13 @@ class BracketScan {
  private:
   tl::unexpected<Error> stop(std::size_t offset, std::string what, std::string remedy) const {
     return fail(Errc::Syntax, place_of(text_, offset, file_).text(), std::move(what), std::move(remedy));
+  }
+
+  /// Where a key or a value may begin. To the parser a quote elsewhere is part of something malformed.
+  bool may_begin_string(std::size_t offset) const {
+    while (offset > 0 && (text_[offset - 1] == ' ' || text_[offset - 1] == '\t')) --offset;
+    return offset == 0 || std::string_view{"=,[{.\n"}.find(text_[offset - 1]) != std::string_view::npos ||
+           (offset == kByteOrderMark.size() && text_.starts_with(kByteOrderMark));
   }
 
   /// A character that may be a blank to the eye: so its number is given, too.

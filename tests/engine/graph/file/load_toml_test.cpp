@@ -81,6 +81,13 @@ TEST_CASE("toml: texts that run into the parser's own assertions are errors like
   CHECK(table.error().where.starts_with("a.toml"));
 }
 
+TEST_CASE("toml: a quote within something malformed begins no text", "[graph]") {
+  // The parser asks of each character behind it whether it is a blank, with no answer for some.
+  CHECK(refused("a = 4\"0.4 \u0385\"") == "a.toml:1:11 Syntax '\u0385' U+0385");
+  CHECK(refused("a = [ \"\u0385\", '\u0385' ]\n'\u0385' = 1\n\"b\".\"\u0385\" = 1\n[ 'c' ]\n\t\"\u0385\" = "
+                "{\"\u0385\" = 1}") == "read");
+}
+
 TEST_CASE("toml: depth and size are bounded before the parser recurses", "[graph]") {
   const std::string lists = "a = " + std::string(64, '[') + std::string(64, ']');
   CHECK(refused(lists) == "read");
