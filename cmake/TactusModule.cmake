@@ -2,8 +2,12 @@
 set(TACTUS_MARCH "")
 if(TACTUS_ARCH)
   set(TACTUS_MARCH -march=${TACTUS_ARCH})
-elseif(TACTUS_NATIVE AND CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
-  set(TACTUS_MARCH -march=native)
+elseif(TACTUS_NATIVE)
+  include(CheckCXXCompilerFlag)
+  check_cxx_compiler_flag(-march=native TACTUS_MARCH_NATIVE)  # not every clang has it for every processor
+  if(TACTUS_MARCH_NATIVE)
+    set(TACTUS_MARCH -march=native)
+  endif()
 endif()
 
 # The flags that every target of the project shares.
