@@ -92,6 +92,9 @@ int exit_of(const Error& error) {
 void install_signal_handlers() {
   std::signal(SIGINT, note_signal);
   std::signal(SIGTERM, note_signal);
+#ifdef SIGHUP
+  if (std::signal(SIGHUP, note_signal) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // as nohup asks for
+#endif
 }
 
 bool interrupted() { return signalled != 0; }

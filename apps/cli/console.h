@@ -94,7 +94,8 @@ T or_exit(tl::expected<T, E> result, int exit = 0) {
   if constexpr (!std::is_void_v<T>) return std::move(*result);
 }
 
-/// From now on Ctrl-C and SIGTERM only set `interrupted`. For work without outputs: those need a StopLoop.
+/// From now on Ctrl-C, SIGTERM and a terminal that is closed only set `interrupted`. For work without
+/// outputs: those need a StopLoop.
 void install_signal_handlers();
 bool interrupted();
 
