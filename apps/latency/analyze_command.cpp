@@ -55,7 +55,20 @@ int captured_channel(const AnalyzeOptions& options, int first, int channels) {
                            : fmt::format("it has channels {} to {}", first, first + channels - 1)});
 }
 
-Samples at_rate(Samples probe, Hertz rate) {
+/// Three of eight sweeps are enough: a recording may be cut, to less than half of the probe.
+constexpr double kMostProbes = 4.0;
+
+/// As long as it may be in this recording, at its rate.
+Samples at_rate(Samples probe, const AnalyzeOptions& options, const Samples& recording) {
+  const auto seconds = [](const Samples& of) {
+    return static_cast<double>(of.frames()) / of.sample_rate.value;
+  };
+  if (seconds(probe) > kMostProbes * seconds(recording))
+    exit_with({Errc::BadFile, options.probe,
+               fmt::format("the probe lasts {:.3g} s at {:g} Hz, the recording only {:.3g} s", seconds(probe),
+                           probe.sample_rate.value, seconds(recording)),
+               "record the whole probe; if only a header is wrong, give --rate"});
+  const auto rate = recording.sample_rate;
   if (probe.sample_rate == rate) return probe;
   fmt::print(stderr,
              "note: the probe file is at {:g} Hz and the recording at {:g} Hz: the probe was resampled; if "
@@ -79,7 +92,7 @@ Capture capture_of(const AnalyzeOptions& options) {
     played = std::move(channels.front());
     channels.erase(channels.begin());
   } else {
-    auto probe = at_rate(read(options.probe, options), samples.sample_rate);
+    auto probe = at_rate(read(options.probe, options), options, samples);
     played = std::move(probe.channels.front());
     played.resize(std::max(played.size(), channels.front().size()));
   }

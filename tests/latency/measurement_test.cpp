@@ -79,6 +79,31 @@ TEST_CASE("measurement: in a howl the output is silent from the frame on in whic
   CHECK(captured.size() - static_cast<std::size_t>(at) > 14000);  // 0.3 s in which it went on
 }
 
+TEST_CASE("measurement: the output fades 500 ms after the stop inputs were handled last",
+          "[latency][measurement]") {
+  // The loop that handles them is blocked from the beginning: nothing refreshes its dead man's switch.
+  const DeadMansSwitch dead_man;
+  auto settings = on_a_wire();
+  settings.probes = 2;
+  const auto free = measured({named("delay=100")}, settings);
+  settings.dead_mans_switch = &dead_man;
+  LoopBackend in_real_time;
+  in_real_time.add("loop:test", named("delay=100"));
+  const auto measurement = measure(in_real_time, settings);
+  REQUIRE(measurement);
+  expect(*measurement, Verdict::LostFrames);
+  CHECK(measurement->finding.what.find("stop inputs") != std::string::npos);
+  const auto& played = measurement->openings.front().recording.played;
+  const auto expired = frames_in(DeadMansWatch::kPatience, 48_kHz);
+  const auto faded = expired + frames_in(settings.guard.limits.fade_out, 48_kHz) + 1;
+  const auto from = [](const std::vector<double>& samples, double frame) {
+    return std::vector<double>(samples.begin() + static_cast<std::ptrdiff_t>(frame), samples.end());
+  };
+  CHECK(loudest(played) > 0.0);
+  CHECK(loudest(from(free.openings.front().recording.played, faded)) > 0.0);
+  CHECK(loudest(from(played, faded)) == 0.0);
+}
+
 TEST_CASE("measurement: nothing is ever louder than allowed, by the settings or by the guard",
           "[latency][measurement]") {
   auto settings = on_a_wire();

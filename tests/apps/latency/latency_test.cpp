@@ -10,6 +10,7 @@
 #include "latency/probe/probe.h"
 #include "tests/support/child_process.h"
 #include "tests/support/desk.h"
+#include "tests/support/terminal_process.h"
 #include "tests/support/wait_until.h"
 #include "tests/support/well_formed.h"
 
@@ -109,6 +110,16 @@ TEST_CASE("latency analyze: the probe is resampled to the capture's rate, or bot
   INFO(corrected.err);
   CHECK(corrected.json()["sample_rate_hz"] == 48000);
   CHECK(corrected.json()["delay_frames"].get<double>() == Approx(960).epsilon(0).margin(0.01));
+}
+
+TEST_CASE("latency analyze: a probe that cannot be in the recording is refused before any work",
+          "[latency]") {
+  const Desk desk;
+  auto probe = desk.probe();
+  desk.capture("capture.wav", later(probe, 960, 0.5));
+  probe.sample_rate = Hertz{2936};  // as a broken header has it: 77 s
+  REQUIRE(write_wav(desk.file("slow.wav"), probe));
+  check_exit(desk.run("latency analyze capture.wav --probe slow.wav"), 3, "slow.wav 2936");
 }
 
 TEST_CASE("latency analyze: a file with what was played in its first channel needs no probe", "[latency]") {
@@ -389,6 +400,25 @@ TEST_CASE("latency sweep: Ctrl-C ends it, with exit code 5", "[latency]") {
   REQUIRE(test::wait_until([&] { return sweep.log().find("64 frames") != std::string::npos; }));
   sweep.send(SIGINT);
   CHECK(sweep.wait(std::chrono::seconds{5}) == 5);
+}
+
+TEST_CASE("latency: a terminal that is closed ends it, with exit code 5", "[latency]") {
+  struct Case {
+    std::string command, shown;
+  };
+  // Between two measurements as well as within one.
+  const auto [command, shown] = GENERATE(Case{"measure", "opening 1 of"}, Case{"sweep", "16 frames"},
+                                         Case{"sweep", "opening 1 of"}, Case{"calibrate", "opening 1 of"});
+  CAPTURE(command, shown);
+  std::vector<std::string> words{TACTUS_PROGRAM, "latency", command, "--device", "loop:20ms"};
+  if (command == "calibrate")
+    for (const auto* word : {"--save", "path.toml", "--electrical", "1 ms"}) words.emplace_back(word);
+  test::TerminalProcess program{words};
+  REQUIRE(program.shows(shown));
+  program.close();
+  const auto ended = program.wait();
+  REQUIRE(ended);
+  CHECK(*ended == 5);
 }
 
 TEST_CASE("latency calibrate: what lies in the loop becomes a profile, behind which the delay is found again",
