@@ -244,6 +244,41 @@ TEST_CASE("card callback: while frames do not run at their rate zeros go out and
   CHECK(card.guarded.frame() == frame + 16);
 }
 
+TEST_CASE("card callback: a dead man's switch does not expire while frames do not run at their rate",
+          "[backends]") {
+  Card card{1, 1, 16};
+  DeadMansSwitch dead_man;
+  card.guarded.set_dead_mans_switch(&dead_man);
+  REQUIRE(card.guarded.prepare({48_kHz, 1, 1, 16}));
+  card.guarded.skip_soft_start();
+  card.callback->play();
+  card.callback->suspend(true);
+  for (int n = 0; n < 3000; ++n) card.block({plane(16, 0.5)}, 1, 16);  // one second of frames
+  card.callback->suspend(false);
+  CHECK(card.block({plane(16, 0.5)}, 1, 16) == std::vector<Plane>{plane(16, 0.625)});
+  GuardEvent event;
+  CHECK_FALSE(card.guarded.take_event(event));
+  // Half a second from its first frame on, one block of which was before.
+  while (card.guarded.frame() < 24'000) card.block({plane(16, 0.5)}, 1, 16);
+  CHECK_FALSE(card.guarded.take_event(event));
+  card.block({plane(16, 0.5)}, 1, 16);
+  REQUIRE(card.guarded.take_event(event));
+  CHECK(event.kind == GuardEvent::Kind::DeadMan);
+}
+
+TEST_CASE("card callback: where a library does not report it, frames ahead of the clock are noticed",
+          "[backends]") {
+  Card card{1, 1, 480};
+  card.callback->play();
+  const auto zeros = std::vector<Plane>{plane(480, 0)};
+  // Each block stands for 10 ms, and takes some microseconds: noticed in the second half a second of the
+  // clock.
+  REQUIRE(test::wait_until([&] { return card.block({plane(480, 0.5)}, 1, 480) == zeros; }));
+  const auto frame = card.guarded.frame();
+  for (int n = 0; n < 100; ++n) REQUIRE(card.block({plane(480, 0.5)}, 1, 480) == zeros);
+  CHECK(card.guarded.frame() == frame);
+}
+
 TEST_CASE("card callback: a suspended stream can be stopped", "[backends]") {
   Card card{0, 1, 16};
   card.callback->play();

@@ -21,6 +21,25 @@ TEST_CASE("render: the memory of an instrument does not grow with the duration",
   CHECK(ran.json()["frames"] == 200 * 48000);
 }
 
+TEST_CASE("render: a scene that would record more than 4 GB is refused before it runs", "[apps]") {
+  // The position alone is 48000 * 8 B/s, 4 GB in 3.1 h.
+  const test::Desk desk;
+  desk.folder.write("plant.toml", R"(format = 1
+[networks.n]
+a = { type = "mass", mass = "1 g", velocity = "1 m/s" }
+[outputs]
+x = { from = "n.a.position", unit = "m" }
+)");
+  desk.folder.write("long.toml", R"(format = 1
+rate = "48 kHz"
+duration = "20000 s"
+[parts]
+plant = { use = "plant.toml" }
+)");
+  const auto ran = desk.run("render long.toml");
+  test::check_exit(ran, 3, "more than 4");
+}
+
 TEST_CASE("render: a file is followed by silence up to the duration, at its rate or another one", "[apps]") {
   const test::Desk desk;
   desk.folder.write("through.toml",

@@ -64,6 +64,13 @@ TEST_CASE("live instrument: a drive without a rig takes 1 kHz at its ceiling", "
   CHECK(guarded.counts(0) == GuardCounts{});
 }
 
+TEST_CASE("live instrument: the slew limit of a drive without a rig lets 1 kHz at full scale pass",
+          "[live]") {
+  // 2 pi 1000 /s; 1.1 kHz is beyond it.
+  CHECK(conservative_limits().slew_per_second >= 2 * kPi * 1000);
+  CHECK(conservative_limits().slew_per_second < 2 * kPi * 1100);
+}
+
 TEST_CASE("live instrument: an edit that leads an input to an output has it watched for feedback", "[live]") {
   const test::TemporaryFolder folder;
   const auto file = folder.write("test.toml", graph("tone", "drive"));

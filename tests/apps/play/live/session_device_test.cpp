@@ -14,22 +14,45 @@ using namespace tactus::app;
 
 namespace {
 
-constexpr const char* kTone = R"(format = 1
+std::string tone(const std::string& level, const std::string& frequency = "100 Hz") {
+  return R"(format = 1
 name = "tone"
 [controls]
-level = { value = 0.4, range = [0, 1] }
+level = { value = )" +
+         level + R"(, range = [0, 1] }
 [nodes]
-wave = { type = "sine", frequency = "100 Hz" }
+wave = { type = "sine", frequency = ")" +
+         frequency + R"(" }
 [outputs]
 shaker = { from = "level * wave" }
 )";
+}
+
+/// Beside a tone, a loop of 5 ms that grows by half each time.
+constexpr const char* kToneAndFeedback = R"(format = 1
+name = "tone and feedback"
+[nodes]
+wave = { type = "sine", level = 0.4, frequency = "100 Hz" }
+kick = { type = "sine", level = 0.01, frequency = "100 Hz" }
+x = "kick + 1.5 * echo"
+echo = { type = "delay", in = "x", time = "5 ms" }
+[outputs]
+shaker = { from = "wave" }
+woofer = { from = "x" }
+)";
+
+bool has(const std::vector<std::string>& messages, const std::string& text) {
+  return std::ranges::any_of(messages,
+                             [&](const auto& line) { return line.find(text) != std::string::npos; });
+}
 
 struct Fixture {
-  explicit Fixture(bool armed = true) {
-    const auto file = folder.write("tone.toml", kTone);
+  explicit Fixture(bool armed = true, const std::string& graph = tone("0.4"), int outputs_ = 1)
+      : outputs(outputs_) {
+    const auto file = folder.write("tone.toml", graph);
     performer = make_instrument({file, folder.path()});
     StreamRequest request;
-    request.out_channels = 1;
+    request.out_channels = outputs;
     session = std::make_unique<Session>(*performer, backend, request, armed);
   }
   ~Fixture() { world.state = StreamState::Stopped; }  // nothing fades: no block comes any more
@@ -39,15 +62,23 @@ struct Fixture {
     REQUIRE(session->start());
   }
   /// The highest sample of the last 0.1 s of a second: the soft start, or a fade, is over by then.
-  double level() {
-    ChannelBuffers out{1, 64};
+  double level(int output = 0) {
+    ChannelBuffers out{outputs, 64};
     double highest = 0;
     for (int frame = 0; frame < 48000; frame += 64) {
       backend.guarded->process({nullptr, out.data(), 64});
       if (frame > 43200)
-        for (int n = 0; n < 64; ++n) highest = std::max(highest, std::abs(out[0][n]));
+        for (int n = 0; n < 64; ++n) highest = std::max(highest, std::abs(out[output][n]));
     }
     return highest;
+  }
+  /// The file is edited, and taken over while blocks are processed.
+  void edit(const std::string& graph) {
+    folder.write("tone.toml", graph);
+    REQUIRE(test::wait_until([&] {
+      level();
+      return has(tick(), "edit applied");
+    }));
   }
   /// As when a was pressed twice.
   Status arm() {
@@ -74,6 +105,7 @@ struct Fixture {
     return count;
   }
 
+  int outputs;
   test::TemporaryFolder folder;
   test::FakeWorld world;
   test::FakeBackend backend{world};
@@ -81,11 +113,6 @@ struct Fixture {
   std::unique_ptr<Performer> performer;
   std::unique_ptr<Session> session;
 };
-
-bool has(const std::vector<std::string>& messages, const std::string& text) {
-  return std::ranges::any_of(messages,
-                             [&](const auto& line) { return line.find(text) != std::string::npos; });
-}
 
 }  // namespace
 
@@ -100,6 +127,33 @@ TEST_CASE("session: the same device comes back armed, with the controls where th
   CHECK(f.session->armed());
   CHECK(f.session->controls().text(0) == "level = 0.05");
   CHECK(f.level() == Approx(0.05).epsilon(1e-3));
+}
+
+TEST_CASE("session: an edit moves a control only where its value changed, in the engine and on the screen",
+          "[live]") {
+  Fixture f;
+  f.start();
+  REQUIRE(f.session->controls().turn("level", 0.05));
+  f.tick();
+  CHECK(f.level() == Approx(0.05).epsilon(1e-3));
+  f.edit(tone("0.2"));
+  CHECK(f.session->controls().text(0) == "level = 0.2");
+  CHECK(f.level() == Approx(0.2).epsilon(1e-3));
+  REQUIRE(f.session->controls().turn("level", 0.1));
+  f.tick();
+  f.edit(tone("0.2", "120 Hz"));
+  CHECK(f.session->controls().text(0) == "level = 0.1");
+  CHECK(f.level() == Approx(0.1).epsilon(1e-3));
+}
+
+TEST_CASE("session: feedback of one drive disarms the others too", "[live]") {
+  Fixture f{true, kToneAndFeedback, 2};
+  f.start();
+  CHECK(f.level(1) == 0.0);  // faded within the second
+  CHECK(has(f.tick(), "woofer: feedback at"));
+  CHECK_FALSE(f.session->armed());
+  f.tick();
+  CHECK(f.level(0) == 0.0);
 }
 
 TEST_CASE("session: a device that comes back otherwise is disarmed, and says why", "[live]") {
