@@ -57,6 +57,14 @@ struct ActiveCoupling {
   bool bounces = false;       ///< over within the step: the damper of its restitution
 };
 
+/// A damper with z k / m above this stops its masses within a step.
+inline constexpr double kStopsWithinStep = 4.0;
+/// Such a damper counts towards the end of the step by theta instead of 1/2:  theta - 1/2,
+/// theta = 1 - 32 / r^3 where r = z k / m > 4, else 1/2.
+inline double stiff_weight(double r) noexcept {
+  return r > kStopsWithinStep ? 0.5 - 32.0 / (r * r * r) : 0.0;
+}
+
 /// Where a network is. Everything that `Network::step` changes. [m], [J^1/2], [A]
 struct NetworkState {
   AlignedNumbers position;           ///< of every slot: q
@@ -141,12 +149,9 @@ struct NetworkModel {
   /// networks.
   double stiffest(double k_share, double b_share) const;
 
-  /// [any] What a damper z [N s/m] that stops its masses within a step is weighted with towards the end of
-  /// the step: as an inertia between its ends, over k^2 [N/m].  z (theta - 1/2) / k,  theta = 1 - 32 / r^3
-  /// where r = z k / m > 4, else 1/2.
-  double stiff_inertia(double damping, double r) const noexcept {
-    return r > 4.0 ? damping * (0.5 - 32.0 / (r * r * r)) / k : 0.0;
-  }
+  /// [any] What a damper z [N s/m] that stops its masses within a step, r = z k / m, is weighted with towards
+  /// the end of the step: as an inertia between its ends, over k^2 [N/m].
+  double stiff_inertia(double damping, double r) const noexcept { return damping * stiff_weight(r) / k; }
 
   bool is_mass(int of) const { return of < masses; }
   bool moves(int of) const { return of < masses + static_cast<int>(motions.size()); }

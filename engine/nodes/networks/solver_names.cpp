@@ -44,6 +44,16 @@ std::string percent(double error) {
                         : fmt::format("{:.2g} %", 100.0 * error);
 }
 
+std::string error_text(const SolverBounds& b) {
+  std::string text = b.error == 0.0 ? std::string{b.bounded ? "exact" : "resonances exact"}
+                                    : "error at most " + percent(b.error);
+  if (b.contact_frames > 0.0)
+    text += fmt::format(", contacts shorter than {:g} frames right within {:g} frames", kShortContact,
+                        b.contact_frames);
+  if (!b.bounded) text += ", not bounded: friction";
+  return text;
+}
+
 std::string against(const SolverBounds& b) {
   switch (b.limit) {
     case SolverBounds::Limit::CannotBeMade:
@@ -51,8 +61,8 @@ std::string against(const SolverBounds& b) {
     case SolverBounds::Limit::TooStiff:
       return "unstable: springs or dampers too stiff";
     case SolverBounds::Limit::ShortContact:
-      return fmt::format("a contact at {} m/s lasts {:.1f} steps, less than the required {}", kHardestStrike,
-                         b.contact_steps, kFewestContactSteps);
+      return fmt::format("a contact at {} m/s lasts {:.1f} steps, less than required", kHardestStrike,
+                         b.contact_steps);
     case SolverBounds::Limit::DeepContact:
       return fmt::format("unstable: a contact is too stiff in the initial state or at an impact of {} m/s",
                          kHardestStrike);
@@ -116,7 +126,7 @@ std::string explain_choice(const SolverChoice& choice) {
   if (best->limit != SolverBounds::Limit::None)
     text += against(*best) + warning(*best);
   else
-    text += best->error == 0.0 ? std::string("exact") : "error at most " + percent(best->error);
+    text += error_text(*best);
   for (const auto* other : cheaper(choice, *best))
     text += fmt::format("\n  not {}: {}", described(*other), against(*other));
   return text;

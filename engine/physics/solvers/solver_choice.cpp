@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -27,8 +28,11 @@ class Demand {
   ContactDemand compute() {
     for (const auto& contact : elements_.contacts) add_strike(contact);
     for (const auto& contact : elements_.contacts) add_pressed(contact);
+    auto contacts = std::exchange(links_, {});
     for (const auto& bond : elements_.bonds)
       links_.push_back({bond.lower, bond.upper, 0.0, bond.law->largest_stiffness(), bond.damping});
+    demand_.bond_stiffness = largest(&Link::stiffness);
+    links_.insert(links_.end(), contacts.begin(), contacts.end());
     demand_.stiffness = largest(&Link::stiffness);
     demand_.damping = largest(&Link::damping);
     return std::move(demand_);
@@ -73,12 +77,27 @@ class Demand {
     const double depth = std::pow(a1 * v * v / (2.0 * contact.stiffness * light), 1.0 / a1);
     const double time = 2.0 * std::sqrt(std::numbers::pi) * std::tgamma(1.0 + 1.0 / a1) /
                         std::tgamma(0.5 + 1.0 / a1) * depth / v;
-    const auto known = std::find_if(demand_.strikes.begin(), demand_.strikes.end(),
-                                    [&](const auto& strike) { return strike.exponent == contact.exponent; });
+    const double e = restitution(contact, v);
+    const bool spring = springs_back(contact);
+    const auto known = std::ranges::find_if(demand_.strikes, [&](const auto& strike) {
+      return strike.exponent == contact.exponent && strike.restitution == e && strike.spring == spring;
+    });
     if (known == demand_.strikes.end())
-      demand_.strikes.push_back({contact.exponent, time});
+      demand_.strikes.push_back({contact.exponent, e, time, spring});
     else
       known->time_s = std::min(known->time_s, time);
+  }
+
+  /// Of the speeds, where a loss must not depend on the speed, or at that of the strike.
+  static double restitution(const Contact& contact, double speed) {
+    return contact.restitution ? *contact.restitution : restitution_of(contact.loss * speed);
+  }
+  /// Another contact pushes the other way as soon as this one opens: together they are a spring.
+  bool springs_back(const Contact& contact) const {
+    return std::ranges::any_of(elements_.contacts, [&](const Contact& other) {
+      return other.lower == contact.upper && other.upper == contact.lower &&
+             other.offset + contact.offset >= 0.0;
+    });
   }
 
   void add_pressed(const Contact& c) {
@@ -120,28 +139,124 @@ class Demand {
 // Bounds do not depend on what enters.
 constexpr int kSignals = 0;
 
-double contact_error(Solver solver, const ContactDemand::Strike& strike, double k) {
-  const double a = strike.exponent, s = strike.time_s / k, second_order = 0.5 + 0.33 * a;
+/// Of x^2 - 2 half x + product = 0, half <= 0. Of two real ones the lower belongs to what decays faster.
+struct Roots {
+  Roots(double half, double product) {
+    const double apart = half * half - product;
+    real = apart >= 0.0;
+    fast = real ? half - std::sqrt(apart) : Complex{half, -std::sqrt(-apart)};
+    slow = real ? Complex{fast == 0.0 ? 0.0 : product / fast.real()} : std::conj(fast);
+  }
+  using Complex = std::complex<double>;
+  Complex fast, slow;
+  bool real;
+};
+
+/// The largest difference between e^(-right n) and (1 + w)^n for whole n.
+double decay_error(double right, double w) {
+  if (w <= -1.0) return std::abs(std::exp(-right) - (1.0 + w));
+  const double stepped = -std::log1p(w);
+  if (stepped == right) return 0.0;
+  const double n = std::max(1.0, right > 0.0 ? std::log(stepped / right) / (stepped - right) : 1.0);
+  return std::abs(std::exp(-right * n) - std::exp(-stepped * n));
+}
+
+std::complex<double> log_of_one_plus(std::complex<double> w) {
+  return {0.5 * std::log1p(2.0 * w.real() + std::norm(w)), std::atan2(w.imag(), 1.0 + w.real())};
+}
+
+/// Of the time of a contact that lasts `s` steps.
+double time_error(Solver solver, const ContactDemand::Strike& strike, double s) {
+  const double a = strike.exponent, second_order = 0.5 + 0.33 * a, loss = 1.0 - strike.restitution;
   switch (solver) {
     case Solver::Implicit:
-      return (1.3 + 0.86 * a) / (s * s);
+      return (loss > 0.0 ? 1.3 : 1.0) * (1.3 + 0.86 * a) / (s * s);
     case Solver::Passive:
       return std::max(1.0, 0.12 * a) / std::pow(s, 1.5);
     case Solver::Explicit:
-      return std::max(1.4, second_order) / (s * s);
+      return std::max(1.4, second_order) / (s * s) + 0.45 * std::min(1.0, 2.8 * loss) / s;
     default:
       return second_order / (s * s);
   }
 }
 
+/// Of the speed at which the bodies part, relative to that at which they met.
+double restitution_error(Solver solver, const ContactDemand::Strike& strike, double s) {
+  constexpr double kWithinStep = 2.0, kSmall = 0.05;
+  const double e = strike.restitution;
+  if (e == 1.0) return 0.0;  // energy is kept (explicit: `kFewestContactSteps`)
+  if (solver == Solver::Explicit) return s < 5.0 / std::sqrt(e) ? 1.0 : 1.0 / (s * s);
+  if (s <= kWithinStep) return 0.0;
+  if (s < std::max(5.0, 1.6 / std::sqrt(e))) return 0.4;
+  const double error = 0.65 / (s * s);
+  if (e >= kSmall) return error;
+  if (solver == Solver::Implicit) return s < 20.0 ? 0.1 : error;
+  return std::max(0.13, error);
+}
+
+/// Of the time of a contact shorter than `kShortContact`. [steps]
+double short_contact_steps(Solver solver) {
+  return solver == Solver::Exact ? 7.0 : solver == Solver::Implicit ? 4.0 : 2.0;
+}
+
+/// Of the current of a coil, whose own time is L / R.
+double coil_error(Solver solver, const Coil& coil, double k) {
+  if (solver == Solver::Exact || coil.inductance == 0.0) return 0.0;
+  const double x = coil.resistance * k / coil.inductance, late = std::min(1.0, 2.0 / x);
+  return x < 2.0 ? std::min(late, 2.0 * std::atanh(0.5 * x) / x - 1.0) : late;
+}
+
+Stepping stepping_of(Solver solver, bool averaged) {
+  if (solver == Solver::Exact) return Stepping::Exact;
+  if (solver == Solver::Explicit) return Stepping::Explicit;
+  return averaged ? Stepping::Averaged : Stepping::Centred;
+}
+
+/// The largest of all oscillators up to a stiffness and a damping: nothing else is known of how they combine.
+double largest_error(Stepping stepping, double square, double damping) {
+  constexpr int kParts = 4;
+  double worst = 0.0;
+  for (int i = 0; i <= kParts; ++i)
+    for (int j = 0; j <= kParts; ++j)
+      worst = std::max(worst, oscillator_error(stepping, square * i / kParts, damping * j / kParts));
+  return worst;
+}
+
+/// What springs, dampers, ports, coils and bonds are off by.
+double linear_error(const NetworkElements& elements, const NetworkModel& model, const Network& network,
+                    const ContactDemand& contacts) {
+  const auto solver = network.solver();
+  const double k = model.k, squared = k * k, damping = squared * model.stiffest(0.0, 1.0);
+  double error = largest_error(stepping_of(solver, network.springs_averaged()),
+                               squared * model.stiffest(1.0, 0.0), damping);
+  if (!elements.bonds.empty())
+    error = std::max(error, largest_error(Stepping::Averaged, squared * contacts.bond_stiffness, 0.0));
+  for (const auto& coil : elements.coils) error = std::max(error, coil_error(solver, coil, k));
+  const bool late = !elements.ports.empty() && damping > kStopsWithinStep && solver != Solver::Exact;
+  return late ? std::max(error, 1.0) : error;
+}
+
+void add_contacts(SolverBounds& bounds, const ContactDemand& contacts, double k) {
+  for (const auto& strike : contacts.strikes) {
+    const double steps = strike.time_s / k;
+    bounds.contact_steps = bounds.contact_steps == 0.0 ? steps : std::min(bounds.contact_steps, steps);
+    const bool is_short = steps < kShortContact * bounds.oversample && !strike.spring;
+    bounds.error = std::max(bounds.error, restitution_error(bounds.solver, strike, steps));
+    if (!is_short || bounds.solver == Solver::Explicit)
+      bounds.error = std::max(bounds.error, time_error(bounds.solver, strike, steps));
+    else
+      bounds.contact_frames = short_contact_steps(bounds.solver) / bounds.oversample;
+  }
+}
+
 /// What makes explicit steps unstable.
-SolverBounds::Limit explicit_limit(const NetworkModel& model, const ContactDemand& contacts,
-                                   const SolverBounds& bounds) {
+SolverBounds::Limit explicit_limit(const NetworkModel& model, const ContactDemand& contacts) {
   using Limit = SolverBounds::Limit;
   const double squared = model.k * model.k, linear = squared * model.stiffest(1.0, 2.0);
   const double pressed = squared * contacts.stiffness;
   if (!(linear < 4.0)) return Limit::TooStiff;
-  if (!contacts.strikes.empty() && bounds.contact_steps < kFewestContactSteps) return Limit::ShortContact;
+  for (const auto& strike : contacts.strikes)
+    if (strike.time_s / model.k < strike.fewest_steps()) return Limit::ShortContact;
   const double all = linear + pressed + 2.0 * model.k * contacts.damping;
   return all < 4.0 && pressed <= kStiffestContact ? Limit::None : Limit::DeepContact;
 }
@@ -160,20 +275,39 @@ SolverBounds bounds_of(const NetworkElements& elements, Hertz rate, Solver solve
   const NetworkModel model(elements, kSignals, k);
   const auto cost = made->network_solver().cost();
   bounds.multiplications = oversample * (cost.step + (elements.contacts.empty() ? 0.0 : cost.contact));
-  const double shape = made->springs_averaged() ? 12.0 : 24.0;
-  bounds.error = solver == Solver::Exact ? 0.0 : model.stiffest(1.0, 0.0) * k * k / shape;
-  for (const auto& strike : contacts.strikes) {
-    const double steps = strike.time_s / k;
-    bounds.contact_steps = bounds.contact_steps == 0.0 ? steps : std::min(bounds.contact_steps, steps);
-    bounds.error = std::max(bounds.error, contact_error(solver, strike, k));
-  }
-  if (solver == Solver::Explicit) bounds.limit = explicit_limit(model, contacts, bounds);
+  bounds.error = linear_error(elements, model, *made, contacts);
+  bounds.bounded = elements.frictions.empty();
+  add_contacts(bounds, contacts, k);
+  if (solver == Solver::Explicit) bounds.limit = explicit_limit(model, contacts);
   if (bounds.limit == Limit::None && !(bounds.error <= kGoodEnough)) bounds.limit = Limit::Inexact;
   bounds.stable = bounds.limit == Limit::None || bounds.limit == Limit::Inexact;
   return bounds;
 }
 
 }  // namespace
+
+double ContactDemand::Strike::fewest_steps() const {
+  return std::max(kFewestContactSteps, 2.5 / std::sqrt(restitution));
+}
+
+double oscillator_error(Stepping stepping, double square, double damping) {
+  if (stepping == Stepping::Exact || (square == 0.0 && damping == 0.0)) return 0.0;
+  // a w^2 + (w_0^2 k^2 + c k) w + w_0^2 k^2 = 0,  z = 1 + w
+  double a = 1.0;
+  if (stepping != Stepping::Explicit) a += 0.5 * damping + stiff_weight(damping) * damping;
+  if (stepping == Stepping::Averaged) a += 0.25 * square;
+  const Roots step{-0.5 * (square + damping) / a, square / a};
+  // s^2 + c k s + w_0^2 k^2 = 0
+  const Roots motion{-0.5 * damping, square};
+  if (step.real && motion.real) {
+    const auto error = [](auto s, auto w) { return decay_error(-s.real(), w.real()); };
+    return std::min(1.0, std::max(error(motion.fast, step.fast), error(motion.slow, step.slow)));
+  }
+  if (!(damping < a) || (step.real && step.fast.real() <= -1.0)) return 1.0;  // it swings at half the rate
+  const double decay = damping == 0.0 ? 0.0 : std::abs(-std::log1p(-damping / a) / damping - 1.0);
+  const auto logarithms = log_of_one_plus(step.fast) * log_of_one_plus(step.slow);
+  return std::min(1.0, std::max(decay, std::abs(std::sqrt(logarithms.real() / square) - 1.0)));
+}
 
 ContactDemand contact_demand(const NetworkElements& elements) { return Demand{elements}.compute(); }
 

@@ -26,15 +26,29 @@ inline constexpr double kHardestStrike = 1.0;
 ///    Of two contacts that act in opposite ways between the same points only one is ever closed.
 struct ContactDemand {
   struct Strike {
-    double exponent, time_s;
+    double exponent, restitution;  ///< of the speeds; 1: without loss
+    double time_s;                 ///< without loss
+    bool spring;                   ///< one side of a spring: the other side follows at once
+
+    /// Explicit steps make energy of it below so many.
+    double fewest_steps() const;
   };
-  std::vector<Strike> strikes;  ///< for each exponent the shortest
+  std::vector<Strike> strikes;  ///< for each exponent and restitution the shortest
   double stiffness = 0.0;       ///< bounds the largest eigenvalue of M^-1 K of all k together [1/s^2]
+  double bond_stiffness = 0.0;  ///< the same of the bonds alone
   double damping = 0.0;         ///< the same of all z [1/s]
 };
 
 /// [control]
 ContactDemand contact_demand(const NetworkElements& elements);
+
+/// What a step of a solver makes of y'' + c y' + w^2 y = 0.
+enum class Stepping { Explicit, Centred, Averaged, Exact };
+
+/// The error of an oscillator: of one that swings the larger of the relative errors of its frequency and its
+/// decay; of one that does not, how far its two decays are ever off, relative to their start.
+/// `square` = (w k)^2, `damping` = c k. 1: it is not like the oscillator at all.
+double oscillator_error(Stepping stepping, double square, double damping);
 
 /// Bounds on a solver for a network, from operation counts and never from a clock, so it is the same on
 /// every machine.
@@ -43,7 +57,12 @@ struct SolverBounds {
   int oversample;
   double multiplications = 0;  ///< a frame, with one closed contact
   bool stable = false;         ///< the linear part, and contacts as far as `ContactDemand` goes
-  double error = 0;            ///< largest relative error of a resonance, or of the time of a contact
+  /// Largest relative error of a resonance, of a decay, of a contact's time or restitution.
+  double error = 0;
+  /// The largest error in time of a contact that is shorter than `kShortContact`, which `error` leaves out;
+  /// 0: there is none. [frames]
+  double contact_frames = 0;
+  bool bounded = true;  ///< false: the network has friction, whose error neither of them counts
   /// What speaks against it.
   enum class Limit {
     None,
@@ -58,11 +77,15 @@ struct SolverBounds {
 
 /// What counts as accurate: 1 %, 17 cents.
 inline constexpr double kGoodEnough = 0.01;
-/// Below, an explicit contact makes energy: 5 % of the speed at three steps, 1 % at five.
+/// Below, an explicit contact makes energy: 5 % of the speed at three steps, 1 % at five. One of restitution
+/// e needs 2.5 / sqrt(e) if that is more: its bodies would part faster than they met.
 inline constexpr double kFewestContactSteps = 5.0;
 /// Above, too: k^2 times the stiffness of a pressed contact over its mass; 1 % of the speed for a cubic law
 /// at five steps, 2 % for the tenth power at thirteen.
 inline constexpr double kStiffestContact = 1.6;
+/// A contact that would last less without loss is not resolved by frames: its restitution counts, its course
+/// does not. [frames]
+inline constexpr double kShortContact = 2.0;
 
 /// Steps a frame that are tried.
 inline constexpr int kMostOversample = 64;
@@ -76,14 +99,23 @@ struct SolverChoice {
 /// [control] The cheapest solver that is stable and accurate; with `oversample` 0, the cheapest of up to 64
 /// steps a frame too. If none is accurate, the most accurate of the stable ones. The bounds, for a step of k
 /// seconds:
-///  - resonances: explicit and passive  (w k)^2 / 24,  implicit and averaged springs  (w k)^2 / 12,  exact 0,
-///    w the highest of the network (physics: the solvers' dispersion);
+///  - resonances and dampers, ports and coils among them: `oscillator_error` of all oscillators up to the
+///    stiffest spring and the strongest damper; exact 0. A port that stops its masses within a step sends its
+///    wave up to a frame later: 1.
+///  - the current of a coil by itself, with x = R k / L: |2 atanh(x / 2) / x - 1| up to x = 2, at most 2 / x;
+///    exact 0;
 ///  - explicit is stable while k^2 times the largest eigenvalue of M^-1 (K + 2 C / k) is below 4, contacts
 ///    and bonds as deep as in `ContactDemand` among them (sufficient), these alone are below
-///    `kStiffestContact`, and the shortest contact lasts 5 steps;
+///    `kStiffestContact`, and every contact lasts its `fewest_steps`;
+///  - bonds: those of a spring of their largest stiffness, held over the step (exact too);
 ///  - contacts, with s steps in the time of one of exponent a: exact (0.5 + 0.33 a) / s^2, explicit the same
-///    but at least 1.4 / s^2, passive max(1, 0.12 a) / s^1.5, implicit (1.3 + 0.86 a) / s^2: the largest of
-///    40 phases, measured for a = 1 ... 10 and s = 3 ... 20.
+///    but at least 1.4 / s^2, passive max(1, 0.12 a) / s^1.5, implicit (1.3 + 0.86 a) / s^2; with loss,
+///    implicit 1.3 times as much and explicit 0.45 min(1, 2.8 (1 - e)) / s more. Their restitution e: 0
+///    up to two steps; else 0.65 / s^2 (explicit 1 / s^2, or 1 below 5 / sqrt(e) steps), but 0.4 below
+///    max(5, 1.6 / sqrt(e)) steps, and for e below 0.05 no less than 0.13 (passive, exact), or 0.1 below 20
+///    steps (implicit). The largest of 40 phases, measured for a = 1 ... 10 and s = 3 ... 20, with loss for a
+///    = 1 ... 3, e = 0.01 ... 0.8 and s = 0.03 ... 48;
+///  - contacts shorter than `kShortContact`: passive two steps, implicit four, exact seven.
 SolverChoice choose_solver(const NetworkElements& elements, Hertz rate, int oversample);
 
 }  // namespace tactus

@@ -154,8 +154,12 @@ class Analysis {
   static void check_contacts(const NetworkRecipe& recipe, NetworkVerdict& verdict) {
     if (recipe.solver != Solver::Explicit) return;
     const auto demand = contact_demand(recipe.elements);
-    for (const auto& strike : demand.strikes)
-      verdict.contact_steps = std::min(verdict.contact_steps, strike.time_s * verdict.rate_hz);
+    for (const auto& strike : demand.strikes) {
+      const double steps = strike.time_s * verdict.rate_hz, needed = strike.fewest_steps();
+      if (steps / needed >= verdict.contact_steps / verdict.needed_contact_steps) continue;
+      verdict.contact_steps = steps;
+      verdict.needed_contact_steps = needed;
+    }
     verdict.too_deep = demand.stiffness > kStiffestContact * verdict.rate_hz * verdict.rate_hz;
   }
 

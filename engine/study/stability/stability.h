@@ -23,11 +23,12 @@ struct NetworkVerdict {
   double rate_hz = 0;                    ///< that it runs at: rate times oversample
   std::optional<double> needed_hz = {};  ///< the least stable rate; nullopt: every rate, infinite: none
   std::string weakest = {};              ///< the mode that would grow first
-  /// Steps in the shortest strike at 1 m/s; below kFewestContactSteps explicit contacts add energy. Infinite
-  /// without explicit contacts.
+  /// Steps in the strike at 1 m/s that lasts the fewest for what it needs (`ContactDemand::Strike`); with
+  /// fewer explicit contacts add energy. Infinite without explicit contacts.
   double contact_steps = std::numeric_limits<double>::infinity();
+  double needed_contact_steps = kFewestContactSteps;
   bool too_deep = false;  ///< its initial state presses an explicit contact too stiff for the rate
-  bool contacts_stable() const { return contact_steps >= kFewestContactSteps && !too_deep; }
+  bool contacts_stable() const { return contact_steps >= needed_contact_steps && !too_deep; }
   bool grows = false;  ///< its linear part
   bool stable() const { return !grows && contacts_stable(); }
 };

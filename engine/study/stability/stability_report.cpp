@@ -111,11 +111,11 @@ class Report {
   }
 
   void add_contacts(const NetworkVerdict& network) {
-    if (network.contact_steps < kFewestContactSteps)
-      add("network '{}': a strike at 1 m/s lasts {:.2g} steps, fewer than {:g}, so explicit contacts add "
+    if (network.contact_steps < network.needed_contact_steps)
+      add("network '{}': a strike at 1 m/s lasts {:.2g} steps, fewer than {:.2g}, so explicit contacts add "
           "energy; use oversample = {:.0f}, or solver = \"passive\"",
-          network.path, network.contact_steps, kFewestContactSteps,
-          std::ceil(kFewestContactSteps / network.contact_steps));
+          network.path, network.contact_steps, network.needed_contact_steps,
+          std::ceil(network.needed_contact_steps / network.contact_steps));
     else
       add("network '{}': its initial state compresses a contact that is too stiff for explicit steps, which "
           "then add energy; use more steps, or solver = \"passive\"",

@@ -410,9 +410,12 @@ TEST_CASE("latency: a terminal that is closed ends it, with exit code 5", "[late
   const auto [command, shown] = GENERATE(Case{"measure", "opening 1 of"}, Case{"sweep", "16 frames"},
                                          Case{"sweep", "opening 1 of"}, Case{"calibrate", "opening 1 of"});
   CAPTURE(command, shown);
+  const Desk desk;
   std::vector<std::string> words{TACTUS_PROGRAM, "latency", command, "--device", "loop:20ms"};
   if (command == "calibrate")
-    for (const auto* word : {"--save", "path.toml", "--electrical", "1 ms"}) words.emplace_back(word);
+    for (const auto& word : {std::string{"--save"}, desk.file("path.toml").string(),
+                             std::string{"--electrical"}, std::string{"1 ms"}})
+      words.push_back(word);
   test::TerminalProcess program{words};
   REQUIRE(program.shows(shown));
   program.close();

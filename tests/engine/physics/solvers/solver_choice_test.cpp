@@ -71,6 +71,84 @@ TEST_CASE("solver choice: a short contact needs a solver that keeps its energy",
   CHECK(choose_solver(elements, 48_kHz, 1).solver == Solver::Explicit);
 }
 
+TEST_CASE("solver choice: the error of an oscillator is that of its roots", "[physics]") {
+  // To second order (w k)^2 / 24, above for explicit and centred steps, and (w k)^2 / 12 below for averaged
+  // ones.
+  CHECK(oscillator_error(Stepping::Explicit, 0.01, 0.0) == Approx(0.01 / 24).epsilon(0.01));
+  CHECK(oscillator_error(Stepping::Centred, 0.01, 0.0) == Approx(0.01 / 24).epsilon(0.01));
+  CHECK(oscillator_error(Stepping::Averaged, 0.01, 0.0) == Approx(0.01 / 12).epsilon(0.01));
+  // A mass on a damper: 1 - c k, and (1 - c k / 2) / (1 + c k / 2), in place of e^(-c k). Two decays, one r
+  // times as fast as the other, are r^(-1 / (r - 1)) - r^(-r / (r - 1)) apart at most.
+  const auto apart = [](double r) { return std::pow(r, -1 / (r - 1)) - std::pow(r, -r / (r - 1)); };
+  CHECK(oscillator_error(Stepping::Explicit, 0.0, 0.1) == Approx(apart(-std::log(0.9) / 0.1)).epsilon(1e-9));
+  CHECK(oscillator_error(Stepping::Centred, 0.0, 0.1) ==
+        Approx(apart(2 * std::atanh(0.05) / 0.1)).epsilon(1e-6));
+  CHECK(oscillator_error(Stepping::Explicit, 0.0, 0.9) == Approx(std::exp(-0.9) - 0.1).epsilon(1e-9));
+  // One that swings loses 1 - c k of its energy a step, in place of e^(-c k).
+  CHECK(oscillator_error(Stepping::Explicit, 1e-4, 1e-3) == Approx(0.5e-3).epsilon(0.01));
+  // Towards the end of the step it is stopped as it should be; where it rings at half the rate nothing is
+  // right.
+  CHECK(oscillator_error(Stepping::Centred, 0.0, 1e4) < 1e-3);
+  CHECK(oscillator_error(Stepping::Centred, 0.0, 3.9) > 0.3);
+  CHECK(oscillator_error(Stepping::Exact, 3.0, 3.0) == 0.0);
+}
+
+TEST_CASE("solver choice: dampers, ports and coils count", "[physics]") {
+  // A gram on 43.2 N s/m at 48 kHz: c k = 0.9, half a step too fast in the explicit solver.
+  NetworkElements damped;
+  damped.points = {mass(1e-3), {Point::Kind::Ground, 0, 0, 0, {}}};
+  damped.springs = {{1, 0, 0.0, 43.2, 0.0}};
+  const auto choice = choose_solver(damped, 48_kHz, 1);
+  CHECK(of(choice, Solver::Explicit).error == Approx(std::exp(-0.9) - 0.1).epsilon(1e-6));
+  CHECK(choice.solver == Solver::Exact);
+
+  NetworkElements port;
+  port.points = {mass(1e-3)};
+  port.ports = {{0, 1e5, {}}};
+  CHECK(of(choose_solver(port, 48_kHz, 1), Solver::Passive).error == 1.0);
+  CHECK(choose_solver(port, 48_kHz, 1).solver == Solver::Exact);
+
+  // R k / L = 0.5 by itself, as it hardly moves.
+  NetworkElements coil;
+  coil.points = {mass(1.0)};
+  coil.coils = {{0, -1, 1e-3, 24.0, 1e-3, {}}};
+  CHECK(of(choose_solver(coil, 48_kHz, 1), Solver::Passive).error ==
+        Approx(2 * std::atanh(0.25) / 0.5 - 1).epsilon(1e-6));
+}
+
+TEST_CASE("solver choice: with friction nothing is bounded, and that is said", "[physics]") {
+  auto elements = chain(1, 0.01);
+  CHECK(choose_solver(elements, 48_kHz, 1).candidates.front().bounded);
+  elements.frictions.push_back({.lower = 0, .upper = 1, .law = FrictionLaw{}, .normal = {}});
+  for (const auto& candidate : choose_solver(elements, 48_kHz, 1).candidates) CHECK_FALSE(candidate.bounded);
+}
+
+TEST_CASE("solver choice: one step a frame will do where a contact is over within two", "[physics]") {
+  // A gram on 6.6e9 N/m^1.5 touches for a frame; it leaves with the restitution, to rounding.
+  NetworkElements elements;
+  elements.points = {{Point::Kind::Mass, 1e-3, 4.2e-4, -2.0, {}}, {Point::Kind::Ground, 0, 0, 0, {}}};
+  elements.contacts = {{.lower = 1, .upper = 0, .stiffness = 6.63e9, .exponent = 1.5, .restitution = 0.01}};
+  const auto choice = choose_solver(elements, 48_kHz, 0);
+  CHECK(choice.oversample == 1);
+  CHECK(of(choice, choice.solver).contact_frames == 2.0);
+  const auto network = Network::make(elements, 0, 48_kHz, choice.solver, 1).value();
+  auto state = network.initial_state();
+  for (int n = 0; n < 30; ++n) network.step(state, nullptr);
+  CHECK(network.velocity(state, 0) == Approx(0.02).epsilon(1e-6));
+  // It met the ground after 10.08 frames, and two frames of its way are 2 * 2 / 48000 m.
+  CHECK(std::abs(network.position(state, 0) - 0.02 * (30 - 10.08) / 48e3) <= 2 * 2.0 / 48e3);
+}
+
+TEST_CASE("solver choice: the two sides of a spring are no short contact", "[physics]") {
+  NetworkElements elements;
+  elements.points = {mass(1e-3), {Point::Kind::Ground, 0, 0, 0, {}}};
+  for (const int side : {0, 1})
+    elements.contacts.push_back(
+        {.lower = side, .upper = 1 - side, .stiffness = 6.63e9, .exponent = 3.0, .restitution = {}});
+  for (const auto& candidate : choose_solver(elements, 48_kHz, 1).candidates)
+    CHECK(candidate.contact_frames == 0.0);
+}
+
 TEST_CASE("solver choice: what was chosen runs, and says what it is", "[physics]") {
   const auto network = Network::make(chain(3, 0.5), 0, 48_kHz, Solver::Auto, 0).value();
   CHECK(network.solver() == Solver::Exact);
