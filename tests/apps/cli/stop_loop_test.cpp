@@ -1,18 +1,84 @@
 #include "apps/cli/stop_loop.h"
 
+#include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <csignal>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "engine/guard/guarded.h"
 #include "tests/support/full_scale.h"
+#include "tests/support/keyboard.h"
 #include "tests/support/wait_until.h"
 
 using namespace tactus;
 using namespace tactus::app;
 using test::wait_until;
 using Ending = StopLoop::Ending;
+using namespace std::chrono_literals;
+
+namespace {
+
+/// A stop that arrives when the loop has just looked for it.
+class LateStop {
+ public:
+  explicit LateStop(const std::string& by) : by_(by) {}
+  /// How long it took until the outputs were told to fade; nothing: longer than to the end of the next turn.
+  std::optional<StopLoop::Clock::duration> measure() {
+    StopLoop loop{dead_man_,
+                  {.act = {},
+                   .each_turn = [this](auto) { begin_turn(); },
+                   .inputs = {[this] { return further_input(); }},
+                   .fade = {}}};
+    REQUIRE(wait_until([&] { return dead_man_.stopped(); }));
+    const auto stopped = StopLoop::Clock::now();
+    REQUIRE(wait_until([&] { return turns_ > 2; }));
+    if (!in_next_turn_) return std::nullopt;
+    return stopped - arrived_.load();
+  }
+
+ private:
+  void begin_turn() {
+    if (++turns_ == 1 && by_ != "input") arrive();
+    if (turns_ == 3) in_next_turn_ = dead_man_.stopped();
+  }
+  bool further_input() {
+    if (turns_ > 1) return by_ == "input";
+    if (by_ == "input") arrive();
+    return false;
+  }
+  void arrive() {
+    arrived_ = StopLoop::Clock::now();
+    if (by_ == "signal") std::raise(SIGTERM);
+    if (by_ == "key") keyboard_.press('q');
+  }
+
+  const std::string by_;
+  test::Keyboard keyboard_;
+  DeadMansSwitch dead_man_;
+  std::atomic<int> turns_{0};
+  std::atomic<bool> in_next_turn_{false};
+  std::atomic<StopLoop::Clock::time_point> arrived_{};
+};
+
+}  // namespace
+
+TEST_CASE("stop loop: a stop that arrives in a turn acts in the next one, within 50 ms with its block",
+          "[live]") {
+  const std::string by = GENERATE(as<std::string>{}, "signal", "key", "input");
+  CAPTURE(by);
+  constexpr auto kMost = 50ms - 22ms;       // outputs fade in the next block: 21.3 ms for 1024 frames
+  StopLoop::Clock::duration shortest = 1h;  // of many: no busy machine delays each of them
+  for (int attempt = 0; attempt < 20 && shortest > kMost; ++attempt) {
+    const auto took = LateStop{by}.measure();
+    REQUIRE(took);
+    shortest = std::min(shortest, *took);
+  }
+  CHECK(shortest <= kMost);
+}
 
 TEST_CASE("stop loop: a signal stops the dead man's switch, whatever the control thread does", "[live]") {
   const auto signal = GENERATE(SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM,
