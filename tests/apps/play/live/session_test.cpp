@@ -2,9 +2,13 @@
 
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <csignal>
 
+#include "apps/cli/stop_loop.h"
 #include "backends/loop/loop.h"
+#include "backends/take/take.h"
 #include "backends/wav_file.h"
+#include "tests/support/keyboard.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/wait_until.h"
 
@@ -80,6 +84,34 @@ TEST_CASE("session: it ticks, fades and stops while a file is compiled, however 
   REQUIRE(wait_until([&] { return session.tick(), session.view().health.blocks > before + 10; }));
   CHECK(session.stop());
   CHECK(session.view().state == StreamState::Stopped);
+  stage.performer.allowed = true;
+}
+
+TEST_CASE("session: a key, a signal or a further stop input ends it while a file is compiled", "[live]") {
+  const std::string by = GENERATE(as<std::string>{}, "key", "signal", "input");
+  CAPTURE(by);
+  Stage stage;
+  const test::Keyboard keyboard;
+  DeadMansSwitch dead_man;
+  Session session{stage.performer, stage.backend, stage.request, true, &dead_man};
+  std::atomic<bool> pressed{false};
+  StopLoop loop{dead_man,
+                {.act = {}, .inputs = {[&] { return pressed.load(); }}, .fade = session.closing_time()}};
+  const auto wav = stage.folder.path() / "take.wav";
+  REQUIRE(session.open(wav));
+  REQUIRE(session.start());
+  REQUIRE(wait_until([&] { return session.view().outputs[0].peak == Approx(0.1); }));
+  stage.folder.write("tone.toml", constant("0.25"));
+  REQUIRE(wait_until([&] { return session.tick(), stage.performer.reading.load(); }));
+  if (by == "key") keyboard.press('q');
+  if (by == "signal") std::raise(SIGTERM);
+  pressed = by == "input";
+  REQUIRE(wait_until([&] { return loop.ending() != StopLoop::Ending::None; }));
+  // The stop alone fades: nobody has stopped the session yet.
+  REQUIRE(wait_until([&] { return session.view().outputs[0].peak == 0.0; }));
+  CHECK(session.stop());
+  CHECK(read_take(wav)->finished);
+  CHECK(read_wav(wav)->channels[0].back() == 0.0);
   stage.performer.allowed = true;
 }
 
