@@ -52,9 +52,20 @@ void TerminalProcess::close() {
   if (const int terminal = std::exchange(terminal_, -1); terminal >= 0) ::close(terminal);
 }
 
+void TerminalProcess::stall() {
+  stalled_ = true;
+  const int line = ::open(::ptsname(terminal_), O_WRONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  const std::string bytes(4096, 'x');
+  pollfd writable{line, POLLOUT, 0};
+  do {  // the kernel moves what was written on to another buffer
+    while (::write(line, bytes.data(), bytes.size()) > 0) continue;
+  } while (::poll(&writable, 1, 100) > 0);
+  ::close(line);
+}
+
 void TerminalProcess::read_output(std::chrono::milliseconds patience) {
   pollfd readable{terminal_, POLLIN, 0};
-  if (terminal_ < 0 || ::poll(&readable, 1, static_cast<int>(patience.count())) <= 0) return;
+  if (terminal_ < 0 || stalled_ || ::poll(&readable, 1, static_cast<int>(patience.count())) <= 0) return;
   char bytes[4096];
   if (const auto count = ::read(terminal_, bytes, sizeof bytes); count > 0)
     output_.append(bytes, static_cast<std::size_t>(count));

@@ -19,17 +19,22 @@ class TerminalProcess {
   void send(int signal) const;
   /// The terminal is closed, as when its window is.
   void close();
+  /// Its output is not read any more, as that of a window that hangs, and its line is full, until `resume`.
+  void stall();
+  void resume() { stalled_ = false; }
   /// Reads on until the output since the last call contains this; false: it does not within half a minute.
   bool shows(const std::string& words);
   /// All that it wrote so far.
   const std::string& output() const { return output_; }
   /// The exit code, or minus the signal that ended it; empty: it still runs after `patience`.
   std::optional<int> wait(std::chrono::milliseconds patience = std::chrono::seconds{60});
+  bool running() { return !wait(std::chrono::milliseconds{0}); }
 
  private:
   void read_output(std::chrono::milliseconds patience);
 
   int pid_ = -1, terminal_ = -1;
+  bool stalled_ = false;
   std::optional<int> ended_;
   std::string output_;
   std::size_t searched_ = 0;

@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <csignal>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -40,19 +41,37 @@ struct Stage {
       return !missing && bytes > 48'000 * sizeof(float);
     });
   }
-  /// The take was ended, and before that the drive came to zero within the fade of 10 ms.
-  void check_fade() const {
+  /// How many frames of the take are on the disk.
+  std::int64_t frames() const {
+    const auto take = read_take(wav);
+    return take ? take->complete : 0;
+  }
+  /// The frame that is being played, as the take reports it every 200 ms.
+  std::int64_t frame_now() const {
+    const auto before = frames();
+    REQUIRE(wait_until([&] { return frames() > before; }));
+    return frames();
+  }
+  bool finished() const {
+    return wait_until([&] { return read_take(wav)->finished; });
+  }
+  /// The first frame of the fade.
+  std::int64_t fade() const {
     const auto take = read_take(wav);
     REQUIRE(take);
-    CHECK(take->finished);
     const auto fade = std::find_if(take->guard.begin(), take->guard.end(), [](const JournalEntry& entry) {
       return entry.kind == JournalEntry::Kind::Fade;
     });
     REQUIRE(fade != take->guard.end());
+    return fade->frame;
+  }
+  /// The take was ended, and before that the drive came to zero within the fade of 10 ms.
+  void check_fade() const {
+    CHECK(read_take(wav)->finished);
     const auto samples = read_wav(wav);
     REQUIRE(samples);
     const auto& drive = samples->channels.front();
-    const auto faded = drive.begin() + fade->frame;
+    const auto faded = drive.begin() + fade();
     CHECK(*(faded - 1) == Approx(0.2));
     REQUIRE(drive.end() - faded >= 480);
     CHECK(std::all_of(faded + 480, drive.end(), [](double sample) { return sample == 0.0; }));
@@ -62,7 +81,7 @@ struct Stage {
     test::TerminalProcess shell{shell_command};
     REQUIRE(sounds());
     shell.close();
-    REQUIRE(wait_until([&] { return read_take(wav)->finished; }));
+    REQUIRE(finished());
     check_fade();
   }
 
@@ -109,8 +128,50 @@ Arguments in_background(const Arguments& command) {
   return in_shell("set -m; \"$0\" \"$@\" & read line; fg", command);
 }
 
+#ifdef __linux__
+/// An edit of the stage's file that nobody can read until it is released: a lease holds up who opens it.
+class HeldEdit {
+ public:
+  explicit HeldEdit(const Stage& stage) {
+    const auto next = stage.folder.write(
+        "next.toml", "format = 1\nname = \"edited\"\n[outputs]\ntone = { from = \"0.25\" }\n");
+    file_ = ::open(next.c_str(), O_RDWR | O_CLOEXEC);
+    before_ = std::signal(SIGIO, SIG_IGN);  // it comes when somebody opens the file
+    if (::fcntl(file_, F_SETLEASE, F_WRLCK) != 0) {
+      end();
+      test::skip("this file system gives no leases");
+    }
+    std::filesystem::rename(next, stage.tone);
+  }
+  ~HeldEdit() { end(); }
+  HeldEdit(const HeldEdit&) = delete;
+  HeldEdit& operator=(const HeldEdit&) = delete;
+  /// Somebody is held up.
+  bool awaited() const { return ::fcntl(file_, F_GETLEASE) != F_WRLCK; }
+  void release() const { ::fcntl(file_, F_SETLEASE, F_UNLCK); }
+
+ private:
+  void end() {
+    ::close(file_);
+    std::signal(SIGIO, before_);
+  }
+
+  int file_ = -1;
+  void (*before_)(int) = SIG_DFL;
+};
+#endif
+
 constexpr auto kLogged = test::ChildProcess::Stdout::Logged;
 constexpr std::chrono::seconds kPatience{60};
+
+/// What ends a program: a signal by its name, the key q, or Ctrl-C typed.
+template <class Program>
+void stop(const Program& program, const std::string& by) {
+  if (by == "key") return void(program.type("q"));
+  if (by == "Ctrl-C") return void(program.type("\x03"));
+  program.send(by == "SIGINT" ? SIGINT : by == "SIGTERM" ? SIGTERM : SIGHUP);
+}
+int exit_code(const std::string& by) { return by == "key" ? 0 : 5; }
 
 }  // namespace
 
@@ -204,6 +265,34 @@ TEST_CASE("play: Ctrl-S stops nothing, and keys, SIGINT, SIGTERM and SIGHUP do a
   CHECK(read_take(stage.wav)->finished);
 }
 
+TEST_CASE("play: a signal or a key right after Ctrl-S fades the armed drive", "[live]") {
+  const Stage stage;
+  const std::string by = GENERATE(as<std::string>{}, "SIGINT", "SIGTERM", "SIGHUP", "key");
+  CAPTURE(by);
+  test::TerminalProcess play{stage.command()};
+  REQUIRE(stage.sounds());
+  play.type("\x13");
+  stop(play, by);
+  CHECK(play.wait() == exit_code(by));
+  stage.check_fade();
+}
+
+TEST_CASE("play: a terminal whose output is stalled holds up neither the fade nor the end of the take",
+          "[live]") {
+  const Stage stage;
+  const std::string by = GENERATE(as<std::string>{}, "SIGINT", "SIGTERM", "SIGHUP", "key", "Ctrl-C");
+  CAPTURE(by);
+  test::TerminalProcess play{stage.command()};
+  REQUIRE(stage.sounds());
+  play.stall();
+  play.type("??");
+  stop(play, by);
+  REQUIRE(stage.finished());
+  stage.check_fade();
+  play.resume();
+  CHECK(play.wait() == exit_code(by));
+}
+
 TEST_CASE("play: a, then Enter, arms, and a held key, a paste and a stray escape sequence do not", "[live]") {
   const Stage stage;
   test::TerminalProcess play{{TACTUS_PROGRAM, "play", stage.tone, "--backend", "loop"}};
@@ -247,7 +336,7 @@ TEST_CASE("play: in the terminal of another session it says that it reads no key
   REQUIRE(shell.shows("keys are not read"));
   REQUIRE(stage.sounds());
   shell.close();
-  REQUIRE(wait_until([&] { return read_take(stage.wav)->finished; }));
+  REQUIRE(stage.finished());
   stage.check_fade();
 }
 
@@ -259,12 +348,51 @@ TEST_CASE("play: standard error that takes nothing holds up neither the fade nor
   test::ChildProcess play{stage.command(), kLogged, full.writer()};
   REQUIRE(stage.sounds());
   play.type("??");
-  if (by == "key")
-    play.type("q");
-  else
-    play.send(by == "SIGINT" ? SIGINT : SIGTERM);
-  CHECK(play.wait(kPatience) == (by == "key" ? 0 : 5));
+  stop(play, by);
+  CHECK(play.wait(kPatience) == exit_code(by));
   stage.check_fade();
+}
+
+#ifdef __linux__
+TEST_CASE("play: an edit that cannot be read holds up neither the fade nor the end of the take", "[live]") {
+  const Stage stage;
+  const std::string by = GENERATE(as<std::string>{}, "SIGINT", "SIGTERM", "key");
+  CAPTURE(by);
+  test::ChildProcess play{stage.command(), kLogged};
+  REQUIRE(stage.sounds());
+  const HeldEdit edit{stage};
+  REQUIRE(wait_until([&] { return edit.awaited(); }));
+  stop(play, by);
+  REQUIRE(stage.finished());
+  stage.check_fade();
+  CHECK(play.running());  // it waits for the edit alone
+  edit.release();
+  CHECK(play.wait(kPatience) == exit_code(by));
+}
+#endif
+
+TEST_CASE("play: a stop starts the fade within 50 ms", "[live]") {
+  const std::string by = GENERATE(as<std::string>{}, "SIGTERM", "key");
+  const std::string during = GENERATE(as<std::string>{}, "nothing", "a full pipe", "an edit");
+  CAPTURE(by, during);
+  std::int64_t shortest = 48'000;  // [frames] of several attempts: no busy machine delays each of them
+  for (int attempt = 0; attempt < 8 && shortest > 2400; ++attempt) {
+    const Stage stage;
+    const Pipe full;
+    test::ChildProcess play{stage.command(), kLogged, during == "a full pipe" ? full.writer() : -1};
+    REQUIRE(stage.sounds());
+    play.type("??");
+#ifdef __linux__
+    std::optional<HeldEdit> edit;
+    if (during == "an edit") edit.emplace(stage);
+    REQUIRE((!edit || wait_until([&] { return edit->awaited(); })));
+#endif
+    const auto now = stage.frame_now();
+    stop(play, by);
+    REQUIRE(stage.finished());
+    shortest = std::min(shortest, stage.fade() - now);
+  }
+  CHECK(shortest <= 2400);
 }
 
 TEST_CASE("play: a reader of standard error that is gone does not end it", "[live]") {
@@ -290,7 +418,7 @@ TEST_CASE("play: a second signal ends a program that hangs, once its drive has f
                           full.writer()};
   REQUIRE(stage.sounds());
   play.send(SIGINT);
-  REQUIRE(wait_until([&] { return read_take(stage.wav)->finished; }));
+  REQUIRE(stage.finished());
   CHECK(play.running());
   play.send(SIGINT);
   CHECK(play.wait(kPatience) == 5);
