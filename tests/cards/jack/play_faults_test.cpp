@@ -6,6 +6,7 @@
 
 #include "backends/wav_file.h"
 #include "tests/cards/jack/playing.h"
+#include "tests/cards/ways.h"
 
 using namespace tactus;
 using namespace std::chrono_literals;
@@ -13,22 +14,35 @@ using test::constant;
 using test::OnServer;
 using test::Playing;
 
+namespace {
+
+/// The server's loopback, through each library.
+std::vector<std::string> loopbacks() {
+  std::vector<std::string> devices = {"jack:loopback"};
+  for (const auto& way : test::every_way())
+    if (!way.alsa) devices.push_back(way.name + ":loopback");
+  return devices;
+}
+
+}  // namespace
+
 TEST_CASE_METHOD(OnServer, "play: a program that is killed, aborts or faults leaves zeros behind",
                  "[cards]") {
   ::setenv("ASAN_OPTIONS", "handle_segv=0", 0);  // the sanitizer would make an exit of it
-  for (const int signal : {SIGKILL, SIGABRT, SIGSEGV}) {
-    CAPTURE(signal);
-    Playing play{{tone, "--device", "jack:loopback", "--arm"}};
-    REQUIRE(play.says("delay "));
-    Playing before{{tone, "--device", "jack:loopback", "--outputs", "2", "--json", "--duration", "2 s"}};
-    REQUIRE(before.ends() == 0);
-    CHECK(before.report()["highest_input"]["heard"] > 0.1);
-    play.process().send(signal);
-    CHECK(play.ends() == -signal);
-    Playing after{{tone, "--device", "jack:loopback", "--outputs", "2", "--json", "--duration", "1 s"}};
-    REQUIRE(after.ends() == 0);
-    CHECK(after.report()["highest_input"]["heard"] == 0.0);
-  }
+  for (const auto& device : loopbacks())
+    for (const int signal : {SIGKILL, SIGABRT, SIGSEGV}) {
+      CAPTURE(device, signal);
+      Playing play{{tone, "--device", device, "--arm"}};
+      REQUIRE(play.says("delay "));
+      Playing before{{tone, "--device", "jack:loopback", "--outputs", "2", "--json", "--duration", "2 s"}};
+      REQUIRE(before.ends() == 0);
+      CHECK(before.report()["highest_input"]["heard"] > 0.1);
+      play.process().send(signal);
+      CHECK(play.ends() == -signal);
+      Playing after{{tone, "--device", "jack:loopback", "--outputs", "2", "--json", "--duration", "1 s"}};
+      REQUIRE(after.ends() == 0);
+      CHECK(after.report()["highest_input"]["heard"] == 0.0);
+    }
 }
 
 TEST_CASE("play: stopped by SIGSTOP, JACK repeats its last block or plays zeros and then starts softly",
@@ -37,7 +51,9 @@ TEST_CASE("play: stopped by SIGSTOP, JACK repeats its last block or plays zeros 
   const test::TemporaryFolder folder;
   const auto tone = folder.write("tone.toml", constant("0.2")).string();
   const auto wav = folder.path() / "take.wav";
-  Playing play{{tone, "--device", "jack:loopback", "--arm"}};
+  const auto device = GENERATE(from_range(loopbacks()));
+  CAPTURE(device);
+  Playing play{{tone, "--device", device, "--arm"}};
   REQUIRE(play.says("delay "));
   Playing listener{{tone, "--device", "jack:loopback", "--outputs", "2", "--record", wav.string()}};
   REQUIRE(listener.says("delay "));
