@@ -65,10 +65,12 @@ TEST_CASE("play: stopped by SIGSTOP, JACK repeats its last block or plays zeros 
   };
   const auto is_full = [](double sample) { return sample > 0.1999; };
   const auto is_zero = [](double sample) { return sample == 0.0; };
+  const auto is_ramp = [&](double sample) { return !is_full(sample) && !is_zero(sample); };
   REQUIRE(test::wait_until([&] { return any_from(0, 4800, is_full); }));
   play.process().pause();
   const auto paused = heard().size() + 4800;  // what was on its way
-  CHECK_FALSE(any_from(paused, 48'000, [&](double sample) { return !is_full(sample) && !is_zero(sample); }));
+  CHECK_FALSE(any_from(paused, 48'000, is_ramp));
   play.process().send(SIGCONT);
   CHECK(test::wait_until([&] { return any_from(paused, 48'000, is_zero); }));
+  CHECK(test::wait_until([&] { return any_from(paused, 48'000, is_ramp); }));
 }
