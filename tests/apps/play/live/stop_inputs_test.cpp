@@ -369,6 +369,18 @@ TEST_CASE("play: an edit that cannot be read holds up neither the fade nor the e
   edit.release();
   CHECK(play.wait(kPatience) == exit_code(by));
 }
+
+TEST_CASE("play: further signals end a program that waits for an edit, once its drive has faded", "[live]") {
+  const Stage stage;
+  test::ChildProcess play{stage.command(), kLogged};
+  REQUIRE(stage.sounds());
+  const HeldEdit edit{stage};
+  REQUIRE(wait_until([&] { return edit.awaited(); }));
+  play.send(SIGINT);
+  REQUIRE(stage.finished());
+  CHECK(wait_until([&] { return play.send(SIGINT), !play.running(); }));
+  stage.check_fade();
+}
 #endif
 
 TEST_CASE("play: a stop starts the fade within 50 ms", "[live]") {
