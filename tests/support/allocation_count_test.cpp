@@ -1,22 +1,39 @@
 #include "tests/support/allocation_count.h"
 
+#include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <new>
+
+#ifdef _WIN32
+#include <malloc.h>
+#endif
 
 namespace {
 
 thread_local std::int64_t allocations = 0;
 std::atomic<std::int64_t> live{0};
 
-void* allocate(std::size_t bytes, std::size_t alignment) {
-  ++allocations;
+#ifdef _WIN32
+void* take_memory(std::size_t bytes, std::size_t alignment) {
+  return ::_aligned_malloc(bytes > 0 ? bytes : 1, std::max(alignment, alignof(std::max_align_t)));
+}
+void give_back(void* memory) noexcept { ::_aligned_free(memory); }
+#else
+void* take_memory(std::size_t bytes, std::size_t alignment) {
   // aligned_alloc wants a size that is a multiple of the alignment; malloc knows no size of zero.
   const std::size_t rounded = (bytes + alignment - 1) / alignment * alignment;
-  void* const memory = alignment <= alignof(std::max_align_t)
-                           ? std::malloc(bytes > 0 ? bytes : 1)
-                           : std::aligned_alloc(alignment, rounded > 0 ? rounded : alignment);
+  return alignment <= alignof(std::max_align_t)
+             ? std::malloc(bytes > 0 ? bytes : 1)
+             : std::aligned_alloc(alignment, rounded > 0 ? rounded : alignment);
+}
+void give_back(void* memory) noexcept { std::free(memory); }
+#endif
+
+void* allocate(std::size_t bytes, std::size_t alignment) {
+  ++allocations;
+  void* const memory = take_memory(bytes, alignment);
   if (memory == nullptr) throw std::bad_alloc{};
   live.fetch_add(1, std::memory_order_relaxed);
   return memory;
@@ -25,7 +42,7 @@ void* allocate(std::size_t bytes, std::size_t alignment) {
 /// Not inlined: gcc would see `free` on what a new-expression returned, and warn.
 [[gnu::noinline]] void release(void* memory) noexcept {
   if (memory != nullptr) live.fetch_sub(1, std::memory_order_relaxed);
-  std::free(memory);
+  give_back(memory);
 }
 
 }  // namespace
