@@ -1,5 +1,6 @@
 #include "backends/alsa_devices.h"
 
+#include <charconv>
 #include <cstdio>
 #include <fstream>
 #include <map>
@@ -55,6 +56,24 @@ std::string alsa_hardware(int card, const fs::path& root) {
   if (std::getline(std::ifstream{device.parent_path() / "serial"}, serial) && !serial.empty())
     text += " serial " + serial;
   return text;
+}
+
+std::string alsa_hardware_named(const std::string& text, const fs::path& root) {
+  constexpr std::string_view kBegin = "hw:";
+  const auto begin = text.find(kBegin);
+  if (begin == std::string::npos) return {};
+  auto card = text.substr(begin + kBegin.size());
+  card = card.substr(0, card.find_first_of(",: "));
+  if (card.empty()) return {};
+  if (card.find_first_not_of("0123456789") != std::string::npos) {
+    std::error_code missing;
+    card = fs::read_symlink(root / "proc/asound" / card, missing).filename().string();  // "card1"
+    if (missing || !card.starts_with("card")) return {};
+    card.erase(0, 4);
+  }
+  int number = 0;
+  const auto read = std::from_chars(card.data(), card.data() + card.size(), number);
+  return read.ec == std::errc{} ? alsa_hardware(number, root) : std::string{};
 }
 
 std::vector<AlsaDevice> alsa_devices(const fs::path& root) {

@@ -26,6 +26,10 @@ std::vector<AlsaDevice> alsa_devices(const std::filesystem::path& root = "/");
 /// connected; this does not. Empty: unknown.
 std::string alsa_hardware(int card, const std::filesystem::path& root = "/");
 
+/// [control] The same of the card that a text names as ALSA does, by number or by id: "alsa_pcm:hw:1:out1",
+/// "hw:USB,0". Empty: it names none, or unknown.
+std::string alsa_hardware_named(const std::string& text, const std::filesystem::path& root = "/");
+
 /// [control] The program that has this device open for all inputs, or for all outputs, so that no other can
 /// open it: "aplay (process 267)". Empty: it is free, or there is no such device.
 std::string alsa_user(int card, int device, bool inputs, const std::filesystem::path& root = "/");

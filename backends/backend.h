@@ -49,7 +49,7 @@ struct DeviceIdentity {
   std::string hardware;            ///< see Device
   int channels = 0;                ///< of the device
   std::vector<std::string> ports;  ///< full name behind each channel; empty: the library names none
-  bool ambiguous = false;          ///< see Device
+  bool ambiguous = false;          ///< see Device; also where the hardware is unknown
 
   bool operator==(const DeviceIdentity&) const = default;
 };

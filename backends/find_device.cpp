@@ -169,10 +169,14 @@ Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequ
   choice.granted.device = output->id;
   if (input->id != output->id) choice.granted.input_device = input->id;
   choice.granted.format = {*asked.sample_rate, request.in_channels, request.out_channels, 0};
+  // Without known hardware two equal devices that are exchanged look the same.
+  const auto may_be_another = [](const Device& device) {
+    return device.ambiguous || device.hardware.empty();
+  };
   if (request.in_channels > 0)
-    choice.granted.input = {input->hardware, input->in_channels, {}, input->ambiguous};
+    choice.granted.input = {input->hardware, input->in_channels, {}, may_be_another(*input)};
   if (request.out_channels > 0)
-    choice.granted.output = {output->hardware, output->out_channels, {}, output->ambiguous};
+    choice.granted.output = {output->hardware, output->out_channels, {}, may_be_another(*output)};
   return choice;
 }
 

@@ -81,10 +81,12 @@ void ReconnectingStream::try_again(Clock::time_point now) {
   if (!wanted_ || now < next_try_) return;
   next_try_ = now + kRetry;
   const auto before = request_.previous = granted_;
+  const auto begin = Clock::now();
   auto status = reopen();
-  const auto back = how_it_came_back(now, *before);
+  Return back;
   if (status)
     status = stream_->start([&] {
+      back = how_it_came_back(now + (Clock::now() - begin), *before);  // libraries may search for seconds
       if (returned_) returned_(back);
     });
   if (status) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "backends/alsa_devices.h"
 #include "backends/find_device.h"
 #include "backends/jack/client.h"
 #include "backends/jack/midi_inputs.h"
@@ -42,7 +43,8 @@ std::optional<double> latency(const Client& client, const Names& names, jack_lat
   return most;
 }
 
-/// What the drivers behind these ports call them: "alsa_pcm:hw:1:out1". Empty: they have no other names.
+/// What the drivers behind these ports call them, with the place of an ALSA card whose number that is:
+/// "alsa_pcm:hw:1:out1@1-2:1.0". Empty: they have no other names.
 std::string hardware_of(const Client& client, const Names& names) {
   const auto size = static_cast<std::size_t>(jack_port_name_size());
   std::string first(size, '\0'), second(size, '\0');
@@ -51,7 +53,10 @@ std::string hardware_of(const Client& client, const Names& names) {
   for (const auto& name : names) {
     const auto* port = jack_port_by_name(client.handle, name.c_str());
     const int count = port == nullptr ? 0 : jack_port_get_aliases(port, aliases);
-    for (int a = 0; a < count; ++a) text += (text.empty() ? "" : " ") + std::string{aliases[a]};
+    for (int a = 0; a < count; ++a) {
+      const auto place = alsa_hardware_named(aliases[a]);
+      text += (text.empty() ? "" : " ") + std::string{aliases[a]} + (place.empty() ? "" : "@") + place;
+    }
   }
   return text;
 }

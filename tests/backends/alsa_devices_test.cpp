@@ -58,6 +58,17 @@ TEST_CASE("alsa devices: without ALSA there are none, and a card that is gone ha
   CHECK(alsa_hardware(7, Cards{}.folder.path()).empty());
 }
 
+TEST_CASE("alsa devices: the card that a text names is found by number and by id", "[backends]") {
+  const Cards cards;
+  std::filesystem::create_directory_symlink("card2", cards.folder.path() / "proc/asound/U192k_1");
+  const auto named = [&](const std::string& text) { return alsa_hardware_named(text, cards.folder.path()); };
+  CHECK(named("alsa_pcm:hw:1:out1") == "1-2:1.0");
+  CHECK(named("alsa_pcm:hw:U192k_1,0:in1") == "1-3:1.0 serial 42");
+  CHECK(named("hw:0") == "0000:00:1f.3");
+  for (const auto* text : {"usb:left", "alsa_pcm:hw:9:out1", "hw:", "hw:nowhere", "hw:99999999999"})
+    CHECK(named(text).empty());
+}
+
 TEST_CASE("alsa devices: a device is in use when all of its substreams are, and by whom", "[backends]") {
   const Cards cards;
   const auto& folder = cards.folder;
