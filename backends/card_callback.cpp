@@ -41,6 +41,7 @@ CardCallback::CardCallback(Guarded& processor, const StreamRequest& request, con
       format_(granted.format),
       patience_(
           std::max<std::chrono::nanoseconds>(kStall, duration_of(4, granted.format.max_frames, granted))),
+      lost_patience_(std::chrono::milliseconds{20} + duration_of(4, granted.format.max_frames, granted)),
       buffer_(duration_of(granted.periods, granted.block_frames, granted)),
       in_map_(channels_of(request.in_map, granted.format.in_channels)),
       out_map_(channels_of(request.out_map, granted.format.out_channels)),
@@ -58,13 +59,16 @@ void CardCallback::play() noexcept {
   stage_.store(Stage::Playing);
 }
 
-bool CardCallback::finish() {
+bool CardCallback::finish(bool lost) {
   auto expected = Stage::Playing;
   if (!stage_.compare_exchange_strong(expected, Stage::Finishing)) return true;
   const std::chrono::duration<double> closing{processor_.closing_time().value};
-  const auto deadline = Clock::now() + patience_ + std::chrono::duration_cast<Clock::duration>(closing);
+  const auto begin = Clock::now();
+  const auto deadline = begin + patience_ + std::chrono::duration_cast<Clock::duration>(closing);
   while (stage_.load() == Stage::Finishing) {
-    if (Clock::now() > deadline) return false;
+    const auto now = Clock::now();
+    const bool silent = now - std::max(begin, last_block_.load()) > lost_patience_;
+    if (now > deadline || (lost && silent)) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds{1});
   }
   return true;
@@ -83,8 +87,10 @@ void CardCallback::block(const float* const* in, float* const* out, int device_o
     if (out[c] != nullptr) std::fill_n(out[c], std::max(0, frames), 0.0f);
   const auto begin = Clock::now();
   // After a stall or a suspension the outputs must not jump back to full level.
-  const bool late = begin - last_block_.load(std::memory_order_relaxed) > patience_;
+  const auto pause = begin - last_block_.load(std::memory_order_relaxed);
+  const bool late = pause > patience_;
   const bool suspended = stage == Stage::Playing && suspended_.load();
+  if (late && stage == Stage::Playing && !suspended) processor_.note_pause(Seconds{seconds(pause)});
   if (suspended) skip(begin);
   const bool wanted = stage != Stage::Silent && frames > 0;
   if (wanted && !suspended) watch(frames, begin);

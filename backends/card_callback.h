@@ -78,8 +78,9 @@ class CardCallback {
   /// [control & not playing] Blocks reach the processor from now on.
   void play() noexcept;
   /// [control] The next blocks are the last, from Guarded::finish. Returns when every output was at zero;
-  /// false when that takes half a second and four blocks longer than the guards need.
-  bool finish();
+  /// false when that takes half a second and four blocks longer than the guards need. `lost`: the device went
+  /// away, and perhaps its outputs with it: false, too, when no block comes for 20 ms and four blocks.
+  bool finish(bool lost = false);
   /// [control] When it returns no block is in the processor, and none ever will be. Zeros go out.
   void abandon() noexcept;
 
@@ -126,7 +127,7 @@ class CardCallback {
 
   Guarded& processor_;
   const StreamFormat format_;
-  const std::chrono::nanoseconds patience_;
+  const std::chrono::nanoseconds patience_, lost_patience_;
   const std::chrono::nanoseconds buffer_;  ///< how long the driver's lasts; 0: unknown
   std::vector<int> in_map_, out_map_;
   ChannelBuffers in_, out_;
@@ -168,10 +169,11 @@ class CardStream : public Stream {
     return {};
   }
   Status stop() final {
-    const bool finished = running_ && !lost() && line_->card->finish();
+    const bool is_lost = lost();
+    const bool at_zero = running_ && line_->card->finish(is_lost);
     if (!std::exchange(running_, false)) return {};
     line_->card->abandon();
-    return stop_library(finished);
+    return stop_library(at_zero && !is_lost);
   }
   StreamState state() const final {
     if (lost()) return StreamState::Lost;

@@ -187,15 +187,13 @@ class Line {
     if (self.own_thread_ && !std::exchange(self.begun_, true)) static_cast<void>(become_realtime(kPriority));
     auto* const in_samples = static_cast<const float*>(in);
     auto* const out_samples = static_cast<float*>(out);
-    for (std::size_t c = 0; c < self.in_.size(); ++c)
-      self.in_[c] = in_samples == nullptr ? nullptr : in_samples + c * frames;
+    // Where one of two devices is lost the other still plays: it hears silence until it is faded.
+    const bool hears = self.keeps_pace(frames) && in_samples != nullptr;
+    for (std::size_t c = 0; c < self.in_.size(); ++c) self.in_[c] = hears ? in_samples + c * frames : nullptr;
     for (std::size_t c = 0; c < self.out_.size(); ++c) self.out_[c] = out_samples + c * frames;
-    if (!self.keeps_pace(frames)) {
-      std::fill_n(out_samples, self.out_.size() * frames, 0.0f);
-      return 0;
-    }
-    self.card->gaps(self.jack, (status & RTAUDIO_INPUT_OVERFLOW) != 0,
-                    (status & RTAUDIO_OUTPUT_UNDERFLOW) != 0);
+    if (!self.lost_)
+      self.card->gaps(self.jack, (status & RTAUDIO_INPUT_OVERFLOW) != 0,
+                      (status & RTAUDIO_OUTPUT_UNDERFLOW) != 0);
     self.card->block(self.in_.data(), self.out_.data(), static_cast<int>(self.out_.size()),
                      static_cast<int>(frames));
     return 0;

@@ -70,6 +70,13 @@ class DeadMansWatch {
     return Action::Disarm;
   }
 
+  /// [realtime] After five seconds or more without a block: it was refreshed less than once in 500 ms of
+  /// them.
+  bool slept(Seconds pause) const noexcept {
+    return source_ != nullptr && pause >= kDisarm &&
+           static_cast<double>(source_->refreshes() - seen_) * kPatience.value < pause.value;
+  }
+
   /// [any]
   const DeadMansSwitch* source() const noexcept { return source_; }
 

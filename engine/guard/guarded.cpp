@@ -177,6 +177,12 @@ void Guarded::observe_dead_man(std::int64_t frame) noexcept {
     apply({frame, JournalEntry::Kind::Fade, JournalEntry::kAllChannels, 1.0}, frame);
 }
 
+void Guarded::note_pause(Seconds pause) noexcept {
+  if (!dead_mans_watch_.slept(pause)) return;
+  arm_.set(false);
+  (void)events_.push({frame_.load(std::memory_order_relaxed), GuardEvent::Kind::DeadManDisarmed, 0});
+}
+
 void Guarded::act_on_dead_man(DeadMansWatch::Action action, std::int64_t frame) noexcept {
   using Action = DeadMansWatch::Action;
   if (action == Action::None) return;

@@ -104,6 +104,11 @@ class Guarded final : public BlockProcessor {
   /// and this was the last block; if `process` is called again, every guard starts softly.
   bool finish(const BlockIo& io) noexcept TACTUS_NONBLOCKING;
 
+  /// [realtime & prepared] Before `process`: no block came for so long. Where the dead man's switch was not
+  /// refreshed meanwhile either, as in a program that was stopped, and this is five seconds or more, the
+  /// drives are disarmed.
+  void note_pause(Seconds pause) noexcept;
+
   /// [control & stopped] The sensors are recordings, which may hold silence: none is ever found at fault.
   void disable_sensor_watch() noexcept { watch_sensors_ = false; }
   /// [control & stopped] From the next `prepare` on the outputs depend on it. It outlives this; nullptr:

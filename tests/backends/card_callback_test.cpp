@@ -279,6 +279,42 @@ TEST_CASE("card callback: where a library does not report it, frames ahead of th
   CHECK(card.guarded.frame() == frame);
 }
 
+TEST_CASE(
+    "card callback: outputs of a lost device come to zero within the slew limit while blocks still come",
+    "[backends]") {
+  // From 0.625 at 480/s: 0.01 a frame, 62 frames and a half.
+  GuardedChannel slow{DriveGuard::Kind::Drive, DriveLimits{}};
+  slow.limits.slew_per_second = 480.0;
+  Card card{1, 1, 16, {}, slow};
+  card.callback->play();
+  while (card.block({plane(16, 0.5)}, 1, 16)[0].back() < 0.6249f) {
+  }
+  std::atomic<bool> done{false};
+  std::vector<float> played;
+  std::thread library{[&] {
+    while (!done) {
+      const auto block = card.block({}, 1, 16)[0];
+      played.insert(played.end(), block.begin(), block.end());
+    }
+  }};
+  const bool finished = card.callback->finish(true);
+  done = true;
+  library.join();
+  CHECK(finished);
+  CHECK(played.back() == 0.0f);
+  float steepest = 0.0f;
+  for (std::size_t n = 1; n < played.size(); ++n)
+    steepest = std::max(steepest, std::abs(played[n] - played[n - 1]));
+  CHECK(steepest == Approx(0.01).margin(1e-6));
+}
+
+TEST_CASE("card callback: without blocks nothing waits for the outputs of a lost device", "[backends]") {
+  Card card{1, 1, 16};
+  card.callback->play();
+  card.block({plane(16, 0.5)}, 1, 16);
+  CHECK_FALSE(card.callback->finish(true));
+}
+
 TEST_CASE("card callback: a suspended stream can be stopped", "[backends]") {
   Card card{0, 1, 16};
   card.callback->play();

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "backends/wav_file.h"
+#include "engine/guard/drive_limits.h"
 #include "tests/cards/jack/playing.h"
 #include "tests/cards/ways.h"
 
@@ -73,4 +74,50 @@ TEST_CASE("play: stopped by SIGSTOP, JACK repeats its last block or plays zeros 
   play.process().send(SIGCONT);
   CHECK(test::wait_until([&] { return any_from(paused, 48'000, is_zero); }));
   CHECK(test::wait_until([&] { return any_from(paused, 48'000, is_ramp); }));
+}
+
+TEST_CASE_METHOD(OnServer, "play: where the input device goes the output fades within its slew limit",
+                 "[cards]") {
+  const auto wav = folder.path() / "take.wav";
+  auto input = std::make_unique<test::DelayClient>(test::DelayClient::Settings{.name = "input"});
+  const auto louder = folder.write("louder.toml", constant("0.4")).string();
+  Playing play{{louder, "--device", "jack:loopback", "--input-device", "jack:" + input->name(), "--arm"}};
+  REQUIRE(play.says("delay "));
+  Playing listener{{tone, "--device", "jack:loopback", "--outputs", "2", "--record", wav.string()}};
+  REQUIRE(listener.says("delay "));
+  const auto heard = [&] { return read_wav(wav)->channels.front(); };
+  const auto is = [&](double level) {
+    return test::wait_until([&] {
+      const auto samples = heard();
+      return !samples.empty() && std::abs(samples.back() - level) < 1e-3;
+    });
+  };
+  REQUIRE(is(0.4));
+  const auto before = heard().size();
+  input.reset();
+  REQUIRE(is(0.0));
+  const auto samples = heard();
+  double steepest = 0.0;
+  for (std::size_t n = before; n < samples.size(); ++n)
+    steepest = std::max(steepest, std::abs(samples[n] - samples[n - 1]));
+  CHECK(steepest <= conservative_limits().slew_per_second / 48e3 + 1e-6);
+}
+
+TEST_CASE("play: after 5 s of SIGSTOP the drives are disarmed", "[cards]") {
+  const auto server = test::start_sound_server({.synchronous = false});  // it runs on without the program
+  const test::TemporaryFolder folder;
+  const auto tone = folder.write("tone.toml", constant("0.2")).string();
+  const auto wav = folder.path() / "take.wav";
+  Playing play{{tone, "--device", "jack:loopback", "--arm"}};
+  REQUIRE(play.says("delay "));
+  Playing listener{{tone, "--device", "jack:loopback", "--outputs", "2", "--record", wav.string()}};
+  REQUIRE(listener.says("delay "));
+  const auto frames = [&] { return read_wav(wav)->frames(); };
+  REQUIRE(test::wait_until([&] { return frames() > 0; }));
+  play.process().pause();
+  const auto paused = frames();  // that the listener counts are the time
+  REQUIRE(test::wait_until([&] { return frames() > paused + 6 * 48'000; }));
+  play.process().send(SIGCONT);
+  CHECK(play.says("all drives were disarmed"));
+  CHECK(test::wait_until([&] { return read_wav(wav)->channels.front().back() == 0.0; }));
 }

@@ -150,3 +150,27 @@ TEST_CASE("dead man's switch: what expired stays so when the stream begins again
   watched.play_until(9'600);
   CHECK(watched.drive == frames_of({{4'800, 0.0}, {4'800, 1.0}}));
 }
+
+TEST_CASE(
+    "dead man's switch: a program that was stopped for 5 s comes back disarmed, one that waited does not",
+    "[core]") {
+  // No frame passes meanwhile. A loop that runs refreshes it many times a second.
+  struct Case {
+    double pause_s;
+    int refreshes;
+    bool disarms;
+  };
+  const auto each =
+      GENERATE(Case{5.0, 0, true}, Case{60.0, 1, true}, Case{4.9, 0, false}, Case{6.0, 300, false});
+  CAPTURE(each.pause_s, each.refreshes);
+  Watched watched;
+  watched.play_until(4800);
+  for (int n = 0; n < each.refreshes; ++n) watched.dead_man.refresh();
+  watched.guarded.note_pause(Seconds{each.pause_s});
+  watched.play_until(9600);
+  const auto events = watched.events();
+  CHECK(watched.drive.back() == (each.disarms ? 0.0 : 1.0));
+  CHECK(watched.audio.back() == 1.0);
+  REQUIRE(events.size() == (each.disarms ? 1 : 0));
+  if (each.disarms) CHECK(events[0].kind == GuardEvent::Kind::DeadManDisarmed);
+}
