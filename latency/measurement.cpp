@@ -297,11 +297,16 @@ class Session {
 
   Status play(Stream& stream) {
     using Clock = std::chrono::steady_clock;
+    if (auto status = check_writers(stream); !status) return status;
     if (auto status = stream.start(); !status) return status;
     auto last_alive = Clock::now();
     while (!player_.done()) {
       std::this_thread::sleep_for(kTick);
       report_progress();
+      if (auto status = check_writers(stream); !status) {
+        (void)stream.stop();
+        return status;
+      }
       if (stream.state() == StreamState::Running) last_alive = Clock::now();
       if (player_.done() || Clock::now() - last_alive <= kMeasurementPatience) continue;
       (void)stream.stop();
@@ -310,6 +315,15 @@ class Session {
                   "connect the device, start its sound server, and measure again");
     }
     return stream.stop();
+  }
+
+  /// The output gets the sum, which is neither limited nor what is measured.
+  Status check_writers(const Stream& stream) const {
+    const auto writers = stream.other_writers();
+    if (writers.empty() || settings_.shared_port) return {};
+    return fail(Errc::Device, stream.granted().device,
+                "'" + writers.front().from + "' also writes to '" + writers.front().to + "'",
+                "disconnect it, or give --shared-port");
   }
 
   void report_progress() const {

@@ -22,6 +22,7 @@ struct MeasureSettings {
   int openings = 5;             ///< of the stream, one after another
   int probes = 8;               ///< each time
   std::optional<PathProfile> profile;
+  bool shared_port = false;                          ///< another program may write to the output's port too
   const DeadMansSwitch* dead_mans_switch = nullptr;  ///< of the program that plays the probes; nullptr: none
 };
 

@@ -58,8 +58,10 @@ int captured_channel(const AnalyzeOptions& options, int first, int channels) {
 /// Three of eight sweeps are enough: a recording may be cut, to less than half of the probe.
 constexpr double kMostProbes = 4.0;
 
-/// As long as it may be in this recording, at its rate.
+/// At the rate of this recording, where it can be in it at all.
 Samples at_rate(Samples probe, const AnalyzeOptions& options, const Samples& recording) {
+  const auto rate = recording.sample_rate;
+  if (probe.sample_rate == rate) return probe;
   const auto seconds = [](const Samples& of) {
     return static_cast<double>(of.frames()) / of.sample_rate.value;
   };
@@ -68,8 +70,6 @@ Samples at_rate(Samples probe, const AnalyzeOptions& options, const Samples& rec
                fmt::format("the probe lasts {:.3g} s at {:g} Hz, the recording only {:.3g} s", seconds(probe),
                            probe.sample_rate.value, seconds(recording)),
                "record the whole probe; if only a header is wrong, give --rate"});
-  const auto rate = recording.sample_rate;
-  if (probe.sample_rate == rate) return probe;
   fmt::print(stderr,
              "note: the probe file is at {:g} Hz and the recording at {:g} Hz: the probe was resampled; if "
              "only a header is wrong, give --rate\n",

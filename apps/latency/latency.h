@@ -117,7 +117,8 @@ Plot picture_of(const SweepReport& report);
 struct LoopOptions : DeviceOptions {
   std::optional<int> input, output;  ///< channels of the device, from 1
   std::string rate, level;
-  bool cable = false;  ///< nothing but a loopback cable is connected to the output
+  bool shared_port = false;  ///< another program may write to the output too
+  bool cable = false;        ///< nothing but a loopback cable is connected to the output
   std::optional<int> block;
   int openings = 5, probes = 8;
   std::string profile;  ///< of what is in the loop, a file; empty: a cable

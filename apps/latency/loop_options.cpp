@@ -102,6 +102,8 @@ void add_loop_options(CLI::App& command, LoopOptions& options, bool setting, boo
   command.add_flag("--cable", options.cable,
                    "nothing but a loopback cable is connected to the output: play up to --level, without the "
                    "conservative limits of a drive");
+  command.add_flag("--shared-port", options.shared_port,
+                   "another program may write to the output's port too: no guard limits the sum");
   if (setting) {
     command.add_option("--rate", options.rate, "sample rate; default: the device's");
     add_number(command, "--block", options.block, "block size in frames; default: the device's", 1, 8192);
@@ -118,6 +120,7 @@ Loop make_loop(const LoopOptions& options) {
   auto& settings = loop.settings;
   settings.openings = options.openings;
   settings.probes = options.probes;
+  settings.shared_port = options.shared_port;
   if (!options.rig.empty()) {
     check_against_rig(options);
     loop.rig = open_rig(options.rig);

@@ -8,6 +8,7 @@
 
 #include "tests/cards/jack_delay.h"
 #include "tests/cards/ways.h"
+#include "tests/support/error_summary.h"
 #include "tests/support/undisturbed.h"
 
 // What the delay is, is known here: a card that is a JACK client, on a server whose clock never drifts.
@@ -128,4 +129,18 @@ TEST_CASE("measurement: over ALSA the delay is the card's and whole periods", "[
     CHECK(periods >= 1);  // how many, differs after gaps
     CHECK_THAT(delay, Catch::WithinAbs(960.25 + periods * kPeriod, kMargin));
   }
+}
+
+TEST_CASE("measurement: with another program at the output's port nothing is measured", "[cards]") {
+  const auto on_server = start_card();
+  const auto jack = test::backend_named("jack");
+  auto settings = test::short_measurement(request_for("jack:" + on_server->card->name()));
+  const auto out = on_server->card->name() + ":playback_1";
+  on_server->server->connect("system:capture_1", out);  // silence
+  const auto refused = measure(*jack, settings);
+  REQUIRE_FALSE(refused);
+  CHECK(test::summary(refused) ==
+        settings.request.device + " Device 'system:capture_1' '" + out + "' --shared-port");
+  settings.shared_port = true;
+  CHECK(measure(*jack, settings));
 }
