@@ -5,9 +5,12 @@
 
 #ifndef __cpp_lib_to_chars
 #include <cctype>
+#include <limits>
 #include <locale>
 #include <sstream>
 #include <string>
+#include <string_view>
+#include <utility>
 #endif
 
 namespace tactus {
@@ -21,6 +24,15 @@ inline std::from_chars_result parse_double(const char* first, const char* last, 
 }
 
 #else  // libc++ before version 20 has std::from_chars for integers only
+
+/// The end of the word at the beginning of [first, last), whatever its case; `first` if it is not there.
+inline const char* end_of_word(const char* first, const char* last, std::string_view word) {
+  for (const char* at = first;; ++at) {
+    if (word.empty()) return at;
+    if (at == last || std::tolower(static_cast<unsigned char>(*at)) != word.front()) return first;
+    word.remove_prefix(1);
+  }
+}
 
 /// The end of the longest decimal number at the beginning of [first, last); `first` if there is none.
 inline const char* end_of_number(const char* first, const char* last) {
@@ -44,6 +56,15 @@ inline const char* end_of_number(const char* first, const char* last) {
 }
 
 inline std::from_chars_result parse_double(const char* first, const char* last, double& value) {
+  const bool negative = first != last && *first == '-';
+  const char* digits = negative ? first + 1 : first;
+  for (const auto& [word, number] : {std::pair{"infinity", std::numeric_limits<double>::infinity()},
+                                     {"inf", std::numeric_limits<double>::infinity()},
+                                     {"nan", std::numeric_limits<double>::quiet_NaN()}})
+    if (const char* end = end_of_word(digits, last, word); end != digits) {
+      value = negative ? -number : number;
+      return {end, {}};
+    }
   const char* end = end_of_number(first, last);
   if (end == first) return {first, std::errc::invalid_argument};
   std::istringstream stream{std::string{first, end}};

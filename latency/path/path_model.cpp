@@ -103,7 +103,7 @@ Complex PathModel::at(double w) const {
   std::copy(shape.begin(), shape.end(), numbers.begin() + 2);
   double real = 0.0, imaginary = 0.0;
   for (std::size_t k = 0; k < slope.size(); ++k) (kImaginary[k] ? imaginary : real) += numbers[k] * slope[k];
-  return std::polar(sign * std::exp(real), imaginary);
+  return sign * std::polar(std::exp(real), imaginary);  // polar() wants no negative magnitude
 }
 
 Spectrum PathModel::spectrum(std::size_t size, const Spectrum& profile) const {
