@@ -11,7 +11,8 @@ namespace fs = std::filesystem;
 namespace {
 
 Status cannot_write(const fs::path& file) {
-  return fail(Errc::BadFile, file.string(), "cannot be written", "choose an existing, writable folder");
+  return fail(Errc::BadFile, file.generic_string(), "cannot be written",
+              "choose an existing, writable folder");
 }
 
 }  // namespace

@@ -22,7 +22,12 @@ struct Family {
 };
 
 const Family kFamilies[] = {
-    {"generators", {sine_type, noise_type, wavetable_type, sample_type, curve_type}},
+    {"generators",
+     {sine_type, noise_type, wavetable_type,
+#if defined(TACTUS_HAS_SNDFILE)
+      sample_type,
+#endif
+      curve_type}},
     {"shapers", {clip_type, map_type, mix_type, quantiser_type, slew_type, hysteresis_type}},
     {"envelopes", {envelope_type, decay_type, adsr_type, onset_type}},
     {"filters",

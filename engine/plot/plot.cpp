@@ -446,7 +446,7 @@ Status write_svg(const std::filesystem::path& path, const std::vector<Plot>& pag
   file << to_svg(page, columns);
   file.close();
   if (file) return {};
-  return fail(Errc::BadFile, path.string(), "the plot cannot be written",
+  return fail(Errc::BadFile, path.generic_string(), "the plot cannot be written",
               "check that the folder exists and is writable");
 }
 

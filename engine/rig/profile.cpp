@@ -45,13 +45,14 @@ std::map<std::string, std::filesystem::path> profiles_in(const ProfileFolders& f
   std::error_code error;
   for (const auto& folder : folders)
     for (const auto& entry : std::filesystem::directory_iterator{folder / "profiles", error})
-      if (entry.path().extension() == ".toml") files.emplace(entry.path().stem().string(), entry.path());
+      if (entry.path().extension() == ".toml")
+        files.emplace(entry.path().stem().generic_string(), entry.path());
   return files;
 }
 
 std::string listed_folders(const ProfileFolders& folders) {
   std::string text;
-  for (const auto& folder : folders) text += (text.empty() ? "'" : ", '") + folder.string() + "'";
+  for (const auto& folder : folders) text += (text.empty() ? "'" : ", '") + folder.generic_string() + "'";
   return text;
 }
 
@@ -111,7 +112,7 @@ const SectionType& profile_fields() {
 }
 
 Checked<ActuatorProfile> load_profile(const std::filesystem::path& file) {
-  return read(load_toml(file), file.string());
+  return read(load_toml(file), file.generic_string());
 }
 
 Checked<ActuatorProfile> parse_profile(std::string_view text, const std::string& file_name) {
@@ -178,7 +179,7 @@ std::vector<LimitSource> DriveEntry::sources() const {
   std::vector<LimitSource> sources;
   if (profile_limits)
     sources.push_back({LimitSource::Kind::Profile,
-                       "profile '" + profile + "' (" + profile_file.string() + ") of " + name,
+                       "profile '" + profile + "' (" + profile_file.generic_string() + ") of " + name,
                        *profile_limits});
   if (ceiling) sources.push_back({LimitSource::Kind::Ceiling, name, DriveLimits{.ceiling = *ceiling}});
   return sources;

@@ -20,7 +20,7 @@ constexpr int kMaxChannels = 1024;
 class RigReader {
  public:
   RigReader(const std::filesystem::path& file, ProfilePlaces places) : places_(std::move(places)) {
-    rig_.file = {std::make_shared<const std::string>(file.string()), 0, 0};
+    rig_.file = {std::make_shared<const std::string>(file.generic_string()), 0, 0};
     errors_ = ErrorList{rig_.file};
   }
 

@@ -23,7 +23,7 @@ std::vector<std::string> files_in(const fs::path& folder) {
   std::vector<std::string> names;
   std::error_code error;
   for (fs::directory_iterator entry{folder, error}, end; !error && entry != end; entry.increment(error))
-    names.push_back(entry->path().filename().string());
+    names.push_back(entry->path().filename().generic_string());
   return names;
 }
 
@@ -37,7 +37,7 @@ class Loader {
  public:
   Loader(const fs::path& file, const fs::path& root)
       : root_(root.empty() ? file.parent_path() : root),
-        errors_(Source{std::make_shared<const std::string>(file.string()), 0, 0}) {}
+        errors_(Source{std::make_shared<const std::string>(file.generic_string()), 0, 0}) {}
 
   Spec build(const PartPath& path, const Result<std::string>& text) {
     if (errors_.keep(text) == nullptr) return nullptr;
@@ -104,7 +104,7 @@ class Loader {
 
 LoadedGraph read(const fs::path& file, const fs::path& root, const Result<std::string>& text) {
   Loader loader{file, root};
-  auto spec = loader.build({file.string(), canonical_path(file)}, text);
+  auto spec = loader.build({file.generic_string(), canonical_path(file)}, text);
   return {std::move(spec), loader.take_errors(), loader.take_texts()};
 }
 
@@ -139,16 +139,16 @@ Result<PartPath> find_part(const std::string& use, const fs::path& folder, const
                 "give the path relative to this file");
   // The shortened path is the one that is checked and opened: behind a link, '..' would lead elsewhere.
   const auto path = (folder / given).lexically_normal();
-  const PartPath part{path.string(), canonical_path(path)};
+  const PartPath part{path.generic_string(), canonical_path(path)};
   const auto top = canonical_path(root);
   if (!inside(part.canonical, top))
     return fail(Errc::OutOfRange, at.text(),
-                "'" + use + "' is outside the folder '" + top.filename().string() + "'",
+                "'" + use + "' is outside the folder '" + top.filename().generic_string() + "'",
                 "keep the files of an instrument inside it");
   std::error_code error;
   if (fs::exists(part.canonical, error)) return part;
   return fail(Errc::BadFile, at.text(), "there is no file '" + part.name + "'",
-              suggest(part.canonical.filename().string(), files_in(part.canonical.parent_path()),
+              suggest(part.canonical.filename().generic_string(), files_in(part.canonical.parent_path()),
                       "paths are relative to this file"));
 }
 

@@ -283,7 +283,7 @@ Result<Value> convert(const toml::node& node, const FileName& file) {
 }  // namespace
 
 Result<std::string> read_graph_text(const std::filesystem::path& file) {
-  const auto name = file.string();
+  const auto name = file.generic_string();
   std::error_code error;
   if (std::filesystem::is_directory(file, error))
     return fail(Errc::BadFile, name, "this is a folder", "give a file in it");
@@ -317,7 +317,7 @@ Result<Value::Table> parse_toml(std::string_view text, const std::string& file_n
 Result<Value::Table> load_toml(const std::filesystem::path& file) {
   const auto text = read_graph_text(file);
   if (!text) return tl::unexpected(text.error());
-  return parse_toml(*text, file.string());
+  return parse_toml(*text, file.generic_string());
 }
 
 }  // namespace tactus

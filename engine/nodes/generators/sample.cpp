@@ -1,6 +1,4 @@
-#if defined(TACTUS_HAS_SNDFILE)
 #include <sndfile.h>
-#endif
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +21,6 @@ struct Recording {
 // 512 MB, which is what a whole graph may keep.
 constexpr std::size_t kSoundFileMostFrames = 64 << 20;
 
-#if defined(TACTUS_HAS_SNDFILE)
 /// Reads to the end of the data, or a little beyond kSoundFileMostFrames: the length in a damaged header
 /// cannot be trusted.
 std::vector<double> read_channel(SNDFILE* file, int channels, int channel) {
@@ -65,12 +62,6 @@ Result<Recording> read_recording(const std::string& path, int channel) {
     return fail(Errc::BadFile, {}, "'" + path + "' contains non-finite values", "export the file again");
   return recording;
 }
-#else
-Result<Recording> read_recording(const std::string& path, int) {
-  return fail(Errc::BadFile, {}, "cannot read '" + path + "': this program was built without libsndfile",
-              "build it with libsndfile");
-}
-#endif
 
 constexpr double kMaxSpeed = 1000;
 

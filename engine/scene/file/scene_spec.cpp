@@ -51,7 +51,7 @@ void check_wire(const Value& value, ErrorList& errors) {
 /// What a scene without a name is called: as its file, or the folder that it is the scene of.
 std::string name_of_file(const std::filesystem::path& file) {
   const auto folder = file.parent_path().filename();
-  return (file.filename() == "scene.toml" && !folder.empty() ? folder : file.stem()).string();
+  return (file.filename() == "scene.toml" && !folder.empty() ? folder : file.stem()).generic_string();
 }
 
 // ---- gestures ----
@@ -272,7 +272,7 @@ class SceneReader {
  public:
   SceneReader(const std::filesystem::path& file, const std::filesystem::path& root)
       : folder_(file.parent_path()), root_(root.empty() ? folder_ : root) {
-    scene_.file = {std::make_shared<const std::string>(file.string()), 0, 0};
+    scene_.file = {std::make_shared<const std::string>(file.generic_string()), 0, 0};
     errors_ = ErrorList{scene_.file};
   }
 

@@ -72,7 +72,7 @@ class RunCache {
 
   Status status() const {
     if (out_) return {};
-    return fail(Errc::BadFile, path_.string(), "the result of the run cannot be written",
+    return fail(Errc::BadFile, path_.generic_string(), "the result of the run cannot be written",
                 "choose another folder for --keep");
   }
 

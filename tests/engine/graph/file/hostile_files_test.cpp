@@ -112,6 +112,7 @@ TEST_CASE("hostile files: neither lanes nor delays can ask for more than there i
   CHECK(delays == "test.toml:5:1 OutOfRange 'a' 512");
 }
 
+#if defined(TACTUS_HAS_SNDFILE)  // the node `sample`
 TEST_CASE("hostile files: a file of a node does not lead out of its folder either", "[graph]") {
   const TemporaryFolder folder;
   folder.write("secret.wav", "RIFF");
@@ -128,6 +129,7 @@ TEST_CASE("hostile files: a file of a node does not lead out of its folder eithe
   CHECK(with("thunder_and_lightning.wav") == "drum/a.toml:3:44 BadFile 'drum/thunder_and_lightning.wav'");
   CHECK(with(std::string(5000, 'a')).starts_with("drum/a.toml:3:44 BadFile '"));
 }
+#endif
 
 TEST_CASE("hostile files: no character of a file reaches the terminal as a command", "[graph]") {
   CHECK(test::errors_of("format = 1\n[nodes]\na = { type = \"\\u001b[31mclip\\nall is well\" }\n") ==

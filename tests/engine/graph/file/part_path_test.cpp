@@ -4,6 +4,7 @@
 #include "engine/graph/file/load.h"
 #include "tests/support/error_summary.h"
 #include "tests/support/parse_graph.h"
+#include "tests/support/skip.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace tactus;
@@ -75,13 +76,15 @@ TEST_CASE("parts: no path leaves the root, not even through a link", "[graph]") 
   CHECK(errors_of(folder, file, folder.path()) == "");
   folder.write("drum/a.toml", use("/etc/passwd"));
   CHECK(errors_of(folder, file) == "drum/a.toml:3:13 OutOfRange '/etc/passwd'");
-  folder.write("drum/a.toml", use("link.toml"));
-  std::filesystem::create_symlink(folder.path() / "secret.toml", folder.path() / "drum/link.toml");
-  CHECK(errors_of(folder, file) == "drum/a.toml:3:13 OutOfRange 'link.toml' 'drum'");
   // A neighbour whose name begins like the root's is outside too.
   folder.write("drum_2/b.toml", kEmpty);
   folder.write("drum/a.toml", use("../drum_2/b.toml"));
   CHECK(errors_of(folder, file) == "drum/a.toml:3:13 OutOfRange '../drum_2/b.toml' 'drum'");
+  folder.write("drum/a.toml", use("link.toml"));
+  std::error_code no_links;
+  std::filesystem::create_symlink(folder.path() / "secret.toml", folder.path() / "drum/link.toml", no_links);
+  if (no_links) return test::skip_part("there are no symbolic links here");
+  CHECK(errors_of(folder, file) == "drum/a.toml:3:13 OutOfRange 'link.toml' 'drum'");
 }
 
 TEST_CASE("parts: a missing file is reported where it is used, with the nearest one", "[graph]") {

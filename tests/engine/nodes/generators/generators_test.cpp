@@ -95,6 +95,7 @@ TEST_CASE("wavetable: an empty table is refused", "[nodes]") {
   CHECK(refusal(test::node_type("wavetable"), {{"frequency", 1.0}}) == "BadArgument 'table' table 0 1 0 -1");
 }
 
+#if defined(TACTUS_HAS_SNDFILE)
 TEST_CASE("sample: plays the chosen channel from each trigger", "[nodes]") {
   const WavFile file("tactus_sample_test.wav", 48000, 2, {16384, 1, -8192, 2, 4096, 3});
   Samples trigger(12, 0.0);
@@ -132,6 +133,7 @@ TEST_CASE("sample: says which file it cannot read, and which channel is not ther
       refusal(test::node_type("sample"), {{"trigger", 0.0}}, {{"file", file.path()}, {"channel", "2"}});
   CHECK(channel == "OutOfRange '" + file.path() + "' 1 2 'channel'");
 }
+#endif
 
 TEST_CASE("curve: each point stands in its own frame, and the last one holds", "[nodes]") {
   const auto out = play_node(test::node_type("curve"), 200, {},
