@@ -101,7 +101,9 @@ Caught catch_loops(unsigned seed, int loops) {
     const auto at = faded_at(loop, limits, shape.internal ? kInternal : kThroughInput, 60.0, &limited_s);
     result.caught += at ? 1 : 0;
     if (at) result.slowest_s = std::max(result.slowest_s, *at - limited_s);
-    if (!at) UNSCOPED_INFO("missed: gain " << shape.gain << ", delay " << shape.delay << " frames");
+    if (at) continue;
+    std::printf("missed: gain %g, delay %d frames, %zu modes, %s, limited at %g s\n", shape.gain, shape.delay,
+                shape.modes.size(), shape.internal ? "inside the graph" : "through an input", limited_s);
   }
   return result;
 }
@@ -114,7 +116,7 @@ int count_false_fades(unsigned seed, int instruments) {
     LoudInstrument instrument{static_cast<unsigned>(random())};
     if (const auto at = faded_at(instrument, limits, {}, 5.0)) {
       ++fades;
-      UNSCOPED_INFO("turn " << turn << ", kind " << instrument.kind() << ", at " << *at << " s");
+      std::printf("false: turn %d, kind %d, at %g s\n", turn, static_cast<int>(instrument.kind()), *at);
     }
   }
   return fades;
@@ -145,7 +147,7 @@ TEST_CASE("feedback: 1,000 random unstable loops", "[.soak]") {
   const auto result = catch_loops(11, 1000);
   std::printf("%d of %d caught, the slowest %.2f s after its first limited frame\n", result.caught,
               result.loops, result.slowest_s);
-  CHECK(result.caught >= 990);
+  CHECK(result.caught >= 999);  // one that reached its limit after 40 s needs longer
 }
 
 TEST_CASE("feedback: loud stable instruments are limited and not faded", "[core]") {
@@ -155,7 +157,7 @@ TEST_CASE("feedback: loud stable instruments are limited and not faded", "[core]
 TEST_CASE("feedback: 1,000 loud stable instruments", "[.soak]") {
   const int fades = count_false_fades(11, 1000);
   std::printf("%d false fades\n", fades);
-  CHECK(fades <= 5);
+  CHECK(fades <= 1);  // a crescendo, again and again
 }
 
 TEST_CASE("feedback: a loop through an input is faded within 0.12 s of its first limited frame", "[core]") {
