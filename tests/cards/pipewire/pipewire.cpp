@@ -33,7 +33,9 @@ wait
 )";
 
 #ifdef TACTUS_NO_MIXER
+/// Empty where ALSA's plugin is not installed.
 std::string alsa_config() {
+  if (!std::filesystem::exists(TACTUS_ALSA_PLUGINS "/libasound_module_pcm_pipewire.so")) return {};
   return fmt::format(
       "ctl_type.none {{ lib \"{}\" }}\nctl.default {{ type none }}\n"
       "pcm_type.pipewire {{ lib \"{}/libasound_module_pcm_pipewire.so\" }}\n"

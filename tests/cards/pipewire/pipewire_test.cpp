@@ -93,7 +93,8 @@ TEST_CASE_METHOD(OnPipeWire, "pipewire: another sample rate ends the stream unti
 
 TEST_CASE_METHOD(OnPipeWire, "pipewire: as ALSA's default device it plays on when the graph changes its rate",
                  "[cards]") {
-  if (!test::PipeWire::has_alsa()) test::skip("this build has no ALSA");
+  if (!test::PipeWire::has_alsa())
+    test::skip("ALSA does not reach PipeWire here (Debian: apt-get install pipewire-alsa)");
   for (const std::string backend : {"rtaudio", "portaudio"}) {
     if (!test::has_backend(backend)) continue;
     CAPTURE(backend);
