@@ -71,7 +71,8 @@ bool CardCallback::finish(bool lost) {
     if (now > deadline || (lost && silent)) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds{1});
   }
-  if (lost) std::this_thread::sleep_for(lost_patience_ + buffer_);  // the library closes at once, and drops it
+  if (lost)
+    std::this_thread::sleep_for(lost_patience_ + buffer_);  // the library closes at once, and drops it
   return true;
 }
 
