@@ -33,9 +33,9 @@ wait
 )";
 
 #ifdef TACTUS_NO_MIXER
-/// Empty where ALSA's plugin is not installed.
+constexpr const char* kPlugin = TACTUS_ALSA_PLUGINS "/libasound_module_pcm_pipewire.so";
+
 std::string alsa_config() {
-  if (!std::filesystem::exists(TACTUS_ALSA_PLUGINS "/libasound_module_pcm_pipewire.so")) return {};
   return fmt::format(
       "ctl_type.none {{ lib \"{}\" }}\nctl.default {{ type none }}\n"
       "pcm_type.pipewire {{ lib \"{}/libasound_module_pcm_pipewire.so\" }}\n"
@@ -43,6 +43,7 @@ std::string alsa_config() {
       TACTUS_NO_MIXER, TACTUS_ALSA_PLUGINS);
 }
 #else
+constexpr const char* kPlugin = "";
 std::string alsa_config() { return {}; }
 #endif
 
@@ -79,7 +80,7 @@ PipeWire::PipeWire() {
   if (!wait_until([&] { return has_cable(); })) FAIL("PipeWire does not start:\n" << server_->log());
 }
 
-bool PipeWire::has_alsa() { return !alsa_config().empty(); }
+bool PipeWire::has_alsa() { return fs::exists(kPlugin); }
 
 PipeWire::~PipeWire() {
   server_->hang_up();
