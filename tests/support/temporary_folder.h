@@ -38,7 +38,8 @@ class TemporaryFolder {
   /// `text` without the path of this folder, so that messages can be compared.
   std::string strip(std::string text) const {
     for (const auto& prefix : {(path_ / "").generic_string(), (path_ / "").string()})
-      for (auto at = text.find(prefix); at != text.npos; at = text.find(prefix)) text.erase(at, prefix.size());
+      for (auto at = text.find(prefix); at != text.npos; at = text.find(prefix))
+        text.erase(at, prefix.size());
     return text;
   }
 
