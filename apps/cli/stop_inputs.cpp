@@ -7,7 +7,6 @@
 #if defined(__unix__) || defined(__APPLE__)
 #include <fcntl.h>
 #include <poll.h>
-#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <termios.h>
@@ -125,14 +124,6 @@ int socket_type(int input) {
   return ::getsockopt(input, SOL_SOCKET, SO_TYPE, &type, &size) == 0 ? type : -1;
 }
 
-/// A pipe or socket whose other end is closed, whatever is left to read.
-bool is_closed(int input) {
-  pollfd state{input, POLLIN, 0};
-  if (::poll(&state, 1, 0) <= 0) return false;
-  int left = 0;
-  return (state.revents & POLLHUP) != 0 || (::ioctl(input, FIONREAD, &left) == 0 && left == 0);
-}
-
 /// Another process may read what `poll` announced: what can be read without waiting is.
 ssize_t read_now(int input, char* bytes, std::size_t most) {
   const auto count = ::recv(input, bytes, most, MSG_DONTWAIT);
@@ -163,7 +154,7 @@ void StopInputs::open_input() {
   const bool pipe = is_pipe(STDIN_FILENO);
   const int type = socket_type(STDIN_FILENO);
   datagrams_ = type == SOCK_DGRAM;
-  connection_ = (pipe || (type >= 0 && !datagrams_)) && !is_closed(STDIN_FILENO);
+  connection_ = pipe || (type >= 0 && !datagrams_);
   if (terminal_ || pipe)
     input_ = std::max(::open("/dev/stdin", O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC), STDIN_FILENO);
   if (!terminal_ || foreign_terminal_) other_terminal_ = other_terminal();

@@ -23,7 +23,7 @@ class StopInputs {
     int stops = 0;              ///< SIGINT, SIGTERM and others whose default is to end; Ctrl-C as a byte
                                 ///< too, Ctrl-Break
     bool hung_up = false;       ///< the terminal was closed
-    bool input_closed = false;  ///< a pipe or socket at standard input, open at first, was closed
+    bool input_closed = false;  ///< the other end of a pipe or socket at standard input is; reported once
     std::string bytes;          ///< of standard input
   };
   /// [any, one thread] What arrived; waits for it for `timeout` at most.
@@ -49,7 +49,7 @@ class StopInputs {
   int other_terminal_ = -1;  ///< only its end counts
   int input_ = 0;            ///< standard input, opened again where that makes its reads never block
   bool open_ = true, terminal_ = false, foreign_terminal_ = false, reads_terminal_ = false;
-  bool connection_ = false;  ///< a pipe or socket that was open at first
+  bool connection_ = false;  ///< a pipe or socket
   bool datagrams_ = false;   ///< a socket without an end
   bool paused_ = false;      ///< the last read gave nothing: none in the next turn, which then waits
   bool raw_ = false;         ///< the terminal delivers single keys to this process

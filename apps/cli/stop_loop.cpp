@@ -33,8 +33,9 @@ void StopLoop::turn() {
   const auto now = Clock::now();
   if (ending() != Ending::None) stops_ += arrived.stops;
   if (settings_.each_turn) settings_.each_turn(now);
-  const bool lost = arrived.input_closed && settings_.needs_input && settings_.needs_input();
-  if (arrived.stops > 0 || arrived.hung_up || lost) end(Ending::Interrupted);
+  if (arrived.stops > 0 || arrived.hung_up) end(Ending::Interrupted);
+  input_closed_ |= arrived.input_closed;
+  if (input_closed_ && settings_.needs_input && settings_.needs_input()) end(Ending::InputClosed);
   for (const char byte : arrived.bytes)
     handle_key(decoder_.decode(static_cast<unsigned char>(byte), now), now);
   if (std::ranges::any_of(settings_.inputs, [](const auto& input) { return input(); }))

@@ -20,18 +20,20 @@ namespace tactus::app {
 /// refreshes the dead man's switch. At once it stops the switch, so that every output fades out, at
 ///   q                                                         Ending::Quit
 ///   a signal to stop (StopInputs), a terminal that is closed  Ending::Interrupted
+///   a closed pipe or socket at standard input, while needed   Ending::InputClosed
 /// At a second signal it ends the process with exit code 5, though other threads hang: one second after the
 /// outputs had their time to fade.
 class StopLoop {
  public:
   using Clock = std::chrono::steady_clock;
-  enum class Ending { None, Quit, Interrupted };
+  enum class Ending { None, Quit, Interrupted, InputClosed };
   struct Settings {
     /// [stop loop] Acts on a key at once; the keys that it returns, other than kNoKey, go to `wait_key`.
     std::function<Key(Key, Clock::time_point)> act;
     /// [stop loop] Called in each turn, before its keys.
     std::function<void(Clock::time_point)> each_turn{};
-    /// [stop loop] Asked when a pipe or socket at standard input is closed: does that end the program?
+    /// [stop loop] Asked in each turn once a pipe or socket at standard input is closed: does that end the
+    /// program?
     std::function<bool()> needs_input{};
     /// [stop loop] More stop inputs, asked in each turn: true ends the program as a signal does. None of them
     /// waits for anything.
@@ -72,6 +74,7 @@ class StopLoop {
   std::atomic<bool> done_{false};
   // Of the thread.
   Clock::time_point ended_at_;
+  bool input_closed_ = false;
   int stops_ = 0;  ///< signals after the end
   std::thread thread_;
 };

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <utility>
 
 namespace tactus::test {
 
@@ -16,11 +17,13 @@ class Keyboard {
   }
   ~Keyboard() {
     ::dup2(before_, STDIN_FILENO);
-    for (const int file : {before_, ends_[0], ends_[1]}) ::close(file);
+    for (const int file : {before_, ends_[0], ends_[1]})
+      if (file >= 0) ::close(file);
   }
   Keyboard(const Keyboard&) = delete;
   Keyboard& operator=(const Keyboard&) = delete;
 
+  void close() { ::close(std::exchange(ends_[1], -1)); }
   void press(char key) const {
     if (::send(ends_[1], &key, 1, 0) != 1) std::abort();
   }

@@ -34,6 +34,10 @@ constexpr const char* kForeignTerminal =
     "note: keys are not read, because this terminal belongs to another session (setsid, su -c); run the "
     "program without setsid or with su --pty, and end this one with the command kill";
 
+constexpr const char* kInputClosed =
+    "standard input is closed, so that no key could disarm the drives any more: ended; to play without keys, "
+    "add </dev/null";
+
 std::string source_text(const RigMidi& binding) {
   if (binding.kind == RigMidi::Kind::PitchBend) return "the pitch wheel";
   return fmt::format("{} {}", binding.kind == RigMidi::Kind::Note ? "note" : "controller", binding.number);
@@ -72,8 +76,7 @@ class LivePlay {
     const auto begin = Clock::now();
     auto drawn = begin - 1s;
     while (true) {
-      if (const auto ending = stop_loop_.ending(); ending != Ending::None)
-        return ending == Ending::Quit ? kDone : kInterrupted;
+      if (const auto ending = stop_loop_.ending(); ending != Ending::None) return exit_code_of(ending);
       if (session_.over()) return kDevice;
       const std::chrono::duration<double> played = Clock::now() - begin;
       if (duration.value > 0 && played.count() >= duration.value) return kDone;
@@ -90,6 +93,11 @@ class LivePlay {
   }
 
  private:
+  int exit_code_of(Ending ending) {
+    if (ending == Ending::InputClosed) print(kInputClosed);
+    return ending == Ending::Quit ? kDone : kInterrupted;
+  }
+
   /// What happens without keys: MIDI, edits, device and guard events.
   void tick() {
     if (midi_ != nullptr) follow_midi();
@@ -246,7 +254,7 @@ int play(const LiveOptions& options) {
   DriveKeys keys{session.switches()};
   StopLoop stop_loop{dead_man,
                      {.act = [&](Key key, Clock::time_point now) { return keys.act(key, now); },
-                      .each_turn = [&](Clock::time_point now) { keys.notice_disarm(now); },
+                      .each_turn = [&](Clock::time_point now) { keys.begin_turn(now); },
                       .needs_input = [&] { return session.armed(); },
                       .inputs = {},
                       .fade = session.closing_time()}};

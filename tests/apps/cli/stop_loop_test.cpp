@@ -115,6 +115,21 @@ TEST_CASE("stop loop: no signal suspends the process, or ends it for a failed wr
   CHECK(loop.ending() == Ending::None);
 }
 
+TEST_CASE("stop loop: a closed standard input ends it once it is needed, however long it was closed before",
+          "[live]") {
+  test::Keyboard keyboard;
+  keyboard.close();
+  DeadMansSwitch dead_man;
+  std::atomic<int> asked{0};
+  std::atomic<bool> needed{false};
+  StopLoop loop{dead_man, {.act = {}, .needs_input = [&] { return ++asked, needed.load(); }, .inputs = {}}};
+  REQUIRE(wait_until([&] { return asked > 3; }));
+  CHECK(loop.ending() == Ending::None);
+  needed = true;
+  REQUIRE(wait_until([&] { return loop.ending() == Ending::InputClosed; }));
+  CHECK(dead_man.stopped());
+}
+
 TEST_CASE("stop loop: it calls back in each turn, without keys too", "[live]") {
   DeadMansSwitch dead_man;
   std::atomic<int> turns{0};

@@ -14,6 +14,11 @@ Key DriveKeys::act(Key key, Clock::time_point now) {
   return press_other(key, now);
 }
 
+void DriveKeys::begin_turn(Clock::time_point now) {
+  if (now - std::exchange(turned_at_, now).value_or(now) > kLongestTurn) disturb(now);
+  notice_disarm(now);
+}
+
 Key DriveKeys::disarm(Clock::time_point now) {
   switches_.disarm();
   notice_disarm(now);

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <optional>
 
 #include "apps/cli/keys.h"
 #include "engine/guard/guarded.h"
@@ -61,21 +62,26 @@ class DriveKeys {
 
   /// What the control thread is to know: the key, or what was made of it.
   Key act(Key key, Clock::time_point now);
-  /// To be called often: by its time a disarm is compared with the next key.
-  void notice_disarm(Clock::time_point now);
+  /// Once in each turn of the loop, before its keys: by its time a disarm is compared with them. Keys that
+  /// waited for more than half a second, because the program was stopped, come at unknown times: they count
+  /// as pressed at once.
+  void begin_turn(Clock::time_point now);
 
  private:
+  static constexpr std::chrono::milliseconds kLongestTurn{500};
   static constexpr Clock::time_point kNever{-std::chrono::hours{1}};
 
   Key disarm(Clock::time_point now);
   Key press_a(Clock::time_point now);
   Key press_enter(Clock::time_point now);
   Key press_other(Key key, Clock::time_point now);
+  void notice_disarm(Clock::time_point now);
   void disturb(Clock::time_point now);
 
   DriveSwitches& switches_;
   bool asked_ = false;                                             ///< a was pressed: Enter is to follow
   Clock::time_point pressed_at_ = kNever, disturbed_at_ = kNever;  ///< a; what made it count for nothing
+  std::optional<Clock::time_point> turned_at_;                     ///< the last turn
   int disarms_ = 0;
 };
 

@@ -121,7 +121,7 @@ TEST_CASE("session: a key, a signal or a further stop input ends it while a file
   if (by == "signal") std::raise(SIGTERM);
   pressed = by == "input";
   REQUIRE(wait_until([&] { return loop.ending() != StopLoop::Ending::None; }));
-  // The stop alone fades: nobody has stopped the session yet.
+  // The stop input alone causes the fade: session.stop() has not been called yet.
   REQUIRE(wait_until([&] { return Stage::highest_of_ten_blocks(session) == 0.0; }));
   CHECK(session.stop());
   CHECK(read_take(wav)->finished);

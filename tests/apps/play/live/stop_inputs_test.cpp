@@ -129,7 +129,8 @@ Arguments in_background(const Arguments& command) {
 }
 
 #ifdef __linux__
-/// An edit of the stage's file that nobody can read until it is released: a lease holds up who opens it.
+/// An edit of the stage's file that cannot be read until it is released: a file lease blocks whoever opens
+/// it.
 class HeldEdit {
  public:
   explicit HeldEdit(const Stage& stage) {
@@ -229,10 +230,18 @@ TEST_CASE("play: a connection at standard input that is closed fades an armed dr
   stage.check_fade();
 }
 
-TEST_CASE("play: a connection at standard input that is closed from the beginning ends nothing", "[live]") {
+TEST_CASE("play: with a connection at standard input that is closed from the start, no drive stays armed",
+          "[live]") {
   const Stage stage;
   test::ChildProcess play{in_shell("read line; exec \"$0\" \"$@\"", stage.command()), kLogged};
   play.hang_up();
+  CHECK(play.wait(kPatience) == 5);
+  CHECK(play.log().find("standard input is closed") != std::string::npos);
+}
+
+TEST_CASE("play: with /dev/null at standard input an armed drive plays until a signal", "[live]") {
+  const Stage stage;
+  test::ChildProcess play{in_shell("exec \"$0\" \"$@\" </dev/null", stage.command()), kLogged};
   REQUIRE(stage.sounds());
   play.send(SIGTERM);
   CHECK(play.wait(kPatience) == 5);

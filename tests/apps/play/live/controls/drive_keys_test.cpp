@@ -23,7 +23,7 @@ struct Drive {
   Key press(Key key, std::chrono::milliseconds at) {
     return keys.act(key, DriveKeys::Clock::time_point{rested + at});
   }
-  void notice(std::chrono::milliseconds at) { keys.notice_disarm(DriveKeys::Clock::time_point{rested + at}); }
+  void turn(std::chrono::milliseconds at) { keys.begin_turn(DriveKeys::Clock::time_point{rested + at}); }
   /// Nothing is pressed for an hour.
   void rest() { rested += 1h; }
   /// Of these, all from `rested` on: does any arm?
@@ -146,14 +146,27 @@ TEST_CASE("drive keys: presses that follow a disarm do not arm again", "[live]")
   CHECK_FALSE(Drive{true}.arms({{'a', 0ms}, {'a', 400ms}, {kEnter, 800ms}}));
   CHECK(Drive{true}.arms({{'a', 0ms}, {'a', 1000ms}, {kEnter, 1300ms}}));
   Drive drive{true};
-  drive.notice(0ms);
+  drive.turn(0ms);
   drive.switches.disarm();  // the guard, or a device that is not as it was
-  drive.notice(100ms);
+  drive.turn(100ms);
   CHECK(drive.press('a', 110ms) == kNotArmedKey);
   CHECK(drive.press(kEnter, 600ms) == kEnter);
   CHECK(drive.press('a', 1600ms) == kPressEnterKey);
   drive.switches.disarm();
   CHECK(drive.press(kEnter, 2000ms) == kEnter);
+}
+
+TEST_CASE("drive keys: keys that waited while the program was stopped do not arm", "[live]") {
+  Drive both_waited{false}, enter_waited{false}, none_waited{false};
+  for (auto* drive : {&both_waited, &enter_waited, &none_waited}) drive->turn(0ms);
+  both_waited.turn(4000ms);
+  CHECK(both_waited.press('a', 4000ms) == kNotArmedKey);
+  CHECK(enter_waited.press('a', 20ms) == kPressEnterKey);
+  enter_waited.turn(521ms);
+  CHECK(enter_waited.press(kEnter, 521ms) == kEnter);
+  CHECK(none_waited.press('a', 20ms) == kPressEnterKey);
+  none_waited.turn(500ms);
+  CHECK(none_waited.press(kEnter, 500ms) == kArmKey);
 }
 
 TEST_CASE("drive keys: m mutes and unmutes at once", "[live]") {
