@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <fstream>
 #include <map>
+#include <regex>
 #include <system_error>
 
 namespace tactus {
@@ -59,11 +60,10 @@ std::string alsa_hardware(int card, const fs::path& root) {
 }
 
 std::string alsa_hardware_named(const std::string& text, const fs::path& root) {
-  constexpr std::string_view kBegin = "hw:";
-  const auto begin = text.find(kBegin);
-  if (begin == std::string::npos) return {};
-  auto card = text.substr(begin + kBegin.size());
-  card = card.substr(0, card.find_first_of(",: "));
+  static const std::regex kNamed{"(?:^|:)(?:plug)?hw:([^,: ]*).*"};
+  std::smatch found;
+  if (!std::regex_search(text, found, kNamed)) return {};
+  auto card = found[1].str();
   if (card.empty()) return {};
   if (card.find_first_not_of("0123456789") != std::string::npos) {
     std::error_code missing;

@@ -49,8 +49,10 @@ struct DeviceIdentity {
   std::string hardware;            ///< see Device
   int channels = 0;                ///< of the device
   std::vector<std::string> ports;  ///< full name behind each channel; empty: the library names none
-  bool ambiguous = false;          ///< see Device; also where the hardware is unknown
+  bool ambiguous = false;          ///< see Device
 
+  /// [any] Without known hardware two equal devices that are exchanged look the same.
+  bool may_be_another() const { return ambiguous || (channels > 0 && hardware.empty()); }
   bool operator==(const DeviceIdentity&) const = default;
 };
 
@@ -140,6 +142,9 @@ class Stream {
   virtual int block_frames() const { return granted().block_frames; }
   /// [control] Empty: none, or the library does not know.
   virtual std::vector<OtherWriter> other_writers() const { return {}; }
+  /// [control] Since the last call another program took an output of this stream away from its device, which
+  /// is still there: it may be connected again at any time, at full level.
+  virtual bool take_output_cut() { return false; }
   /// [control] The next message about what neither state nor health shows; empty: none.
   virtual std::string take_note() { return {}; }
 };

@@ -169,14 +169,10 @@ Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequ
   choice.granted.device = output->id;
   if (input->id != output->id) choice.granted.input_device = input->id;
   choice.granted.format = {*asked.sample_rate, request.in_channels, request.out_channels, 0};
-  // Without known hardware two equal devices that are exchanged look the same.
-  const auto may_be_another = [](const Device& device) {
-    return device.ambiguous || device.hardware.empty();
-  };
   if (request.in_channels > 0)
-    choice.granted.input = {input->hardware, input->in_channels, {}, may_be_another(*input)};
+    choice.granted.input = {input->hardware, input->in_channels, {}, input->ambiguous};
   if (request.out_channels > 0)
-    choice.granted.output = {output->hardware, output->out_channels, {}, may_be_another(*output)};
+    choice.granted.output = {output->hardware, output->out_channels, {}, output->ambiguous};
   return choice;
 }
 
@@ -201,7 +197,7 @@ void distinguish_same_ids(std::vector<Device>& devices) {
 
 static void compare(const DeviceIdentity& before, const DeviceIdentity& now, const char* what,
                     std::vector<std::string>& found) {
-  if (before.ambiguous || now.ambiguous)
+  if (before.may_be_another() || now.may_be_another())
     found.push_back(fmt::format("it may be another device of the same name: check its {}s", what));
   if (before.hardware != now.hardware)
     found.push_back(

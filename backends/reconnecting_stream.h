@@ -62,6 +62,7 @@ class ReconnectingStream {
   /// [any] Counted over all openings; the quantiles of the load are those of the last one.
   Health health() const;
   /// [control] As in Stream; none while the device is away.
+  bool take_output_cut() { return stream_ && stream_->take_output_cut(); }
   std::vector<OtherWriter> other_writers() const {
     return stream_ ? stream_->other_writers() : std::vector<OtherWriter>{};
   }

@@ -77,7 +77,7 @@ void Client::set_callbacks() {
   jack_set_port_connect_callback(
       handle,
       [](jack_port_id_t from, jack_port_id_t to, int connected, void* self) {
-        if (connected != 0) client(self).note_connection(from, to);
+        connected != 0 ? client(self).note_connection(from, to) : client(self).note_disconnection(from, to);
         ++client(self).rewirings;
       },
       this);
@@ -163,6 +163,15 @@ void Client::note_connection(std::uint32_t from, std::uint32_t to) {
     const std::lock_guard lock{passing_mutex_};
     passing_writers_.push_back({static_cast<int>(c), source, target});
   }
+}
+
+void Client::note_disconnection(std::uint32_t from, std::uint32_t to) {
+  const auto* writes = jack_port_by_id(handle, from);
+  const auto* reads = jack_port_by_id(handle, to);
+  const auto ours = std::find(outputs_.begin(), outputs_.end(), writes);
+  if (reads == nullptr || ours == outputs_.end()) return;
+  const auto channel = static_cast<std::size_t>(ours - outputs_.begin());
+  if (jack_port_name(reads) == wires[inputs_.size() + channel].to) ++output_cuts;
 }
 
 Names Client::connections_of(const std::string& port) const {

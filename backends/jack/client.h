@@ -82,7 +82,8 @@ class Client {
   const int sample_rate;
   std::atomic<int> new_rate{0};  ///< [Hz] that the server changed to; 0: it did not
   std::atomic<int> block_frames;
-  std::atomic<int> rewirings{0};  ///< how often wires were connected or disconnected
+  std::atomic<int> rewirings{0};    ///< how often wires were connected or disconnected
+  std::atomic<int> output_cuts{0};  ///< how often one of an output was disconnected
 
  private:
   Client(_jack_client* opened, std::unique_ptr<ClientHold> hold);
@@ -93,6 +94,7 @@ class Client {
   void note_rate(int rate) noexcept;
   void note_xrun() noexcept;
   void note_connection(std::uint32_t from, std::uint32_t to);
+  void note_disconnection(std::uint32_t from, std::uint32_t to);
   void note_removal(std::uint32_t port);
   void process(int frames) noexcept;
   void note_lost_frames(int frames) noexcept;

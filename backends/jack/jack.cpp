@@ -43,22 +43,36 @@ std::optional<double> latency(const Client& client, const Names& names, jack_lat
   return most;
 }
 
-/// What the drivers behind these ports call them, with the place of an ALSA card whose number that is:
-/// "alsa_pcm:hw:1:out1@1-2:1.0". Empty: they have no other names.
-std::string hardware_of(const Client& client, const Names& names) {
+/// The aliases of a port, in which its driver names the hardware.
+Names aliases_of(const Client& client, const std::string& name) {
   const auto size = static_cast<std::size_t>(jack_port_name_size());
   std::string first(size, '\0'), second(size, '\0');
   char* aliases[] = {first.data(), second.data()};
-  std::string text;
-  for (const auto& name : names) {
-    const auto* port = jack_port_by_name(client.handle, name.c_str());
-    const int count = port == nullptr ? 0 : jack_port_get_aliases(port, aliases);
-    for (int a = 0; a < count; ++a) {
-      const auto place = alsa_hardware_named(aliases[a]);
-      text += (text.empty() ? "" : " ") + std::string{aliases[a]} + (place.empty() ? "" : "@") + place;
-    }
+  const auto* port = jack_port_by_name(client.handle, name.c_str());
+  const int count = port == nullptr ? 0 : jack_port_get_aliases(port, aliases);
+  return {aliases, aliases + std::max(count, 0)};
+}
+
+/// The hardware that an alias means, and no other, for as long as it is connected there: an ALSA card with
+/// its place ("alsa_pcm:hw:1:out1@1-2:1.0"), or a driver of the server that has no hardware. Empty: unknown,
+/// as for "alsa_pcm:default:out1".
+std::string hardware_of(const std::string& alias) {
+  if (alias.starts_with("dummy_pcm:") || alias.starts_with("loopback:")) return alias;
+  const auto place = alsa_hardware_named(alias);
+  return place.empty() ? "" : alias + "@" + place;
+}
+
+/// That of each port in turn. Empty: that of a port is unknown.
+std::string hardware_of(const Client& client, const Names& ports) {
+  std::string all;
+  for (const auto& port : ports) {
+    std::string one;
+    for (const auto& alias : aliases_of(client, port))
+      if (const auto hardware = hardware_of(alias); !hardware.empty()) one += " " + hardware;
+    if (one.empty()) return {};
+    all += one;
   }
-  return text;
+  return all;
 }
 
 /// All clients with audio ports, those with real hardware behind them first.
@@ -124,6 +138,13 @@ class JackStream final : public CardStream<Client> {
     return writers_;
   }
 
+  bool take_output_cut() override {
+    // A device that goes away disconnects first: none that is still there at the next call does.
+    const int cuts = line_->output_cuts;
+    const bool is_going = std::exchange(seen_output_cuts_, cuts) != cuts;
+    return !is_going && !line_->lost && std::exchange(reported_output_cuts_, cuts) != cuts;
+  }
+
   std::string take_note() override {
     if (const int rate = line_->new_rate; rate != 0 && !std::exchange(reported_rate_, true))
       return fmt::format("the sample rate is now {} Hz instead of {}", rate, line_->sample_rate);
@@ -153,6 +174,7 @@ class JackStream final : public CardStream<Client> {
     if (!started) (void)deactivate();
     playing_->set(started ? line_ : nullptr);
     reported_rewirings_ = line_->rewirings;
+    seen_output_cuts_ = reported_output_cuts_ = line_->output_cuts;
     connected_.assign(line_->wires.size(), true);
     return started;
   }
@@ -183,6 +205,7 @@ class JackStream final : public CardStream<Client> {
   int cycles_left_out_ = 0;      ///< seen while it is stalled
   std::vector<bool> connected_;  ///< as last reported
   int reported_rewirings_ = 0;
+  int seen_output_cuts_ = 0, reported_output_cuts_ = 0;
   bool reported_rate_ = false;
   mutable std::vector<OtherWriter> writers_;
   mutable int writers_as_of_ = -1;  ///< Client::rewirings
@@ -212,9 +235,6 @@ Status choose_ports(const Client& client, const StreamRequest& request, const Ca
   if (!to) return tl::unexpected(to.error());
   granted.input.hardware = hardware_of(client, *from);
   granted.output.hardware = hardware_of(client, *to);
-  // Without, two equal cards that are exchanged look the same.
-  for (auto* identity : {&granted.input, &granted.output})
-    identity->ambiguous = identity->channels > 0 && identity->hardware.empty();
   granted.input.ports = std::move(*from);
   granted.output.ports = std::move(*to);
   return {};

@@ -65,7 +65,10 @@ TEST_CASE("alsa devices: the card that a text names is found by number and by id
   CHECK(named("alsa_pcm:hw:1:out1") == "1-2:1.0");
   CHECK(named("alsa_pcm:hw:U192k_1,0:in1") == "1-3:1.0 serial 42");
   CHECK(named("hw:0") == "0000:00:1f.3");
-  for (const auto* text : {"usb:left", "alsa_pcm:hw:9:out1", "hw:", "hw:nowhere", "hw:99999999999"})
+  CHECK(named("alsa_pcm:plughw:1,0:out1") == "1-2:1.0");
+  for (const auto* text :
+       {"usb:left", "alsa_pcm:hw:9:out1", "hw:", "hw:nowhere", "hw:99999999999", "alsa_pcm:my_hw:1:out1",
+        "alsa_pcm:default:out1", "alsa_pcm:front:1:out1", "alsa_pcm:dmix:1,0:out1"})
     CHECK(named(text).empty());
 }
 

@@ -74,8 +74,8 @@ class DelayClient {
     double noise = 0.0;     ///< [full scale] peak of what is added, white
     int input_latency = 0;  ///< [frames] what it says of itself
     int output_latency = 0;
-    bool reversed = false;             ///< the ports of the last channel are registered first
-    std::string hardware = "hw:CARD";  ///< what its driver calls it; empty: the server does not know
+    bool reversed = false;                    ///< the ports of the last channel are registered first
+    std::string hardware = "dummy_pcm:CARD";  ///< what its driver calls it; empty: the server does not know
   };
 
   explicit DelayClient(const Settings& settings);

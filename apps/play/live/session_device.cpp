@@ -89,6 +89,7 @@ void Session::watch_writers() {
   writers_ = std::move(writers);
   if (!writers_.empty() && !shared_ports_ && armed())
     disarm("disconnect these ports, or start with --shared-port");
+  if (stream_->take_output_cut()) disarm("another program disconnected an output");
 }
 
 std::string DelaySettings::why_invalid(const StreamGranted& granted) const {

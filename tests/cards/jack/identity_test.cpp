@@ -94,11 +94,17 @@ TEST_CASE("jack: the same card is the same when it is back, another one is not",
 TEST_CASE("jack: an equal card on other hardware, or one of unknown hardware, is not the same",
           "[cards][jack]") {
   const auto server = start_sound_server();
-  Player player{{.hardware = "hw:A"}};
-  CHECK(player.replace_card({.hardware = "hw:A"}).same());
-  CHECK(player.replace_card({.hardware = "hw:B"}).differences.size() == 2);
-  CHECK_FALSE(player.replace_card({.hardware = ""}).same());
-  CHECK_FALSE(player.replace_card({.hardware = ""}).same());
+  const std::string card_a = "dummy_pcm:A", card_b = "dummy_pcm:B";
+  Player player{{.hardware = card_a}};
+  CHECK(player.replace_card({.hardware = card_a}).same());
+  CHECK(player.replace_card({.hardware = card_b}).differences.size() == 2);
+  // No hardware is known by an alias alone: another card may have it tomorrow.
+  const std::string unknown =
+      GENERATE(as<std::string>{}, "", "usb", "alsa_pcm:default", "alsa_pcm:front:1",
+               "alsa_pcm:sysdefault:CARD=USB", "alsa_pcm:dmix:99,0", "alsa_pcm:hw:99");
+  CAPTURE(unknown);
+  CHECK_FALSE(player.replace_card({.hardware = unknown}).same());
+  CHECK_FALSE(player.replace_card({.hardware = unknown}).same());
   CHECK(player.events.find("it may be another device of the same name: check its outputs") !=
         std::string::npos);
 }

@@ -225,6 +225,20 @@ TEST_CASE_METHOD(OnServer, "play: a program that writes to a drive's port disarm
   CHECK(play->report()["highest_output"]["tone"].get<double>() > 0.1);
 }
 
+TEST_CASE_METHOD(OnServer, "play: a program that disconnects a drive disarms it", "[cards]") {
+  const test::DelayClient card;
+  Playing play{{tone, "--device", card.name(), "--arm", "--json"}};
+  REQUIRE(play.says("delay "));
+  server->disconnect("tactus");
+  CHECK(play.says("drives disarmed: another program disconnected an output"));
+  server->connect("tactus:out_1", card.name() + ":playback_1");
+  CHECK(play.says("another program connected"));
+  CHECK(play.count("drives disarmed") == 1);
+  play.arm();  // it is the user's connection
+  play.press("q");
+  CHECK(play.ends() == 0);
+}
+
 TEST_CASE_METHOD(OnServer, "play: another block size disarms", "[cards]") {
   Playing play{{tone, "--device", "jack:system", "--arm"}};
   REQUIRE(play.says("delay "));
