@@ -29,21 +29,18 @@ struct BodyMode {
 ///   F = f_m + c v + f_k,   f_m[n] + f_m[n-1] = 2 m fs (v[n] - v[n-1]),
 ///   f_k[n] - f_k[n-1] = k / (2 fs) (v[n] + v[n-1])
 ///
-/// which is the bilinear transform of the admittance s / (m s^2 + c s + k). c and k are chosen so that the
-/// pole of the discrete mode is exactly e^((-sigma + j 2 pi f) / fs), sigma = ln 1000 / decay:
-///
-///   p = 2 fs (e^(...) - 1) / (e^(...) + 1),   c = -2 m Re p,   k = m |p|^2
-///
-/// All three are positive, hence the admittance is positive real and no frequency gains energy.
+/// which is the bilinear transform of the admittance s / (m s^2 + c s + k), with sigma = ln 1000 / decay (c
+/// and k: tactus_body_mode_of). All three are positive, hence the admittance is positive real and no
+/// frequency gains energy.
 struct BodyModeDesign {
   BodyModeDesign(const BodyMode& mode, Hertz sample_rate) {
     const double fs = sample_rate.value;
     const double sigma = 3 * std::numbers::ln10 / std::clamp(mode.decay_s, 1e-4, 1e4);
-    const auto pole = std::exp(std::complex{-sigma, 2 * std::numbers::pi * mode.frequency_hz} / fs);
-    const auto p = 2 * fs * (pole - 1.0) / (pole + 1.0);
-    mass_ohm = 2 * mode.mass_kg * fs;
-    loss_ohm = -2 * mode.mass_kg * p.real();
-    spring_ohm = mode.mass_kg * std::norm(p) / (2 * fs);
+    const auto design =
+        tactus_body_mode_of(mode.mass_kg, sigma / fs, std::numbers::pi * mode.frequency_hz / fs, fs);
+    mass_ohm = design.mass_ohm;
+    loss_ohm = design.loss_ohm;
+    spring_ohm = design.spring_ohm;
   }
   /// v / F at any z^-1 [m/(N s)].
   std::complex<double> admittance(std::complex<double> delay) const {

@@ -30,6 +30,29 @@ typedef struct tactus_modal_body {
   tactus_real free_velocity;          ///< that sum
 } tactus_modal_body;
 
+/// One mode by the trapezoidal rule: R_m, c, R_k [N s/m].
+typedef struct tactus_body_mode {
+  tactus_real mass_ohm, loss_ohm, spring_ohm;
+} tactus_body_mode;
+
+/// Of a mass m [kg] whose mode has the pole e^(-s + 2 j w) a frame:
+///
+///   p = 2 fs (e^(-s + 2 j w) - 1) / (e^(-s + 2 j w) + 1),   c = -2 m Re p,   k = m |p|^2
+///
+/// in terms that do not cancel, with d = sinh^2 s/2 + cos^2 w:
+///
+///   c = 2 m fs sinh s / d,   k = 4 m fs^2 (sinh^2 s/2 + sin^2 w) / d
+static inline tactus_body_mode tactus_body_mode_of(tactus_real mass, tactus_real s, tactus_real w,
+                                                   tactus_real rate) {
+  const tactus_real growth = sinh(s / 2), along = cos(w), across = sin(w);
+  const tactus_real below = growth * growth + along * along;
+  tactus_body_mode mode;
+  mode.mass_ohm = 2 * mass * rate;
+  mode.loss_ohm = mode.mass_ohm * (sinh(s) / below);
+  mode.spring_ohm = mode.mass_ohm * ((growth * growth + across * across) / below);
+  return mode;
+}
+
 /// What leaves in a frame.
 typedef struct tactus_body_answer {
   tactus_real wave, velocity, force, position;

@@ -1,7 +1,6 @@
 /* The kernels as C: what exported code does with them. */
 #include "tests/engine/nodes/kernels.h"
 
-#include <complex.h>
 #include <string.h>
 
 #define MODES 51
@@ -68,15 +67,12 @@ static int run_modal_body(const double* in, int frames, double rate, double* out
   memset(groups, 0, sizeof groups);
   for (int k = 0; k < MODES; ++k) {
     const double sigma = 3 * 2.302585092994046 / (0.1 * (pow(1.0 / (k + 1), 0.5) / 1.0));
-    const double complex pole = cexp(-sigma / rate + 2 * pi * (220.0 * (k + 1)) / rate * I);
-    const double complex p = 2 * rate * (pole - 1.0) / (pole + 1.0);
-    const double norm = creal(p) * creal(p) + cimag(p) * cimag(p);
-    const double mass_ohm = 2 * rate, spring_ohm = norm / (2 * rate);
-    const double g = 1 / (mass_ohm + -2 * creal(p) + spring_ohm);
+    const tactus_body_mode mode = tactus_body_mode_of(1, sigma / rate, pi * (220.0 * (k + 1)) / rate, rate);
+    const double g = 1 / (mode.mass_ohm + mode.loss_ohm + mode.spring_ohm);
     tactus_body_modes* group = &groups[k / 8];
     group->give[k % 8] = g;
-    group->mass_turn[k % 8] = 2 * mass_ohm * g;
-    group->spring_turn[k % 8] = 2 * spring_ohm * g;
+    group->mass_turn[k % 8] = 2 * mode.mass_ohm * g;
+    group->spring_turn[k % 8] = 2 * mode.spring_ohm * g;
     give += g;
   }
   body.impedance = 2;
