@@ -10,11 +10,11 @@
 namespace tactus::test {
 
 /// What tests compare of a text for people: file places, quoted names, sections, options, keys before "=",
-/// paths of nodes and numbers, in their order. The prose between them may change.
+/// paths of nodes and numbers, in their order. The prose between them may change. Windows: with the drive.
 inline std::string names_in(std::string text) {
   static const std::regex possessive{R"((\w)'s\b)"};
   static const std::regex kept{
-      R"re(([\w./-]+\.(toml|wav|jsonl)(:\d+)*|'[^'\n]*'|"[^"\n]*"|`[^`\n]*`|\[\w+\]|--[\w-]+|[\w.]+( -> [\w.]+)+|\w+(?= =)|U\+\w+|-?\d[\w.+/^-]*)|[A-Za-z]+-\d+)re"};
+      R"re(((?:[A-Z]:)?[\w./-]+\.(toml|wav|jsonl)(:\d+)*|'[^'\n]*'|"[^"\n]*"|`[^`\n]*`|\[\w+\]|--[\w-]+|[\w.]+( -> [\w.]+)+|\w+(?= =)|U\+\w+|-?\d[\w.+/^-]*)|[A-Za-z]+-\d+)re"};
   text = std::regex_replace(text, possessive, "$1s");
   std::string found;
   for (std::sregex_iterator it{text.begin(), text.end(), kept}, end; it != end; ++it)

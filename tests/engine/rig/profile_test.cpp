@@ -58,10 +58,10 @@ duration = "1 s"
 instrument = { use = "instrument.toml", microphone = "plant.microphone" }
 plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0, press = 0.3 }
 )",
-                            (kInstruments / "haptic_drum" / "test.toml").string(), kInstruments);
+                            (kInstruments / "haptic_drum" / "test.toml").generic_string(), kInstruments);
   const auto built = build_scene(scene, standard_nodes());
   auto text = test::summary(built);
-  const auto folder = (kInstruments / "haptic_drum").string() + "/";
+  const auto folder = (kInstruments / "haptic_drum").generic_string() + "/";
   for (auto at = text.find(folder); at != text.npos; at = text.find(folder)) text.erase(at, folder.size());
   return text;
 }

@@ -62,11 +62,11 @@ force = { from = "p.motor", unit = "N" }
         delay, ports, expect);
   }
   Checked<BuiltScene> build(const std::string& scene) const {
-    return build_scene(parse_scene_leniently(scene, (path() / "scene.toml").string(), path()),
+    return build_scene(parse_scene_leniently(scene, (path() / "scene.toml").generic_string(), path()),
                        standard_nodes());
   }
   SceneRecording play(const std::string& scene, int block = 64) const {
-    auto spec = test::parse_scene(scene, (path() / "scene.toml").string(), path());
+    auto spec = test::parse_scene(scene, (path() / "scene.toml").generic_string(), path());
     if (!spec) throw std::runtime_error(to_string(spec.error()));
     auto built = build(scene);
     if (!built) throw std::runtime_error(to_string(built.error()));
@@ -196,7 +196,7 @@ TEST_CASE("energy_watch: a scene may expect it, of the whole or of a part", "[sc
 start = { measure = "energy_given", of = "arm", to = "0.05 s", max = "1 mJ" })");
   const auto recording = scene.play(text);
   const auto outcomes = check_expectations(
-      *test::parse_scene(text, (scene.path() / "scene.toml").string(), scene.path()), recording);
+      *test::parse_scene(text, (scene.path() / "scene.toml").generic_string(), scene.path()), recording);
   REQUIRE(outcomes);
   CHECK((*outcomes)[0].value == recording.ports[0].given);
   CHECK((*outcomes)[0].unit == "J");

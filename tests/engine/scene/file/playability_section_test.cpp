@@ -17,7 +17,7 @@ struct Folder : test::SceneFolder {
         "plant = { use = \"plant.toml\", drive = \"instrument.woofer\", lift = 0 }\n"
         "[playability]\n" +
         section;
-    return parse_scene_leniently(text, (path() / "scene.toml").string(), path());
+    return parse_scene_leniently(text, (path() / "scene.toml").generic_string(), path());
   }
   std::string errors_of(const std::string& section) const {
     const auto built = build_scene(load(section), standard_nodes());

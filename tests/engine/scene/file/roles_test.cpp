@@ -23,7 +23,7 @@ struct Folder : test::SceneFolder {
         "instrument = { use = \"instrument.toml\", mic = \"plant.mic\", pedal = 0 }\n"
         "plant = { use = \"plant.toml\", drive = \"instrument.woofer\", lift = 0 }\n" +
         sections;
-    return parse_scene_leniently(text, (path() / "scene.toml").string(), path());
+    return parse_scene_leniently(text, (path() / "scene.toml").generic_string(), path());
   }
   std::string errors(const std::string& sections) const {
     const auto built = build_scene(load(sections), standard_nodes());

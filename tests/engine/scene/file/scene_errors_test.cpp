@@ -11,7 +11,7 @@ namespace {
 
 struct Folder : test::SceneFolder {
   std::string errors_of(const std::string& text) const {
-    const auto file = (path() / "scene.toml").string();
+    const auto file = (path() / "scene.toml").generic_string();
     const auto built = build_scene(parse_scene_leniently(text, file, path()), standard_nodes());
     return strip(test::summary(built));
   }

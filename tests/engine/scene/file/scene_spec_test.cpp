@@ -23,7 +23,7 @@ struct Folder : TemporaryFolder {
     write("plant.toml", kGraph);
   }
   Checked<SceneSpec> read(std::string_view text) const {
-    return test::parse_scene(text, (path() / "scene.toml").string());
+    return test::parse_scene(text, (path() / "scene.toml").generic_string());
   }
   std::string errors_of(std::string_view text) const {
     const auto scene = read(text);
@@ -223,6 +223,6 @@ TEST_CASE("scene: without a name it is called as its file, or as the folder that
   const Folder folder;
   const auto text = std::string("format = 1\nduration = \"1 s\"\n") + kParts;
   CHECK(folder.read(text).value().name == folder.path().filename().string());
-  CHECK(test::parse_scene(text, (folder.path() / "loud.toml").string()).value().name == "loud");
+  CHECK(test::parse_scene(text, (folder.path() / "loud.toml").generic_string()).value().name == "loud");
   CHECK(folder.read("name = \"wall\"\n" + text).value().name == "wall");
 }
