@@ -99,6 +99,7 @@ Json run_json(const ExtremeRun& run) {
           {"faults", run.faults},
           {"finite", run.finite},
           {"grew", run.grew},
+          {"exploded", run.exploded},
           {"expected_to_hold", run.expected},
           {"as_expected", run.as_expected()}};
 }
@@ -108,6 +109,13 @@ Json control_json(const ControlVerdict& control) {
           {"low", control.control.range.low},   {"high", control.control.range.high},
           {"holds_at_low", control.stable_low}, {"holds_at_high", control.stable_high},
           {"border", known(control.border)}};
+}
+
+Json gesture_json(const GestureVerdict& gesture) {
+  return {{"control", gesture.control},
+          {"value", gesture.value},
+          {"seconds", gesture.seconds},
+          {"holds", gesture.stable}};
 }
 
 Json event_json(const EventPlace& event) {
@@ -164,8 +172,9 @@ void print_tables(const Json& json) {
   print_table(json["networks"],
               {"name", "regime", "solver", "spectral_radius", "rate_hz", "needs_hz", "weakest"});
   print_table(json["controls"], {"name", "holds_at_low", "holds_at_high", "border"});
+  print_table(json["gestures"], {"control", "value", "seconds", "holds"});
   print_table(json["runs"], {"what", "rate_hz", "delay_ms", "seconds", "peak", "before", "after",
-                             "expected_to_hold", "finite", "faults", "grew", "as_expected"});
+                             "expected_to_hold", "finite", "faults", "grew", "exploded", "as_expected"});
 }
 
 /// Every number of it.
@@ -181,6 +190,7 @@ Json check_json(const CheckReport& report) {
           {"regimes", list_of(verdict.regimes, regime_json)},
           {"networks", list_of(verdict.networks, network_json)},
           {"controls", list_of(verdict.controls, control_json)},
+          {"gestures", list_of(verdict.gestures, gesture_json)},
           {"events", list_of(verdict.events, event_json)},
           {"open", list_of(verdict.open, open_json)},
           {"not_looked_at", verdict.skipped},
@@ -197,7 +207,9 @@ void print(const CheckReport& report, bool verbose) {
   fmt::print("{}: {} ({})\n", report.name, sentences.front(), report.delay_source);
   for (std::size_t i = 1; i < sentences.size(); ++i) fmt::print("  {}\n", sentences[i]);
   for (const auto& run : report.runs)
-    if (!run.as_expected()) fmt::print("  not as predicted: {}\n", run.what);
+    if (!run.as_expected())
+      fmt::print("  not as predicted: {}{}\n", run.what,
+                 run.exploded ? ": a loop grew until an output, ahead of its guard, was beyond 120 dB" : "");
   if (verbose) print_tables(check_json(report));
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "engine/core/index.h"
 #include "engine/study/stability/models/stability_roots.h"
@@ -82,6 +84,42 @@ bool event_loop_through(const LinearGraph& graph, const std::string& path) {
   });
 }
 
+/// Controls at a time, as entries of a journal left them: SI, by their numbers.
+struct ControlState {
+  double seconds = 0;
+  std::map<int, double> values;
+};
+
+/// A control at its highest or lowest value.
+struct ReachedValue {
+  int control = 0;
+  ControlState state;
+  double value() const { return state.values.at(control); }
+};
+
+/// Of each control that the journal moves.
+std::vector<ReachedValue> reached_values(const std::vector<JournalEntry>& journal, Hertz rate) {
+  std::map<int, std::pair<ReachedValue, ReachedValue>> ends;  // lowest, highest
+  ControlState now;
+  for (std::size_t i = 0; i < journal.size(); ++i) {
+    now.seconds = static_cast<double>(journal[i].frame) / rate.value;
+    now.values[journal[i].index] = journal[i].value;
+    if (i + 1 < journal.size() && journal[i + 1].frame == journal[i].frame) continue;
+    for (const auto& [control, value] : now.values) {
+      auto& [lowest, highest] =
+          ends.try_emplace(control, ReachedValue{control, now}, ReachedValue{control, now}).first->second;
+      if (value < lowest.value()) lowest = {control, now};
+      if (value > highest.value()) highest = {control, now};
+    }
+  }
+  std::vector<ReachedValue> reached;
+  for (auto& [control, both] : ends) {
+    if (both.first.value() != both.second.value()) reached.push_back(std::move(both.first));
+    reached.push_back(std::move(both.second));
+  }
+  return reached;
+}
+
 class Analysis {
  public:
   Analysis(const StabilitySubject& subject, const StabilityOptions& options,
@@ -99,8 +137,10 @@ class Analysis {
     find_event_loops(*world);
     for (const auto& regime : regimes) find_open_gains(*world, regime);
     for (const auto& control : world->instrument().controls) find_border(control.control);
+    if (auto judged = judge_gestures(); !judged) return tl::unexpected(judged.error());
     for (const auto& regime : verdict_.regimes) verdict_.stable &= regime.held || regime.is_stable();
     for (const auto& network : verdict_.networks) verdict_.stable &= network.stable();
+    for (const auto& gesture : verdict_.gestures) verdict_.stable &= gesture.stable;
     return std::move(verdict_);
   }
 
@@ -222,6 +262,26 @@ class Analysis {
       verdict.border = verdict.stable_low ? low : high;
     }
     verdict_.controls.push_back(std::move(verdict));
+  }
+
+  Checked<void> judge_gestures() {
+    if (subject_.scene == nullptr) return {};
+    const auto scene = compile_scene(*subject_.scene, *subject_.table, options_.world);
+    if (!scene) return tl::unexpected(scene.error());
+    const auto& controls = scene->instrument->controls;
+    std::map<std::map<int, double>, bool> known;
+    for (const auto& reached : reached_values(scene->journal, verdict_.rate)) {
+      const auto& control = controls[index(reached.control)].control;
+      auto with = options_.world;
+      for (const auto& [moved, value] : reached.state.values)
+        with.set[controls[index(moved)].control.name] = ControlValue{value};
+      const auto [judged, is_new] = known.try_emplace(reached.state.values, true);
+      if (is_new) judged->second = is_stable_with(subject_, with, options_.push);
+      report_progress();
+      verdict_.gestures.push_back(
+          {control.name, control.unit, reached.value(), reached.state.seconds, judged->second});
+    }
+    return {};
   }
 
   static constexpr int kMostHalvings = 40;

@@ -76,6 +76,16 @@ struct ControlVerdict {
   std::optional<double> border = {};  ///< of the stable range, if one end is unstable
 };
 
+/// The stability where the gestures of a scene take a control to its highest or lowest value, with all others
+/// as they are then.
+struct GestureVerdict {
+  std::string control;
+  Unit unit;         ///< how people read it
+  double value = 0;  ///< SI
+  double seconds = 0;
+  bool stable = true;
+};
+
 struct StabilityVerdict {
   Hertz rate;
   double delay_s = 0;
@@ -83,6 +93,7 @@ struct StabilityVerdict {
   std::vector<RegimeVerdict> regimes;
   std::vector<EventPlace> events;
   std::vector<ControlVerdict> controls;
+  std::vector<GestureVerdict> gestures;
   std::vector<OpenPair> open;
   std::vector<std::string> skipped;
   bool nonlinear = false;     ///< the stiffness of some force depends on the position

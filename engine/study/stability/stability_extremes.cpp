@@ -42,10 +42,12 @@ class Disturbed final : public BlockProcessor {
       for (int n = 0; n < io.frames; ++n) {
         io.out[c][n] *= plan_.drive_gain;
         finite_ = finite_ && std::isfinite(io.out[c][n]);
+        exploded_ = exploded_ || std::abs(io.out[c][n]) > kExploded;
       }
     frame_ += io.frames;
   }
   bool finite() const { return finite_; }
+  bool exploded() const { return exploded_; }
   double push = 0.0;  ///< of linear runs, at the start
 
  private:
@@ -63,7 +65,7 @@ class Disturbed final : public BlockProcessor {
   int outputs_ = 0;
   std::int64_t frame_ = 0;
   ChannelBuffers sensors_;
-  bool finite_ = true;
+  bool finite_ = true, exploded_ = false;
 };
 
 double stored(const Player& engine) {
@@ -115,6 +117,7 @@ ExtremeRun run_guarded(const StabilitySubject& subject, BuiltScene& built, Extre
   run.energy_before = std::max({energy.largest[0], energy.largest[1], energy.largest[2]});
   run.energy_after = energy.largest[3];
   run.finite = run.finite && disturbed.finite();
+  run.exploded = disturbed.exploded();
   // The energy of rolls and rotations varies; that of an unstable system doubles more than once in a quarter.
   run.grew = !(run.energy_after <= kGrows * run.energy_before + kNothing_J);
   count_faults(*built.instrument, run);

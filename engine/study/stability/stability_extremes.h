@@ -32,6 +32,9 @@ struct ExtremePlan {
   bool expected = true;   ///< false: predicted to grow
 };
 
+/// [full scale] No instrument makes that of signals of full scale, unless a loop of it grows.
+constexpr double kExploded = 1e6;
+
 /// One run of the engine and its result. Of a linear run before and after are the largest change of a sensor,
 /// not energies.
 struct ExtremeRun : ExtremePlan {
@@ -43,7 +46,8 @@ struct ExtremeRun : ExtremePlan {
   std::int64_t faults = 0;   ///< of nodes
   bool finite = true;
   bool grew = false;
-  bool bounded() const { return finite && faults == 0 && !grew; }
+  bool exploded = false;  ///< an output of the instrument came to more than kExploded, ahead of its guard
+  bool bounded() const { return finite && faults == 0 && !grew && !exploded; }
   /// A run that is predicted to grow may fault, or be limited by the guard and by nonlinearities.
   bool as_expected() const { return finite && (expected ? bounded() : grew || !linear); }
 };

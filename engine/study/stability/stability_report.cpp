@@ -55,6 +55,7 @@ class Report {
   std::vector<std::string> run() {
     add_headline();
     for (const auto& regime : verdict_.regimes) add_growing(regime);
+    for (const auto& gesture : verdict_.gestures) add_gesture(gesture);
     for (const auto& network : verdict_.networks) add_network(network);
     if (std::ranges::any_of(verdict_.networks, &NetworkVerdict::has_friction))
       add("dry friction is neglected: it keeps small motions stable even above these limits");
@@ -96,6 +97,12 @@ class Report {
     if (!regime.roots.empty() && regime.roots.front().growth_per_s > 0)
       lines_.back() += fmt::format(", the fastest at {:.4g} Hz with a time constant of {:.3g} s",
                                    regime.roots.front().frequency_hz, 1 / regime.roots.front().growth_per_s);
+  }
+
+  void add_gesture(const GestureVerdict& gesture) {
+    if (!gesture.stable)
+      add("unstable at {:.3g} s, where a gesture takes control '{}' to {}", gesture.seconds, gesture.control,
+          in_unit(gesture.value, gesture.unit));
   }
 
   void add_network(const NetworkVerdict& network) {

@@ -24,6 +24,7 @@ struct Group {
   struct Choice {
     std::string path;
     double to = 0;
+    const char* where = "at its largest slope";
   };
   std::vector<Choice> choices = {};
 
@@ -42,6 +43,12 @@ struct Group {
 
   /// The steepest point of each, and that of their sum.
   void choose() {
+    offer_steepest();
+    for (const auto* law : laws)
+      if (law->opposite) choices.push_back({law->path, *law->opposite, "beyond its corner"});
+  }
+
+  void offer_steepest() {
     for (const auto* law : laws) offer({law->path, law->to});
     if (choices.size() < 2) return;
     const auto together = [&](double to) {
@@ -78,7 +85,7 @@ std::vector<OperatingPoint> with(const std::vector<OperatingPoint>& places, cons
       auto& made = further.emplace_back(place);
       made.moved[group.source] = choice.to;
       if (group.choices.size() > 1)
-        made.name += fmt::format("{}'{}' at its largest slope", made.name.empty() ? "" : ", ", choice.path);
+        made.name += fmt::format("{}'{}' {}", made.name.empty() ? "" : ", ", choice.path, choice.where);
     }
   return further;
 }
@@ -211,7 +218,8 @@ std::optional<double> AffineMaps::moved(const PlanSignal& signal, const Displace
 std::optional<Nonlinearity> corner(const std::string& path, Expression::Op op, const Operands& operands,
                                    int which, const Derived& from) {
   const bool has_corner = op == Expression::Op::Min || op == Expression::Op::Max || op == Expression::Op::Abs;
-  if (!has_corner || (operands.moves[0] && operands.moves[1])) return std::nullopt;
+  const bool of_two = operands_of(op) == 2 && operands.moves[0] && operands.moves[1];
+  if (!has_corner || of_two) return std::nullopt;
   const auto answer = [=](double moved) {
     auto there = operands;
     (which == 0 ? there.a : there.b) += from.slope * moved;
@@ -224,7 +232,9 @@ std::optional<Nonlinearity> corner(const std::string& path, Expression::Op op, c
   double to = 0;
   for (const double beyond : {to_edge + little, to_edge - little})
     if (answer(beyond) > answer(to)) to = beyond;
-  return Nonlinearity{path, from.source, to, answer};
+  Nonlinearity law{path, from.source, to, answer};
+  if (op == Expression::Op::Abs) law.opposite = 2 * to_edge - to;
+  return law;
 }
 
 std::vector<OperatingPoint> operating_points(const std::vector<Nonlinearity>& laws) {

@@ -95,6 +95,8 @@ struct Nonlinearity {
   PlanSignal source;
   double to = 0;                         ///< displacement of the source at the steepest point
   std::function<double(double)> answer;  ///< sum of its slopes at a displacement of the source
+  /// Where it is as steep with the other sign: beyond the corner of an absolute value.
+  std::optional<double> opposite = {};
 };
 
 /// Of a minimum, maximum or absolute value of `from` and a constant; nullopt of other operations.
@@ -107,9 +109,10 @@ struct OperatingPoint {
 };
 
 /// The operating points at which nonlinearities are linearised. Those of one signal are displaced together:
-/// once to the steepest point of each, and once to that of their sum. Two walls at the ends of a range are
-/// never touched at once. Nonlinearities of different signals are combined in every way, up to `kMostPlaces`;
-/// beyond that there is one point without displacements, where each is linearised at its own steepest point.
+/// once to the steepest point of each, and of an absolute value to both sides of its corner, and once to that
+/// of their sum. Two walls at the ends of a range are never touched at once. Nonlinearities of different
+/// signals are combined in every way, up to `kMostPlaces`; beyond that there is one point without
+/// displacements, where each is linearised at its own steepest point.
 std::vector<OperatingPoint> operating_points(const std::vector<Nonlinearity>& laws);
 
 constexpr std::size_t kMostPlaces = 16;

@@ -102,6 +102,50 @@ TEST_CASE("stability: against its stop a lever rings, and the delay turns a spri
   CHECK(found);
 }
 
+// The border of the first test: 1.5 N s/m / 2.01 ms / 0.5 N/V.
+TEST_CASE(
+    "stability: a scene is judged where its gestures take the controls, with the others as they are then",
+    "[analysis]") {
+  const LeverFolder folder;
+  folder.write("instrument.toml", R"(format = 1
+[inputs]
+place = { unit = "m" }
+[controls]
+stiffness = { value = "100 N/m", range = ["0 N/m", "5000 N/m"] }
+share = { value = 1, range = [0, 1] }
+[nodes]
+pull = { type = "spring", in = "place", stiffness = "stiffness * share" }
+[outputs]
+motor = { from = "pull / 1 N" }
+)");
+  const double border = 1.5 / (0.002 + 0.5 / 48000) / 0.5;
+  const auto played = [&](double highest, double share_then) {
+    folder.write("scene.toml", fmt::format(R"(format = 1
+delay = "2 ms"
+duration = "1 s"
+[parts]
+instrument = {{ use = "instrument.toml", place = "plant.place", stiffness = "harder", share = "less" }}
+plant = {{ use = "plant.toml", drive = "instrument.motor" }}
+[gestures]
+harder = {{ points = [["0.2 s", "100 N/m"], ["0.4 s", "{:.9g} N/m"], ["0.6 s", "100 N/m"]] }}
+less = {{ points = [["0 s", 1], ["0.1 s", {:.9g}], ["0.7 s", {:.9g}], ["0.8 s", 1]] }}
+)",
+                                           highest, share_then, share_then));
+    return analysed(folder);
+  };
+  CHECK(played(0.98 * border, 1.0).stable);
+  CHECK(played(1.96 * border, 0.5).stable);
+  const auto beyond = played(2.04 * border, 0.5);
+  CHECK_FALSE(beyond.stable);
+  for (const auto& reached : beyond.gestures) {
+    CAPTURE(reached.control, reached.value);
+    const bool highest = reached.value > border;
+    CHECK(reached.stable == !highest);
+    if (highest) CHECK(reached.seconds == Approx(0.4));
+  }
+  CHECK(beyond.gestures.size() == 4);  // the lowest and highest of both
+}
+
 TEST_CASE("stability: explicit contacts too short for the rate are refused, with the steps that they need",
           "[analysis]") {
   // A gram on 4e6 N/m touches for pi sqrt(m / K) = 49.7 us, 2.4 steps at 48 kHz: fewer than 5.

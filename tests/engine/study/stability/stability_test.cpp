@@ -197,6 +197,21 @@ push = { from = "5 N/m * place", unit = "N" }
   CHECK_FALSE(analysed(kPushes, {.delay_s = delay}).stable);
 }
 
+// |x| pushes away on one side whatever its sign; with a spring of more than its slope on no side.
+TEST_CASE("stability: an absolute value is analysed on both sides of its corner", "[analysis]") {
+  const auto pushed_by = [](const std::string& force) {
+    return analysed("format = 1\n[inputs]\nplace = { unit = \"m\" }\n[outputs]\npush = { from = \"" + force +
+                        "\", unit = \"N\" }\n",
+                    {})
+        .stable;
+  };
+  CHECK_FALSE(pushed_by("5 N/m * abs(place)"));
+  CHECK_FALSE(pushed_by("-5 N/m * abs(place)"));
+  CHECK(pushed_by("-5 N/m * place - 3 N/m * abs(place)"));
+  CHECK(pushed_by("3 N/m * abs(place) - 5 N/m * place"));
+  CHECK_FALSE(pushed_by("-3 N/m * place - 5 N/m * abs(place)"));
+}
+
 TEST_CASE("stability: a spring far beyond its border is refused although the drive saturates", "[analysis]") {
   const auto stiffness = GENERATE(200.0, 2e4, 1e9);
   CHECK_FALSE(analysed(fmt::format(R"(
@@ -405,6 +420,33 @@ TEST_CASE("stability: the engine behaves as predicted on both sides of the borde
     const auto& loop = verdict->regimes[0].loops[0];
     CHECK(growth == Approx(plan.expected ? loop.growth_below : loop.growth_above).epsilon(0.1));
   }
+}
+
+// The disturbance opens the gate for a quarter of a second: 49 rounds of 5 ms, 1.5^49 = 4e8.
+TEST_CASE("stability: the runs find a loop that grows while a gate is open, ahead of the guard",
+          "[analysis]") {
+  const auto played = [](double gain) {
+    const auto graph = parse_graph_leniently(fmt::format(R"(format = 1
+[inputs]
+in = {{ unit = "full scale" }}
+[nodes]
+sum  = "in + {} * open * back"
+open = {{ type = "adsr", gate = "loud.gate", attack = "1 ms", sustain = 1, release = "20 ms" }}
+loud = {{ type = "threshold", in = "in", level = 0.1, hysteresis = 0.05 }}
+back = {{ type = "delay", in = "sum", time = "5 ms" }}
+[outputs]
+out = {{ from = "sum" }}
+)",
+                                                         gain),
+                                             "test.toml");
+    const auto run = run_extreme({nullptr, &graph, &standard_nodes()}, {.disturbance = &kDisturbances[2]});
+    if (!run) throw std::runtime_error(to_string(run.error()));
+    return *run;
+  };
+  CHECK(played(1.5).exploded);
+  CHECK_FALSE(played(1.5).bounded());
+  CHECK_FALSE(played(0.9).exploded);
+  CHECK(played(0.9).bounded());
 }
 
 // A string with feedback over a delayed plant, 1 - g H_LP z^-N - rho H_2LP z^-D = 0 with two DC blockers in
