@@ -68,6 +68,7 @@ struct StreamGranted {
   std::optional<double> input_latency_frames;
   std::optional<double> output_latency_frames;
   bool xruns_move_delay = false;  ///< a gap may change the delay from then on
+  bool writers_unknown = false;   ///< its ports take other programs too, and the library does not name them
   bool comes_back = true;         ///< when it is Lost, opening it again may work in this process
 };
 

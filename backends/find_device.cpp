@@ -167,6 +167,7 @@ Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequ
                 "choose two devices of the same API, or use JACK");
   DeviceChoice choice{*input, *output, {}};
   choice.granted.device = output->id;
+  choice.granted.writers_unknown = output->api == "jack";
   if (input->id != output->id) choice.granted.input_device = input->id;
   choice.granted.format = {*asked.sample_rate, request.in_channels, request.out_channels, 0};
   if (request.in_channels > 0)

@@ -58,7 +58,9 @@ void ReconnectingStream::tick(Clock::time_point now, std::chrono::nanoseconds su
   watch_suspension(suspended);
   if (!stream_) return try_again(now);
   for (auto note = stream_->take_note(); !note.empty(); note = stream_->take_note()) report(note);
-  if (stream_->state() == StreamState::Lost) return lose(now);
+  const auto state = stream_->state();
+  if (state == StreamState::Lost) return lose(now);
+  if (state == StreamState::Running) last_running_ = now;
   watch_block_size();
   watch_stall(now);
 }
@@ -66,7 +68,7 @@ void ReconnectingStream::tick(Clock::time_point now, std::chrono::nanoseconds su
 void ReconnectingStream::lose(Clock::time_point now) {
   if (!wanted_) return;
   stalled_at_.reset();
-  lost_at_ = now;
+  lost_at_ = std::exchange(last_running_, std::nullopt).value_or(now);  // before, it may have hung for long
   suspended_while_lost_ = {};
   wanted_ = granted_.comes_back;
   if (!wanted_) return report("disconnected; restart the program to reopen it");

@@ -92,6 +92,7 @@ class ReconnectingStream {
   std::deque<std::string> events_;
   std::string last_error_;
   Clock::time_point lost_at_, next_try_;
+  std::optional<Clock::time_point> last_running_;  ///< when the stream was last seen to run
   std::optional<Clock::time_point> stalled_at_;
   bool stall_is_long_ = false;  ///< longer than a short absence: reported
   std::optional<std::chrono::nanoseconds> suspended_;

@@ -142,6 +142,26 @@ TEST_CASE("reconnecting stream: the same device, back within 10 s, is the same",
   CHECK(test::names_in(f.events().back()) == "'fake:one' 10");
 }
 
+TEST_CASE("reconnecting stream: a device was away from when its stream last ran, stalled or unseen before",
+          "[backends]") {
+  Fixture f;
+  f.world.output = {"1-2:1.0 serial 42", 2, {"card:playback_1"}, false};
+  f.open();
+  f.run(1s);
+  f.world.state = StreamState::Stalled;
+  f.run(6s);
+  const auto stalled = f.lose(6s);
+  CHECK_FALSE(stalled.same());
+  CHECK(stalled.away.count() == Approx(12.0).margin(0.3));
+  f.run(1s);
+  f.now += 6s;  // the program was stopped
+  const auto unseen = f.lose(6s);
+  CHECK_FALSE(unseen.same());
+  CHECK(unseen.away.count() == Approx(12.0).margin(0.3));
+  f.run(1s);
+  CHECK(f.lose(6s).same());
+}
+
 TEST_CASE("reconnecting stream: each thing in which a device differs is reported before blocks flow",
           "[backends]") {
   Fixture f;

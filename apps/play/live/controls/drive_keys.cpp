@@ -15,7 +15,7 @@ Key DriveKeys::act(Key key, Clock::time_point now) {
 }
 
 void DriveKeys::begin_turn(Clock::time_point now) {
-  if (now - std::exchange(turned_at_, now).value_or(now) > kLongestTurn) disturb(now);
+  turn_before_ = std::exchange(turned_at_, now).value_or(now);
   notice_disarm(now);
 }
 
@@ -29,7 +29,8 @@ Key DriveKeys::disarm(Clock::time_point now) {
 /// Of the presses while the drives are disarmed. Another a counts for as little as any other key.
 Key DriveKeys::press_a(Clock::time_point now) {
   const auto before = std::exchange(pressed_at_, now);
-  const bool alone = now - std::max(before, disturbed_at_) >= kAlone;
+  earliest_press_ = earliest(now);
+  const bool alone = earliest_press_ - std::max(before, disturbed_at_) >= kAlone;
   const bool held = !asked_ && now - before < kLeast;
   if (!alone) disturb(now);
   asked_ = alone;
@@ -39,8 +40,7 @@ Key DriveKeys::press_a(Clock::time_point now) {
 
 Key DriveKeys::press_enter(Clock::time_point now) {
   disturb(now);
-  const auto apart = now - pressed_at_;
-  if (apart < kLeast || apart > kMost) return kNotArmedKey;
+  if (earliest(now) - pressed_at_ < kLeast || now - earliest_press_ > kMost) return kNotArmedKey;
   switches_.order_arm();
   return kArmKey;
 }

@@ -62,13 +62,12 @@ class DriveKeys {
 
   /// What the control thread is to know: the key, or what was made of it.
   Key act(Key key, Clock::time_point now);
-  /// Once in each turn of the loop, before its keys: by its time a disarm is compared with them. Keys that
-  /// waited for more than half a second, because the program was stopped, come at unknown times: they count
-  /// as pressed at once.
+  /// Once in each turn of the loop, before its keys: by its time a disarm is compared with them. They may be
+  /// as old as the turn before, which is long ago where the program was stopped: for arming counts what
+  /// surely passed between two keys, and for the end of its time what may have passed.
   void begin_turn(Clock::time_point now);
 
  private:
-  static constexpr std::chrono::milliseconds kLongestTurn{500};
   static constexpr Clock::time_point kNever{-std::chrono::hours{1}};
 
   Key disarm(Clock::time_point now);
@@ -76,12 +75,16 @@ class DriveKeys {
   Key press_enter(Clock::time_point now);
   Key press_other(Key key, Clock::time_point now);
   void notice_disarm(Clock::time_point now);
+  /// When a key that is read now may have been pressed.
+  Clock::time_point earliest(Clock::time_point now) const { return now == turned_at_ ? turn_before_ : now; }
   void disturb(Clock::time_point now);
 
   DriveSwitches& switches_;
   bool asked_ = false;                                             ///< a was pressed: Enter is to follow
   Clock::time_point pressed_at_ = kNever, disturbed_at_ = kNever;  ///< a; what made it count for nothing
-  std::optional<Clock::time_point> turned_at_;                     ///< the last turn
+  Clock::time_point earliest_press_ = kNever;                      ///< of that a
+  std::optional<Clock::time_point> turned_at_;                     ///< this turn
+  Clock::time_point turn_before_ = kNever;
   int disarms_ = 0;
 };
 

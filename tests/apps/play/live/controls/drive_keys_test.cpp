@@ -1,6 +1,7 @@
 #include "apps/play/live/controls/drive_keys.h"
 
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <string>
 #include <utility>
@@ -157,16 +158,24 @@ TEST_CASE("drive keys: presses that follow a disarm do not arm again", "[live]")
 }
 
 TEST_CASE("drive keys: keys that waited while the program was stopped do not arm", "[live]") {
-  Drive both_waited{false}, enter_waited{false}, none_waited{false};
-  for (auto* drive : {&both_waited, &enter_waited, &none_waited}) drive->turn(0ms);
-  both_waited.turn(4000ms);
-  CHECK(both_waited.press('a', 4000ms) == kNotArmedKey);
-  CHECK(enter_waited.press('a', 20ms) == kPressEnterKey);
-  enter_waited.turn(521ms);
-  CHECK(enter_waited.press(kEnter, 521ms) == kEnter);
-  CHECK(none_waited.press('a', 20ms) == kPressEnterKey);
-  none_waited.turn(500ms);
-  CHECK(none_waited.press(kEnter, 500ms) == kArmKey);
+  using Times = std::array<std::chrono::milliseconds, 5>;  // x; the turns before and of a, of Enter
+  const auto armed_by = [](const Times& at) {
+    Drive drive{false};
+    drive.turn(at[0]);
+    drive.press('x', at[0]);
+    drive.turn(at[1]);
+    drive.turn(at[2]);
+    drive.press('a', at[2]);
+    drive.turn(at[3]);
+    drive.turn(at[4]);
+    return drive.press(kEnter, at[4]) == kArmKey;
+  };
+  CHECK(armed_by({0ms, 1000ms, 1020ms, 1120ms, 1140ms}));
+  CHECK(armed_by({0ms, 1000ms, 1020ms, 3980ms, 4000ms}));
+  CHECK_FALSE(armed_by({0ms, 999ms, 1400ms, 1600ms, 1620ms}));   // a may be too near to the x
+  CHECK_FALSE(armed_by({0ms, 1000ms, 1020ms, 1119ms, 1500ms}));  // Enter may be too near to the a
+  CHECK_FALSE(armed_by({0ms, 1000ms, 1020ms, 1021ms, 1470ms}));  // stopped right after the a
+  CHECK_FALSE(armed_by({0ms, 1000ms, 3900ms, 3999ms, 4020ms}));  // a may be 3.02 s old
 }
 
 TEST_CASE("drive keys: m mutes and unmutes at once", "[live]") {
