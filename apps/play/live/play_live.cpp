@@ -209,9 +209,6 @@ std::string announcement(const Session& session, const LivePlan& plan, const Liv
                          : delay_text(plan);
   for (const auto& line : describe_limits(plan.performer->outputs, plan.performer->guards))
     text += "\nlimits    " + line;
-  if (granted.writers_unknown && session.has_drives())
-    text += "\nnote: another program that writes to the ports of the drives is not noticed through '" +
-            granted.device + "', and no guard limits the sum; use --backend jack";
   if (!options.arm && session.has_drives())
     text += "\nthe drives are disarmed: press a, then Enter, or start with --arm";
   return text;

@@ -164,6 +164,7 @@ class Session {
   void device_returned(const Return& back);
   void disarm(const std::string& why);
   Status may_arm() const;
+  bool writers_may_be_hidden() const;
   std::vector<OtherWriter> writers_to_drives() const;
   void watch_writers();
   void set_delay_known(bool known);

@@ -8,6 +8,10 @@
 
 namespace tactus::app {
 
+static constexpr const char* kHiddenWriters =
+    "this library does not show who else writes to the ports of the drives";
+static constexpr const char* kShowWriters = "use --backend jack, or start with --shared-port";
+
 Status Session::open(const std::filesystem::path& record) {
   record_ = record;
   auto opened = ReconnectingStream::open(backend_, request_, guarded_);
@@ -57,6 +61,8 @@ Status Session::may_arm() const {
     if (const auto why = delay_->why_invalid(granted()); !why.empty())
       return fail(Errc::BadArgument, "", "the drives stay disarmed: " + why + ": the padding is unknown",
                   "set the device to that block size, or measure again");
+  if (writers_may_be_hidden())
+    return fail(Errc::Device, "", std::string{"the drives stay disarmed: "} + kHiddenWriters, kShowWriters);
   if (const auto writers = writers_to_drives(); !writers.empty() && !shared_ports_)
     return fail(Errc::Device, "",
                 "the drives stay disarmed: '" + writers.front().from + "' also writes to '" +
@@ -68,6 +74,10 @@ Status Session::may_arm() const {
 void Session::disarm(const std::string& why) {
   if (view_.drives && armed()) notes_.push_back("drives disarmed: " + why);
   switches_.disarm();
+}
+
+bool Session::writers_may_be_hidden() const {
+  return view_.drives && granted().writers_unknown && !shared_ports_;
 }
 
 /// What reaches an actuator on such a connection has not passed its guard.
@@ -89,6 +99,7 @@ void Session::watch_writers() {
   writers_ = std::move(writers);
   if (!writers_.empty() && !shared_ports_ && armed())
     disarm("disconnect these ports, or start with --shared-port");
+  if (writers_may_be_hidden() && armed()) disarm(std::string{kHiddenWriters} + "; " + kShowWriters);
   if (stream_->take_output_cut()) disarm("another program disconnected an output");
 }
 

@@ -33,7 +33,7 @@ TEST_CASE_METHOD(OnServer, "play: a program that is killed, aborts or faults lea
   for (const auto& device : loopbacks())
     for (const int signal : {SIGKILL, SIGABRT, SIGSEGV}) {
       CAPTURE(device, signal);
-      Playing play{{tone, "--device", device, "--arm"}};
+      Playing play{{tone, "--device", device, "--arm", "--shared-port"}};
       REQUIRE(play.says("delay "));
       Playing before{{tone, "--device", "jack:loopback", "--outputs", "2", "--json", "--duration", "2 s"}};
       REQUIRE(before.ends() == 0);
@@ -54,7 +54,7 @@ TEST_CASE("play: stopped by SIGSTOP, JACK repeats its last block or plays zeros 
   const auto wav = folder.path() / "take.wav";
   const auto device = GENERATE(from_range(loopbacks()));
   CAPTURE(device);
-  Playing play{{tone, "--device", device, "--arm"}};
+  Playing play{{tone, "--device", device, "--arm", "--shared-port"}};
   REQUIRE(play.says("delay "));
   Playing listener{{tone, "--device", "jack:loopback", "--outputs", "2", "--record", wav.string()}};
   REQUIRE(listener.says("delay "));

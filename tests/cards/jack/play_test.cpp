@@ -1,5 +1,6 @@
 // The program itself, played by keys on a real server.
 #include "tests/cards/jack/playing.h"
+#include "tests/cards/ways.h"
 
 using namespace tactus;
 using namespace std::chrono_literals;
@@ -223,6 +224,27 @@ TEST_CASE_METHOD(OnServer, "play: a program that writes to a drive's port disarm
   play = begin({"--arm", "--shared-port", "--duration", "2 s"});
   CHECK(play->ends() == 0);
   CHECK(play->report()["highest_output"]["tone"].get<double>() > 0.1);
+}
+
+TEST_CASE_METHOD(OnServer,
+                 "play: where other writers cannot be seen, drives are armed with --shared-port alone",
+                 "[cards]") {
+  for (const auto& way : test::every_way()) {
+    if (way.alsa) continue;
+    CAPTURE(way.name);
+    Playing play{{tone, "--device", way.name + ":loopback", "--arm", "--json"}};
+    REQUIRE(play.says("delay "));
+    CHECK(
+        play.says("drives disarmed: this library does not show who else writes to the ports of the drives"));
+    play.arm("the drives stay disarmed");
+    play.press("q");
+    CHECK(play.ends() == 0);
+    CHECK(play.report()["highest_output"]["tone"] == 0.0);
+    Playing shared{
+        {tone, "--device", way.name + ":loopback", "--arm", "--shared-port", "--json", "--duration", "2 s"}};
+    CHECK(shared.ends() == 0);
+    CHECK(shared.report()["highest_output"]["tone"].get<double>() > 0.1);
+  }
 }
 
 TEST_CASE_METHOD(OnServer, "play: a program that disconnects a drive disarms it", "[cards]") {
