@@ -60,7 +60,7 @@ std::string alsa_hardware(int card, const fs::path& root) {
 }
 
 std::string alsa_hardware_named(const std::string& text, const fs::path& root) {
-  static const std::regex kNamed{"(?:^|:)(?:plug)?hw:([^,: ]*).*"};
+  static const std::regex kNamed{"(?:^|:)(?:plug)?hw:([^,: ]*)"};
   std::smatch found;
   if (!std::regex_search(text, found, kNamed)) return {};
   auto card = found[1].str();

@@ -76,7 +76,10 @@ class LivePlay {
     const auto begin = Clock::now();
     auto drawn = begin - 1s;
     while (true) {
-      if (const auto ending = stop_loop_.ending(); ending != Ending::None) return exit_code_of(ending);
+      if (const auto ending = stop_loop_.ending(); ending != Ending::None) {
+        if (ending == Ending::InputClosed) print(kInputClosed);
+        return ending == Ending::Quit ? kDone : kInterrupted;
+      }
       if (session_.over()) return kDevice;
       const std::chrono::duration<double> played = Clock::now() - begin;
       if (duration.value > 0 && played.count() >= duration.value) return kDone;
@@ -93,11 +96,6 @@ class LivePlay {
   }
 
  private:
-  int exit_code_of(Ending ending) {
-    if (ending == Ending::InputClosed) print(kInputClosed);
-    return ending == Ending::Quit ? kDone : kInterrupted;
-  }
-
   /// What happens without keys: MIDI, edits, device and guard events.
   void tick() {
     if (midi_ != nullptr) follow_midi();

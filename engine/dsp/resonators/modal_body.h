@@ -32,16 +32,11 @@ struct BodyMode {
 /// which is the bilinear transform of the admittance s / (m s^2 + c s + k), with sigma = ln 1000 / decay (c
 /// and k: tactus_body_mode_of). All three are positive, hence the admittance is positive real and no
 /// frequency gains energy.
-struct BodyModeDesign {
-  BodyModeDesign(const BodyMode& mode, Hertz sample_rate) {
-    const double fs = sample_rate.value;
-    const double sigma = 3 * std::numbers::ln10 / std::clamp(mode.decay_s, 1e-4, 1e4);
-    const auto design =
-        tactus_body_mode_of(mode.mass_kg, sigma / fs, std::numbers::pi * mode.frequency_hz / fs, fs);
-    mass_ohm = design.mass_ohm;
-    loss_ohm = design.loss_ohm;
-    spring_ohm = design.spring_ohm;
-  }
+struct BodyModeDesign : tactus_body_mode {
+  BodyModeDesign(const BodyMode& mode, Hertz sample_rate)
+      : tactus_body_mode{tactus_body_mode_of(
+            mode.mass_kg, 3 * std::numbers::ln10 / std::clamp(mode.decay_s, 1e-4, 1e4) / sample_rate.value,
+            std::numbers::pi * mode.frequency_hz / sample_rate.value, sample_rate.value)} {}
   /// v / F at any z^-1 [m/(N s)].
   std::complex<double> admittance(std::complex<double> delay) const {
     // 1 / (R_m d + c + R_k / d) with d = less / more.
@@ -49,10 +44,6 @@ struct BodyModeDesign {
     return less * more / (mass_ohm * less * less + loss_ohm * less * more + spring_ohm * more * more);
   }
   double give() const { return 1 / (mass_ohm + loss_ohm + spring_ohm); }
-
-  double mass_ohm;    ///< R_m = 2 m fs [N s/m]
-  double loss_ohm;    ///< c
-  double spring_ohm;  ///< R_k = k / (2 fs)
 };
 
 /// `tactus_modal_body_step`, vectorised.

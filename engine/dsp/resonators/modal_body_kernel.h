@@ -30,7 +30,7 @@ typedef struct tactus_modal_body {
   tactus_real free_velocity;          ///< that sum
 } tactus_modal_body;
 
-/// One mode by the trapezoidal rule: R_m, c, R_k [N s/m].
+/// One mode by the trapezoidal rule: R_m = 2 m fs, c, R_k = k / (2 fs) [N s/m].
 typedef struct tactus_body_mode {
   tactus_real mass_ohm, loss_ohm, spring_ohm;
 } tactus_body_mode;

@@ -106,10 +106,9 @@ std::vector<ReachedValue> reached_values(const std::vector<JournalEntry>& journa
     now.values[journal[i].index] = journal[i].value;
     if (i + 1 < journal.size() && journal[i + 1].frame == journal[i].frame) continue;
     for (const auto& [control, value] : now.values) {
-      auto& [lowest, highest] =
-          ends.try_emplace(control, ReachedValue{control, now}, ReachedValue{control, now}).first->second;
-      if (value < lowest.value()) lowest = {control, now};
-      if (value > highest.value()) highest = {control, now};
+      const auto known = ends.find(control);
+      if (known == ends.end() || value < known->second.first.value()) ends[control].first = {control, now};
+      if (known == ends.end() || value > known->second.second.value()) ends[control].second = {control, now};
     }
   }
   std::vector<ReachedValue> reached;

@@ -62,9 +62,9 @@ class DriveKeys {
 
   /// What the control thread is to know: the key, or what was made of it.
   Key act(Key key, Clock::time_point now);
-  /// Once in each turn of the loop, before its keys: by its time a disarm is compared with them. They may be
-  /// as old as the turn before, which is long ago where the program was stopped: for arming counts what
-  /// surely passed between two keys, and for the end of its time what may have passed.
+  /// Once in each turn of the loop, before its keys: by its time a disarm is compared with them. A key may
+  /// have been pressed at any time since the turn before, which is long ago if the program was stopped. So
+  /// the least times are compared with the shortest time that may have passed, the most with the longest.
   void begin_turn(Clock::time_point now);
 
  private:
@@ -75,7 +75,7 @@ class DriveKeys {
   Key press_enter(Clock::time_point now);
   Key press_other(Key key, Clock::time_point now);
   void notice_disarm(Clock::time_point now);
-  /// When a key that is read now may have been pressed.
+  /// The earliest time at which a key that is read now may have been pressed.
   Clock::time_point earliest(Clock::time_point now) const { return now == turned_at_ ? turn_before_ : now; }
   void disturb(Clock::time_point now);
 

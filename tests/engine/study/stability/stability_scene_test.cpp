@@ -103,9 +103,8 @@ TEST_CASE("stability: against its stop a lever rings, and the delay turns a spri
 }
 
 // The border of the first test: 1.5 N s/m / 2.01 ms / 0.5 N/V.
-TEST_CASE(
-    "stability: a scene is judged where its gestures take the controls, with the others as they are then",
-    "[analysis]") {
+TEST_CASE("stability: a scene is analysed at the lowest and highest values that gestures give to controls",
+          "[analysis]") {
   const LeverFolder folder;
   folder.write("instrument.toml", R"(format = 1
 [inputs]
