@@ -3,12 +3,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <unsupported/Eigen/MatrixFunctions>
 #include <utility>
 
 #include "engine/core/find_root.h"
 #include "engine/core/index.h"
 #include "engine/core/matrix2.h"
+#include "engine/physics/change_over.h"
 #include "engine/physics/numbers.h"
 #include "engine/physics/solvers/network_solver.h"
 
@@ -160,7 +160,7 @@ class Motion {
     mutual_.resize(model.frictions.size() * model.frictions.size());
     inputs_.resize(model.forces.size() + model.coils.size() + model.ports.size() + model.frictions.size() +
                    1);
-    make_transition();
+    make_change();
     if (!exact()) extrapolation_ = Extrapolation(numbers_.size());
   }
 
@@ -178,7 +178,7 @@ class Motion {
 
   /// Forgets how long the last steps were.
   void restart() { step_s_ = 0.0; }
-  bool exact() const { return transition_.size() > 0; }
+  bool exact() const { return change_.size() > 0; }
 
  private:
   enum class ContactState { Open, Pressing, Releasing };
@@ -335,7 +335,7 @@ class Motion {
 
   /// The columns of A are the rates of unit vectors. Velocities are counted in units that make the fastest
   /// frequency 1, or the exponential would lose digits to large entries.
-  void make_transition() {
+  void make_change() {
     const auto numbers = numbers_.size(), all = numbers + inputs_.size();
     const bool linear = model_.contacts.empty() && model_.frictions.empty() && model_.bonds.empty();
     if (!linear || all > kMostExactNumbers) return;
@@ -359,18 +359,17 @@ class Motion {
     a.col(row_of(all - 1)).head(row_of(numbers)) = constant;
     const Eigen::MatrixXd scaled =
         model_.k * (unit.cwiseInverse().asDiagonal() * a * unit.asDiagonal()).eval();
-    const Eigen::MatrixXd exponential =
-        unit.asDiagonal() * Eigen::MatrixXd(scaled.exp()) * unit.cwiseInverse().asDiagonal();
-    transition_ = exponential.topRows(row_of(numbers));
+    change_ =
+        (unit.asDiagonal() * change_over(scaled) * unit.cwiseInverse().asDiagonal()).topRows(row_of(numbers));
   }
 
   void multiply() {
     using Vector = Eigen::Map<Eigen::VectorXd>;
     Vector y(numbers_.data(), row_of(numbers_.size())), inputs(inputs_.data(), row_of(inputs_.size()));
     Vector next(next_.data(), y.size());
-    next.noalias() = transition_.leftCols(y.size()) * y;
-    next.noalias() += transition_.rightCols(inputs.size()) * inputs;
-    numbers_.swap(next_);
+    next.noalias() = change_.leftCols(y.size()) * y;
+    next.noalias() += change_.rightCols(inputs.size()) * inputs;
+    y += next;
   }
 
   void integrate() {
@@ -552,7 +551,7 @@ class Motion {
 
   const NetworkModel& model_;
   std::vector<double> inverse_mass_;    ///< of each slot; 0: not moved by forces
-  Eigen::MatrixXd transition_;          ///< from numbers and inputs to the numbers of the next frame
+  Eigen::MatrixXd change_;              ///< in a step, by the numbers and the inputs
   std::vector<double> numbers_, next_;  ///< y at the start and at the end of a step
   std::vector<double> slope_;           ///< workspace
   std::vector<ContactState> contacts_;

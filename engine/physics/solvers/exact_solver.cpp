@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <unsupported/Eigen/MatrixFunctions>
 
 #include "engine/core/index.h"
+#include "engine/physics/change_over.h"
 #include "engine/physics/couplings/couplings.h"
 #include "engine/physics/numbers.h"
 #include "engine/physics/solvers/network_solver.h"
@@ -127,8 +127,8 @@ struct Rates {
     rates.topRightCorner(states, inputs) = b;
     for (int d = 0; d < static_cast<int>(model.motions.size()); ++d)
       rates(states + place(d), states + place(d) + 1) = 1.0;
-    const Matrix power = rates.exp();
-    Matrix step = power.topRows(states);
+    Matrix step = change_over(rates).topRows(states);
+    step.leftCols(states) += Matrix::Identity(states, states);
     step = unit.asDiagonal() * step;
     step.leftCols(states) = step.leftCols(states) * unit.cwiseInverse().asDiagonal();
     return step;

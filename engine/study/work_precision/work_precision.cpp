@@ -164,8 +164,9 @@ class Study {
 
   Sweep sweep() const { return {scene_, table_, plan_}; }
 
-  /// The reference solution at the rate of a scene. Its own error is its difference from one with half the
-  /// step size.
+  /// The reference solution at the rate of a scene. Its own error is its difference from one of three steps a
+  /// frame: with two, the parts into which the exponential of a step is divided would be the same, and so
+  /// would their rounding.
   Checked<const Reference*> refer(const SceneSpec& scene) {
     const std::lock_guard lock{referring_};
     auto& reference = references_[scene.rate.value];
@@ -173,7 +174,7 @@ class Study {
     const auto solved = with_network_option(scene, "solver", "reference");
     auto first = play_run({{}, with_network_option(solved, "oversample", 1.0)}, table_);
     if (!first) return tl::unexpected(first.error());
-    const auto second = play_run({{}, with_network_option(solved, "oversample", 2.0)}, table_);
+    const auto second = play_run({{}, with_network_option(solved, "oversample", 3.0)}, table_);
     if (!second) return tl::unexpected(second.error());
     std::vector<double> floors;
     for (const auto& accuracy : scene_.accuracy)

@@ -70,9 +70,9 @@ struct WorkPrecision {
 /// [control] A sweep over rate, solver and oversampling that measures errors and times. Every run is compared
 /// with a reference at its own rate, which has the same inputs from frame to frame: so the error is that of
 /// the solver. References: what theory says (`exact`); else the reference solution (Solver::Reference) with
-/// one and with two steps a frame, whose difference is its own error. Workers share the runs for the errors;
-/// times are measured one after another. Errors: those of the scene; Missing without [accuracy] or a network;
-/// BadFile of the cache.
+/// one and with three steps a frame, whose difference is its own error. Workers share the runs for the
+/// errors; times are measured one after another. Errors: those of the scene; Missing without [accuracy] or a
+/// network; BadFile of the cache.
 Checked<WorkPrecision> study_work_precision(const SceneSpec& scene, const NodeTable& table,
                                             const WorkPrecisionOptions& options = {});
 

@@ -153,6 +153,17 @@ TEST_CASE("reference: a woofer without inductance steps as its closed form, to 1
   }
 }
 
+TEST_CASE("reference: the smaller an inductance, the less it delays", "[physics]") {
+  // The force comes L / R_e later, and x grows with the square of the time at first: by less than 2 L / (R_e
+  // t).
+  const double inductance = GENERATE(1e-6, 1e-9, 1e-10, 1e-12);
+  for (const int frames : {1, 100, 3000}) {
+    const double late = 2.0 * inductance / 6.5 / (frames * kFrame_s);
+    CHECK(thrown(woofer(inductance), frames, true) ==
+          Approx(thrown(woofer(0.0), frames, true)).epsilon(late + 1e-12));
+  }
+}
+
 TEST_CASE("reference: integrated and exponential agree to 1e-9", "[physics]") {
   auto watched = woofer(0.8e-3);
   watched.contacts = {{.lower = 0, .upper = 2, .stiffness = 1e6, .restitution = {}}};

@@ -68,6 +68,38 @@ TEST_CASE("work and precision: explicit steps are sharp by (w T)^2 / 24", "[anal
   CHECK(study->references[1].what != "closed form");
 }
 
+TEST_CASE("work and precision: the reference of a coil of 0.1 nH is no worse than what it judges",
+          "[analysis]") {
+  // Its time of 15 ps is nothing to the solvers: exact steps are right to rounding, of which the sound file
+  // that they are compared through keeps 24 bits.
+  const TemporaryFolder folder;
+  folder.write("plant.toml", R"(format = 1
+[networks.n]
+ground = { type = "ground" }
+a = { type = "mass", mass = "35 g" }
+s = { type = "spring", between = ["ground", "a"], stiffness = "1000 N/m", damping = "1.2 kg/s" }
+coil = { type = "coil", on = "a", voltage = "5 V", force_factor = "6 T m", resistance = "6.5 ohm", inductance = "1e-10 H" }
+[outputs]
+x = { from = "n.a.position", unit = "m" }
+)");
+  folder.write("scene.toml", R"(format = 1
+name = "coil"
+duration = "20 ms"
+[parts]
+plant = { use = "plant.toml" }
+[accuracy]
+x = { measure = "position", of = "plant.x" }
+)");
+  const auto scene = load_scene(folder.path());
+  REQUIRE(scene);
+  const auto study =
+      study_work_precision(*scene, standard_nodes(), {{}, {"exact", "passive"}, {48_kHz}, {1}, 1});
+  REQUIRE(study);
+  CHECK(find(*study, "exact", 1).errors[0] < 1e-7);
+  CHECK(study->references[0].own_error < 1e-12);
+  CHECK(find(*study, "passive", 1).trusted(0));
+}
+
 TEST_CASE("work and precision: a run that grows is unstable and has no error", "[analysis]") {
   // (w T)^2 = 6.9 > 4; with two steps a frame 1.7.
   const auto study = study_work_precision(Swing{20000}.scene(), standard_nodes(),
