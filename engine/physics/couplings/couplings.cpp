@@ -18,13 +18,19 @@ constexpr int kMostRounds = 60;
 // Energy below 1e-24 J that is left after parting: forgotten, so that the contact costs nothing while open.
 constexpr double kForgotten = 1e-12;
 
-/// L L^T x = b for the first `n` rows; `matrix` is overwritten.
+// What a contact has left, over what its bodies' motion holds, is given back in one step up to this; from a
+// motion that is nearly rest in several. Beyond, the forces of contacts that share masses would be lost in
+// rounding.
+constexpr double kMostReturned = 1e6;
+
+/// L L^T x = b for the first `n` rows of 1 + a positive semidefinite matrix; `matrix` is overwritten. Its
+/// pivots are at least 1 but for rounding.
 void solve_cholesky(double* matrix, double* b, std::size_t n) noexcept {
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j <= i; ++j) {
       double sum = matrix[i * n + j];
       for (std::size_t l = 0; l < j; ++l) sum -= matrix[i * n + l] * matrix[j * n + l];
-      matrix[i * n + j] = i == j ? std::sqrt(sum) : sum / matrix[j * n + j];
+      matrix[i * n + j] = i == j ? std::sqrt(std::max(1.0, sum)) : sum / matrix[j * n + j];
     }
     for (std::size_t j = 0; j < i; ++j) b[i] -= matrix[i * n + j] * b[j];
     b[i] /= matrix[i * n + i];
@@ -294,7 +300,8 @@ bool Couplings::release(NetworkState& state, ActiveCoupling& link, double motion
   double& psi = state.root[index(link.coupling)];
   if (std::abs(psi) <= kForgotten) psi = 0.0;
   if (psi == 0.0 || motion >= -1e-30) return false;
-  link.slope = -psi / motion;
+  const double steepest = std::sqrt(kMostReturned / mutual(index(link.coupling), index(link.coupling)));
+  link.slope = std::clamp(-psi / motion, -steepest, steepest);
   return true;
 }
 
