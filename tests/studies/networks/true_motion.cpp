@@ -45,6 +45,19 @@ class Equations {
     }
   }
 
+  /// The share of a step from `before` after which a contact with restitution closes, whose loss its speed
+  /// there sets; 1: none does.
+  Real until_closed(const Vector& before, const Vector& after) const {
+    constexpr Real kTouch_m = 1e-14L;
+    Real share = 1;
+    for (std::size_t i = 0; i < closed_.size(); ++i) {
+      const auto& c = elements_.contacts[i];
+      const Real from = depth(before, c), to = depth(after, c);
+      if (c.restitution && !closed_[i] && to > kTouch_m) share = std::min(share, from / (from - to));
+    }
+    return share;
+  }
+
   Vector rates(const Vector& y, Real signal) const {
     Vector d = Vector::Zero(y.size());
     d.head(points_) = y.segment(points_, points_);
@@ -231,6 +244,10 @@ std::optional<std::vector<double>> integrate(const RandomNetwork& network, Equat
       if (!(worst == worst)) return std::nullopt;
       advised = h * std::clamp<Real>(0.9L * std::pow(std::max<Real>(worst, 1e-30L), -0.2L), 0.2L, 4);
       if (worst > 1) continue;
+      if (const Real share = equations.until_closed(y, next); share < 1) {
+        advised = std::max(share * h, frame_s * 1e-15L);
+        continue;
+      }
       y = next;
       largest = largest.cwiseMax(y.cwiseAbs());
       left -= h;
