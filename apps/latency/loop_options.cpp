@@ -135,14 +135,24 @@ Loop make_loop(const LoopOptions& options) {
   return loop;
 }
 
+const Error kInputClosed{Errc::BadArgument, "",
+                         "standard input was closed, so that no key could end the measurement: ended",
+                         "add </dev/null to measure without keys"};
+
 Result<Measurement> measure_now(Backend& backend, MeasureSettings settings) {
   DeadMansSwitch dead_man;
-  StopLoop stop_loop{dead_man, {.act = {}, .inputs = {}, .fade = closing_time(settings.guard.limits)}};
+  StopLoop stop_loop{dead_man,
+                     {.act = {},
+                      .needs_input = [] { return true; },
+                      .inputs = {},
+                      .fade = closing_time(settings.guard.limits)}};
   settings.dead_mans_switch = &dead_man;
   Progress bar{"measuring"};
   return measure(backend, settings, [&](double share, const std::string& what) {
     // The output fades; the stream ends with its owner.
-    if (interrupted() || stop_loop.ending() != StopLoop::Ending::None) throw CommandError{{}, kInterrupted};
+    const auto ending = stop_loop.ending();
+    if (ending == StopLoop::Ending::InputClosed) throw CommandError{{kInputClosed}, kInterrupted};
+    if (interrupted() || ending != StopLoop::Ending::None) throw CommandError{{}, kInterrupted};
     bar(share, what);
   });
 }

@@ -424,6 +424,21 @@ TEST_CASE("latency: a terminal that is closed ends it, with exit code 5", "[late
   CHECK(*ended == 5);
 }
 
+TEST_CASE("latency: a connection at standard input that is closed ends it, with exit code 5", "[latency]") {
+  const std::string command = GENERATE(as<std::string>{}, "measure", "sweep", "calibrate");
+  CAPTURE(command);
+  const Desk desk;
+  std::vector<std::string> words{TACTUS_PROGRAM, "latency", command, "--device", "loop:20ms"};
+  if (command == "calibrate")
+    for (const auto& word : {std::string{"--save"}, desk.file("path.toml").string(),
+                             std::string{"--electrical"}, std::string{"1 ms"}})
+      words.push_back(word);
+  test::ChildProcess program{words, test::ChildProcess::Stdout::Logged};
+  program.hang_up();
+  CHECK(program.wait(std::chrono::seconds{5}) == 5);
+  CHECK(program.log().find("standard input was closed") != std::string::npos);
+}
+
 TEST_CASE("latency calibrate: what lies in the loop becomes a profile, behind which the delay is found again",
           "[latency]") {
   const Desk desk;
