@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "engine/core/index.h"
 #include "engine/core/realtime.h"
@@ -45,6 +46,12 @@ inline std::complex<double> on_circle(Hertz frequency, Hertz sample_rate) {
   return std::polar(1.0, 2 * std::numbers::pi * frequency.value / sample_rate.value);
 }
 
+/// Something of the file that does not run, and why.
+struct LeftOut {
+  std::string path;
+  std::string reason;
+};
+
 /// Guaranteed delay in frames from an input to an output.
 struct DelayRange {
   int least = 0;
@@ -74,8 +81,11 @@ class Node {
   virtual void reset() noexcept TACTUS_NONBLOCKING = 0;
 
   /// [realtime] After an edit: takes over, as far as it fits, the state of the node of the same type and path
-  /// that was made from other parameters (longest delay, stiffness). May consume `before`.
-  virtual void adopt(Node& /*before*/) noexcept {}
+  /// that was made from other parameters (longest delay, stiffness).
+  virtual void adopt(const Node& /*before*/) noexcept {}
+  /// [realtime] After an edit that separates what was one: continues as `other` does, which was made from the
+  /// same things. A node without memory has nothing to do.
+  virtual void copy(const Node& /*other*/) noexcept {}
 
   /// [realtime] First half, for nodes with late inputs: outputs without the late inputs.
   virtual void emit(const NodeBlock&) noexcept TACTUS_NONBLOCKING {}
@@ -106,9 +116,17 @@ class Node {
 
   /// [any] Notes on how the node was made, for `tactus explain`; may be empty.
   virtual std::string about() const { return {}; }
+  /// [any] What it has left out of itself; paths within the node.
+  virtual std::vector<LeftOut> left_out() const { return {}; }
 
   /// [any] How many frames an input was clamped (for example a delay beyond its range).
   virtual std::int64_t clamped() const { return 0; }
 };
+
+/// [realtime] `Node::copy` of a class that can be assigned, which must not allocate.
+template <class SomeNode>
+void assign(SomeNode& to, const Node& other) noexcept {
+  if (const auto* same = dynamic_cast<const SomeNode*>(&other)) to = *same;
+}
 
 }  // namespace tactus

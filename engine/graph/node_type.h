@@ -77,6 +77,9 @@ struct NodeSetup {
   std::vector<SettingValue> settings;  ///< declaration order
   int lane = 0;
   MemoryBudget* memory = nullptr;  ///< nullptr: as much as there is
+  std::vector<bool> read = {};     ///< outputs that something reads; empty: all
+  /// Set by `NodeType::make`: what else distinguishes the node that was made (what it has left out).
+  mutable std::uint64_t variant = 0;
 
   /// [control] Must be called before a node allocates more numbers than its settings hold.
   Status take_memory(std::size_t numbers) const;
@@ -91,6 +94,12 @@ struct PhaseCompensation {
   double sign;       ///< +1: the phase delays are added to the time; -1: they are subtracted
 };
 
+/// An input that keeps outputs at 0 for as long as it has always been 0.
+struct Silencer {
+  std::string input;
+  std::string output = {};  ///< empty: all
+};
+
 using MakeNode = std::function<Result<std::unique_ptr<Node>>(const NodeSetup&)>;
 
 /// The declaration of a kind of node: validation, `tactus nodes` and docs/nodes.md are all made from it.
@@ -103,10 +112,13 @@ struct NodeType {
   std::string example;     ///< one line of a graph file
   std::vector<InputPort> inputs;
   std::vector<OutputPort> outputs;  ///< the first is what the node's bare name means
+  std::vector<Silencer> silencers = {};
   std::vector<Setting> settings = {};
   MakeNode make;
   /// No memory: with constant inputs it is evaluated once, when the graph is compiled.
   bool stateless = false;
+  /// Written twice it is meant to be two (noise).
+  bool random = false;
   /// All lanes of the input are summed into one lane of output: the compiler makes additions of the node.
   bool reduces_lanes = false;
   /// Near its pitch its phase turns by a full circle, so that it has no phase delay to compensate.
@@ -118,6 +130,9 @@ struct NodeType {
   std::optional<double> small_signal_gain = {};
   /// Unread outputs may be given as nullptr (networks: hundreds of outputs, few of them read).
   bool skips_unused_outputs = false;
+  /// Which inputs matter to the outputs that are read (`NodeSetup::read`); empty: all. Nothing is computed
+  /// for the others. Of an input that may change, nothing is known but its range.
+  std::function<std::vector<bool>(const NodeSetup&)> needed_inputs = {};
   /// Distinguishes declarations of one name (networks).
   std::uint64_t fingerprint = 0;
   /// Range of an output, given the ranges of the inputs; empty: OutputPort::range.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <initializer_list>
 
 #include "engine/core/index.h"
 #include "engine/dsp/simd/lanes.h"
@@ -22,6 +23,16 @@ Result<std::unique_ptr<NetworkSolver>> make_solver(const NetworkModel& model, So
   if (solver == Solver::Exact) return make_exact_solver(model);
   if (solver == Solver::Reference) return make_reference_solver(model);
   return make_centred_solver(model, solver);
+}
+
+/// Calls `each(one, other)` with the places of what both have. Both rise.
+template <class Each>
+void pair(const std::vector<int>& mine, const std::vector<int>& theirs, Each each) {
+  std::size_t from = 0;
+  for (std::size_t to = 0; to < mine.size(); ++to) {
+    while (from < theirs.size() && theirs[from] < mine[to]) ++from;
+    if (from < theirs.size() && theirs[from] == mine[to]) each(to, from);
+  }
 }
 
 }  // namespace
@@ -63,6 +74,9 @@ NetworkState Network::initial_state() const {
   state.force.resize(m.forces.size());
   for (auto* list : {&state.wave, &state.wave_back}) list->resize(m.ports.size());
   state.low_pass.resize(m.low_passes.size());
+  state.new_low_pass.resize(m.low_passes.size());
+  state.new_motion.resize(m.motions.size());
+  state.new_bond.resize(m.bonds.size());
   state.next.resize(m.motions.size());
   state.held.resize(index(m.signals));
   for (auto* list : {&state.flow, &state.work}) list->resize(2 * m.mass.size() + m.coils.size());
@@ -84,38 +98,132 @@ void Network::reset(NetworkState& state) const noexcept {
     state.sliding[f] = v > 0.0 ? 1.0 : v < 0.0 ? -1.0 : 0.0;
   }
   state.active.clear();
-  state.settled = false;
+  for (auto* list : {&state.new_motion, &state.new_low_pass, &state.new_bond})
+    std::fill(list->begin(), list->end(), true);
+  state.started = state.settled = false;
   network_solver_->start(state);
 }
 
-void Network::adopt(NetworkState& state, const NetworkState& before) const noexcept {
-  for (const auto list : NetworkState::memory())
-    std::copy((before.*list).begin(), (before.*list).end(), (state.*list).begin());
-  std::copy(before.low_pass.begin(), before.low_pass.end(), state.low_pass.begin());
-  std::copy(before.friction.begin(), before.friction.end(), state.friction.begin());
-  state.settled = before.settled;
+StateOrigins Network::origins(const PartNumbers& parts, const std::vector<int>& signals) const {
+  const auto& m = *model_;
+  StateOrigins origins{{},
+                       parts[PartKind::Contact],
+                       parts[PartKind::Bond],
+                       parts[PartKind::Friction],
+                       parts[PartKind::Coil],
+                       parts[PartKind::Force],
+                       parts[PartKind::Port],
+                       signals,
+                       {}};
+  // Masses before driven points, low-passes by what they lead to: each kind has its own range.
+  constexpr int kRange = 1 << 28;
+  origins.moving.resize(m.masses + m.motions.size());
+  for (std::size_t p = 0; p < parts[PartKind::Point].size(); ++p)
+    if (const int slot = m.slot[p]; m.moves(slot))
+      origins.moving[index(slot)] = parts[PartKind::Point][p] + (m.is_mass(slot) ? 0 : kRange);
+  origins.low_passes.resize(m.low_passes.size());
+  int range = 0;
+  const auto add = [&](const NetworkInput& input) {
+    if (input.low_pass >= 0) origins.low_passes[index(input.low_pass)] = signals[index(input.signal)] + range;
+  };
+  for (const auto& motion : m.motions) add(motion.input);
+  range = kRange;
+  for (const auto& force : m.forces) add(force.input);
+  return origins;
+}
+
+void Network::adopt(NetworkState& state, const StateOrigins& origins, const Before& before) const noexcept {
+  if (!before.state.started) return;
+  using List = AlignedNumbers NetworkState::*;
+  const auto& old = before.state;
+  const auto& was = before.origins;
+  const auto take = [&](std::initializer_list<List> lists, const std::vector<int>& mine,
+                        const std::vector<int>& theirs) {
+    pair(mine, theirs, [&](std::size_t to, std::size_t from) {
+      for (const auto list : lists) (state.*list)[to] = (old.*list)[from];
+    });
+  };
+  using S = NetworkState;
+  pair(origins.moving, was.moving, [&](std::size_t to, std::size_t from) {
+    adopt_motion(state, static_cast<int>(to), before, static_cast<int>(from));
+  });
+  take({&S::loss}, origins.contacts, was.contacts);
+  pair(origins.bonds, was.bonds, [&](std::size_t to, std::size_t from) {
+    state.slipped[to] = old.slipped[from];
+    state.new_bond[to] = old.new_bond[from];
+  });
+  take({&S::sliding, &S::friction_force, &S::friction_velocity, &S::normal}, origins.frictions,
+       was.frictions);
+  take({&S::current, &S::mean_current, &S::voltage}, origins.coils, was.coils);
+  take({&S::force}, origins.forces, was.forces);
+  take({&S::wave, &S::wave_back}, origins.ports, was.ports);
+  take({&S::held}, origins.signals, was.signals);
+  pair(origins.frictions, was.frictions,
+       [&](std::size_t to, std::size_t from) { state.friction[to] = old.friction[from]; });
+  pair(origins.low_passes, was.low_passes, [&](std::size_t to, std::size_t from) {
+    state.low_pass[to] = old.low_pass[from];
+    state.new_low_pass[to] = old.new_low_pass[from];
+  });
+  const auto none = [](const std::vector<bool>& list) {
+    return std::find(list.begin(), list.end(), true) == list.end();
+  };
+  state.started = true;
+  state.settled = none(state.new_motion) && none(state.new_low_pass) && none(state.new_bond);
   network_solver_->store_energy(state);
+}
+
+/// Solvers keep a motion as a velocity, or as the way of the last step, however long that is.
+void Network::adopt_motion(NetworkState& state, int slot, const Before& before, int from) const noexcept {
+  const auto to = index(slot), of = index(from);
+  const auto& old = before.state;
+  state.position[to] = old.position[of];
+  if (!model_->is_mass(slot))
+    state.new_motion[index(slot - model_->masses)] =
+        old.new_motion[index(from - before.network.model_->masses)];
+  if (!network_solver_->centred()) {
+    state.velocity[to] = before.network.network_solver_->velocity(old, from);
+  } else if (before.network.network_solver_->centred()) {
+    const double longer = model_->k / before.network.model_->k;
+    state.moved[to] = longer * old.moved[of];
+    state.moved_before[to] = longer * old.moved_before[of];
+  } else {
+    state.moved[to] = state.moved_before[to] = model_->k * old.velocity[of];
+  }
 }
 
 /// Driven points and hands do not jump to their first place, they have been there before the start.
 void Network::settle(NetworkState& state, const double* inputs) const noexcept {
-  for (const auto& [on, input] : model_->motions) {
+  for (std::size_t i = 0; i < model_->motions.size(); ++i) {
+    const auto& [on, input] = model_->motions[i];
     const double place = now(input, inputs);
+    if (!state.new_motion[i]) continue;
+    state.new_motion[i] = false;
     state.position[index(on)] = place;
     for (auto* list : {&state.moved, &state.moved_before})
       if (!list->empty()) (*list)[index(on)] = 0.0;
     if (input.signal >= 0) state.held[index(input.signal)] = place;
-    if (input.low_pass >= 0) state.low_pass[index(input.low_pass)] = {place, 0.0};
+    settle_low_pass(state, input, inputs);
   }
-  for (const auto& [on, input] : model_->forces)
-    if (input.low_pass >= 0) state.low_pass[index(input.low_pass)] = {now(input, inputs), 0.0};
+  for (const auto& force : model_->forces) settle_low_pass(state, force.input, inputs);
   for (std::size_t b = 0; b < model_->bonds.size(); ++b) {
     const auto& bond = model_->bonds[b];
     const double n = between(state.position, bond);
-    if (std::abs(bond.law->force(n)) > bond.limit) state.slipped[b] = n < 0.0 ? -1.0 : 1.0;
+    if (state.new_bond[b] && std::abs(bond.law->force(n)) > bond.limit)
+      state.slipped[b] = n < 0.0 ? -1.0 : 1.0;
+    state.new_bond[b] = false;
   }
-  state.settled = true;
-  network_solver_->start(state);
+  if (state.started)
+    network_solver_->store_energy(state);  // what was there before goes on
+  else
+    network_solver_->start(state);
+  state.started = state.settled = true;
+}
+
+void Network::settle_low_pass(NetworkState& state, const NetworkInput& input,
+                              const double* inputs) const noexcept {
+  if (input.low_pass < 0 || !state.new_low_pass[index(input.low_pass)]) return;
+  state.low_pass[index(input.low_pass)] = {now(input, inputs), 0.0};
+  state.new_low_pass[index(input.low_pass)] = false;
 }
 
 void Network::step(NetworkState& state, const double* inputs) const noexcept {

@@ -2,13 +2,24 @@
 
 // Thread: [any], except where a function says otherwise
 #include <memory>
+#include <vector>
 
 #include "engine/core/error.h"
 #include "engine/core/units.h"
+#include "engine/physics/parts.h"
 #include "engine/physics/solvers/network_solver.h"
 #include "engine/physics/solvers/solver_choice.h"
 
 namespace tactus {
+
+/// What the numbers of a `NetworkState` belong to: of each, which one it is in the network as it is written.
+/// A network that is made anew, and from which other parts were left out, finds its state by these. Rising.
+struct StateOrigins {
+  std::vector<int> moving;  ///< slots of masses, then of driven points
+  std::vector<int> contacts, bonds, frictions, coils, forces, ports;
+  std::vector<int> signals;
+  std::vector<int> low_passes;
+};
 
 /// Masses on a line, joined by springs, contacts, frictions, bonds and coils, stepped at a fixed rate 1/k =
 /// rate * oversample.
@@ -28,10 +39,19 @@ class Network {
   NetworkState initial_state() const;
   /// [realtime] Back to the start.
   void reset(NetworkState& state) const noexcept;
-  /// [realtime] Goes on from the state of a network of the same elements with other numbers: positions and
-  /// motions stay, what contacts store follows from the indentation (energy changes with the stiffness,
-  /// nothing jumps).
-  void adopt(NetworkState& state, const NetworkState& before) const noexcept;
+  /// [control] `parts`: which part of the network as it is written each part is; `signals`: each input.
+  StateOrigins origins(const PartNumbers& parts, const std::vector<int>& signals) const;
+  /// A network with its state, for `adopt`.
+  struct Before {
+    const Network& network;
+    const NetworkState& state;
+    const StateOrigins& origins;
+  };
+  /// [realtime] Goes on from the state of a network of the same elements with other numbers, solver or parts
+  /// that were left out: positions and motions stay, what contacts store follows from the indentation (energy
+  /// changes with the stiffness, nothing jumps). Parts that were not there before are where they start; fixed
+  /// points are where they are now.
+  void adopt(NetworkState& state, const StateOrigins& origins, const Before& before) const noexcept;
   /// [realtime] From frame n to n + 1 with the inputs of frame n.
   void step(NetworkState& state, const double* inputs) const noexcept;
 
@@ -88,7 +108,9 @@ class Network {
 
  private:
   Network() = default;
+  void adopt_motion(NetworkState& state, int slot, const Before& before, int from) const noexcept;
   void settle(NetworkState& state, const double* inputs) const noexcept;
+  void settle_low_pass(NetworkState& state, const NetworkInput& input, const double* inputs) const noexcept;
   void substep(NetworkState& state, const double* inputs, int part) const noexcept;
   double enter(NetworkState& state, const NetworkInput& input, const double* inputs, int part) const noexcept;
   void move_driven(NetworkState& state, const double* inputs, int part) const noexcept;

@@ -5,26 +5,13 @@
 #include <cmath>
 
 #include "engine/core/index.h"
+#include "engine/physics/parts.h"
 
 namespace tactus {
 namespace {
 
 // Up to here eigenvalues are computed; beyond, the row sums bound them (Gershgorin).
 constexpr int kMostEigenvalues = 64;
-
-/// Points are called `to[point]` from now on, by all links.
-void renumber(NetworkElements& elements, const std::vector<int>& to) {
-  const auto move = [&](int& point) {
-    if (point >= 0) point = to[index(point)];
-  };
-  const auto ends = [&](auto& links) {
-    for (auto& link : links) move(link.lower), move(link.upper);
-  };
-  ends(elements.springs), ends(elements.contacts), ends(elements.frictions), ends(elements.bonds);
-  for (auto& force : elements.forces) move(force.on);
-  for (auto& port : elements.ports) move(port.on);
-  for (auto& coil : elements.coils) move(coil.on), move(coil.against);
-}
 
 }  // namespace
 
@@ -64,7 +51,7 @@ void NetworkModel::take_points(NetworkElements& elements) {
 }
 
 void NetworkModel::take_links(NetworkElements& elements) {
-  renumber(elements, slot);
+  renumber_points(elements, slot);
   springs = std::move(elements.springs);
   bonds = std::move(elements.bonds);
   forces = std::move(elements.forces);

@@ -87,7 +87,10 @@ struct NetworkState {
   AlignedNumbers normal;             ///< of each friction in the last step
   AlignedNumbers held;               ///< inputs of the last frame
   std::vector<CriticalLowPass::State> low_pass;  ///< of each input with a bandwidth
-  bool settled = false;                          ///< driven points have found their first place
+  bool started = false;                          ///< has made a step
+  bool settled = false;                          ///< nothing is new
+  /// What has not found its first place: driven points, low-passes, bonds.
+  std::vector<bool> new_motion, new_low_pass, new_bond;
 
   /// All lists of numbers that the next step depends on.
   static constexpr auto memory() {

@@ -26,7 +26,7 @@ void add(Fingerprint& print, const SettingValue& setting) {
 std::uint64_t fingerprint(const NodeSetup& setup) {
   Fingerprint print;
   print.add(setup.type->name).add(setup.type->fingerprint).add(setup.sample_rate.value);
-  print.add(static_cast<std::uint64_t>(setup.lane));
+  print.add(static_cast<std::uint64_t>(setup.lane)).add(setup.variant);
   for (const auto& setting : setup.settings) add(print, setting);
   for (std::size_t i = 0; i < setup.inputs.size(); ++i) {
     const auto& input = setup.inputs[i];
@@ -48,7 +48,11 @@ class Maker {
         options_(options),
         errors_(errors),
         memory_(options.most_bytes),
-        frozen_controls_(flat.controls.size(), false) {}
+        frozen_controls_(flat.controls.size(), false) {
+    for (const auto& vertex : graph.vertices) read_outputs_.emplace_back(index(vertex.outputs));
+    for (const auto& vertex : graph.vertices)
+      for (const auto& wire : vertex.in) read_outputs_[index(wire.vertex)][index(wire.port)] = true;
+  }
 
   std::vector<bool> run() {
     // Nodes that others are compensated for come first: their response bounds the delay of those.
@@ -98,6 +102,8 @@ class Maker {
     if (made) {
       vertex.node = std::move(*made);
       vertex.fingerprint = fingerprint(*setup);
+      for (const auto& left : vertex.node->left_out())
+        graph_.left_out.push_back({vertex.path + "." + left.path, left.reason});
       return;
     }
     auto error = made.error().where.empty() ? made.error().at(node.at.text()) : made.error();
@@ -135,6 +141,7 @@ class Maker {
   /// Nothing after an error.
   std::optional<NodeSetup> setup_with_inputs(const FlatNode& node, const Vertex& vertex) {
     auto setup = setup_of(node, options_.sample_rate, vertex.lane);
+    setup.read = read_outputs_[&vertex - graph_.vertices.data()];
     bool right = true;
     for (std::size_t i = 0; i < vertex.in.size(); ++i) {
       InputInfo info{node.ranges[i], std::nullopt, node.inputs[i].has_value()};
@@ -221,6 +228,7 @@ class Maker {
   ErrorList& errors_;
   MemoryBudget memory_;
   std::vector<bool> frozen_controls_;
+  std::vector<std::vector<bool>> read_outputs_;  ///< of each vertex
 };
 
 }  // namespace

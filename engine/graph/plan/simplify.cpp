@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <optional>
@@ -27,6 +28,7 @@ class Simplifier {
     zeros_ = true;
     fold();
     sweep("reaches only signals that are multiplied by zero");
+    disconnect_unneeded();
     report_left_out();
     graph_.compact();
   }
@@ -132,7 +134,8 @@ class Simplifier {
   }
 
   bool fold_node(int v) {
-    const auto& node = flat_.nodes[index(at(v).index)];
+    const auto& node = node_of(v);
+    if (fold_silent(v)) return true;
     if (!node.type->stateless) return false;
     const auto values = constants(v);
     if (!values) return false;
@@ -150,34 +153,69 @@ class Simplifier {
     return results.size() == 1 ? make_constant(v, results[0]) : fold_outputs(v, results);
   }
 
-  bool fold_outputs(int v, const std::vector<double>& results) {
-    const auto users = consumers_[index(v)];
-    for (std::size_t port = 0; port < results.size(); ++port) {
-      graph_.vertices.push_back({.value = results[port]});
-      consumers_.push_back(users);
-      const int made = static_cast<int>(graph_.vertices.size()) - 1;
-      for (const int user : users)
-        for (auto& wire : at(user).in)
-          if (wire == Wire{v, static_cast<int>(port)}) wire = {made, 0};
+  /// Outputs that an input keeps at 0. A node whose phase is asked for must be there to answer.
+  bool fold_silent(int v) {
+    const auto& type = *node_of(v).type;
+    std::vector<bool> silent(type.outputs.size());
+    for (const auto& [input, output] : type.silencers) {
+      if (constant(at(v).in[index(type.input_index(input))]) != 0.0) continue;
+      for (std::size_t o = 0; o < silent.size(); ++o)
+        silent[o] = silent[o] || output.empty() || type.outputs[o].name == output;
     }
+    const bool all = std::find(silent.begin(), silent.end(), false) == silent.end();
+    if (all && silent.size() == 1 && !answers_for_its_phase(v)) return make_constant(v, 0);
+    bool any = false;
+    for (std::size_t o = 0; o < silent.size(); ++o) any = (silent[o] && fold_output(v, o, 0)) || any;
+    return any;
+  }
+
+  bool answers_for_its_phase(int v) const {
+    return std::ranges::any_of(graph_.vertices, [&](const auto& vertex) {
+      return vertex.kind == Kind::PhaseDelay && vertex.index == v;
+    });
+  }
+
+  /// False: nothing reads that output.
+  bool fold_output(int v, std::size_t port, double value) {
+    const auto users = consumers_[index(v)];
+    const Wire from{v, static_cast<int>(port)};
+    const auto reads = [&](int user) { return std::ranges::find(at(user).in, from) != at(user).in.end(); };
+    if (std::ranges::none_of(users, reads)) return false;
+    graph_.vertices.push_back({.value = value, .at = at(v).at});
+    consumers_.push_back(users);
+    const int made = static_cast<int>(graph_.vertices.size()) - 1;
+    for (const int user : users) std::ranges::replace(at(user).in, from, Wire{made, 0});
+    return true;
+  }
+
+  bool fold_outputs(int v, const std::vector<double>& results) {
+    for (std::size_t port = 0; port < results.size(); ++port) fold_output(v, port, results[port]);
     return true;
   }
 
   // ---- pruning
 
+  /// What outputs are made of. Nodes that may not need all of their inputs come last, when it is known what
+  /// is read of them; what they then reach may read more of them.
   void sweep(const char* why) {
     std::vector<bool> reached(graph_.vertices.size(), false);
-    std::vector<int> work;
+    std::vector<Wire> work;
+    reads_.clear();
     for (std::size_t v = 0; v < graph_.vertices.size(); ++v)
-      if (graph_.vertices[v].kind == Kind::Output) work.push_back(static_cast<int>(v));
-    while (!work.empty()) {
-      const int v = work.back();
-      work.pop_back();
-      if (reached[index(v)]) continue;
-      reached[index(v)] = true;
-      for (const auto& wire : at(v).in) work.push_back(wire.vertex);
-      if (at(v).kind == Kind::PhaseDelay) work.push_back(at(v).index);  // it asks that node for its phase
-    }
+      if (graph_.vertices[v].kind == Kind::Output) work.push_back({static_cast<int>(v), 0});
+    do {
+      while (!work.empty()) {
+        const auto [v, port, lane] = work.back();
+        work.pop_back();
+        if (chooses_inputs(v)) note_read(v, port);
+        if (reached[index(v)]) continue;
+        reached[index(v)] = true;
+        if (!chooses_inputs(v)) work.insert(work.end(), at(v).in.begin(), at(v).in.end());
+        if (at(v).kind == Kind::PhaseDelay)
+          work.push_back({at(v).index, 0});  // it asks that node for its phase
+      }
+      for (auto& [v, read] : reads_) find_needed(v, read, work);
+    } while (!work.empty());
     for (auto& [v, reason] : named_) {
       if (!reason.empty()) continue;
       if (at(v).kind == Kind::Constant)
@@ -187,6 +225,50 @@ class Simplifier {
     }
     for (std::size_t v = 0; v < graph_.vertices.size(); ++v)
       if (!reached[v]) graph_.vertices[v].alive = false;
+  }
+
+  const FlatNode& node_of(int v) { return flat_.nodes[index(at(v).index)]; }
+  bool chooses_inputs(int v) { return at(v).kind == Kind::Node && node_of(v).type->needed_inputs != nullptr; }
+
+  /// What is read of a node that chooses its inputs, and which it needs for it.
+  struct Read {
+    std::vector<bool> outputs, needed;
+    bool known = false;  ///< `needed` is that of `outputs`
+  };
+
+  void note_read(int v, int port) {
+    auto& read = reads_[v];
+    read.outputs.resize(index(at(v).outputs));
+    if (read.outputs[index(port)]) return;
+    read.outputs[index(port)] = true;
+    read.known = false;
+  }
+
+  /// Adds the inputs that are needed now and were not before.
+  void find_needed(int v, Read& read, std::vector<Wire>& work) {
+    if (read.known) return;
+    const auto& node = node_of(v);
+    auto setup = setup_of(node, sample_rate_, at(v).lane);
+    setup.read = read.outputs;
+    for (std::size_t i = 0; i < at(v).in.size(); ++i)
+      setup.inputs.push_back({node.ranges[i], constant(at(v).in[i]), node.inputs[i].has_value()});
+    auto needed = node.type->needed_inputs(setup);
+    read.needed.resize(needed.size());
+    for (std::size_t i = 0; i < needed.size(); ++i)
+      if (needed[i] && !read.needed[i]) work.push_back(at(v).in[i]);
+    read.needed = std::move(needed);
+    read.known = true;
+  }
+
+  /// Inputs that are not needed read a constant: what led to them is gone.
+  void disconnect_unneeded() {
+    for (const auto& [v, read] : reads_)
+      for (std::size_t i = 0; i < read.needed.size(); ++i) {
+        if (read.needed[i]) continue;
+        const double value = constant(at(v).in[i]).value_or(node_of(v).type->inputs[i].fallback.value_or(0));
+        graph_.vertices.push_back({.value = value, .at = at(v).at});
+        at(v).in[i] = {static_cast<int>(graph_.vertices.size()) - 1, 0};
+      }
   }
 
   /// Only what has a name of its own in the file is worth a line.
@@ -221,6 +303,7 @@ class Simplifier {
   Hertz sample_rate_;
   bool zeros_ = false;
   std::vector<std::vector<int>> consumers_;
+  std::map<int, Read> reads_;         ///< nodes that choose their inputs, reached by the last sweep
   std::map<int, std::string> named_;  ///< vertices with a name in the file; why they are left out, or ""
 };
 

@@ -62,6 +62,7 @@ struct Vertex {
   std::string path = {};
   Source at = {};
   bool alive = true;
+  std::vector<std::string> also = {};  ///< paths of equal nodes that it runs for
 
   std::shared_ptr<const NodeType> type = {};  ///< Node; keeps network declarations alive
   std::shared_ptr<Node> node = {};            ///< what runs it, until the plan takes it over (Plan::nodes)
@@ -87,12 +88,6 @@ struct OutputChannel {
   bool from_loop = false;   ///< a loop of the graph reaches it, or a network, which is a loop in itself
 };
 
-/// Something of the file that does not run, and why.
-struct LeftOut {
-  std::string path;
-  std::string reason;
-};
-
 struct VertexGraph {
   std::vector<Vertex> vertices;
   std::vector<std::string> input_names;
@@ -110,6 +105,10 @@ VertexGraph lower(const FlatGraph& flat);
 /// Removes what reaches no output and evaluates what never changes. `flat` has the nodes that may be
 /// evaluated.
 void simplify(VertexGraph& graph, const FlatGraph& flat, Hertz sample_rate);
+
+/// Nodes that are written more than once, with the same settings and inputs, run once: `also` has the paths
+/// of the others. Not those with lanes, with randomness, or in loops.
+void merge_equal(VertexGraph& graph, const FlatGraph& flat);
 
 /// Lanes 8k … 8k+7 of the same node, or of the same operator of an expression, become one vectorised vertex
 /// (see Node::vectorised), so that a recurrence runs across lanes instead of along time, where at least four

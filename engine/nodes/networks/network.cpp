@@ -78,13 +78,14 @@ std::uint64_t fingerprint_of(const NetworkLayout& layout) {
 
 class NetworkNode final : public Node, public NetworkView {
  public:
-  NetworkNode(NetworkView view, const NodeType& type)
+  NetworkNode(NetworkView view, const NodeType& type, const NetworkBuilder& builder)
       : NetworkView(std::move(view)),
         fingerprint_(type.fingerprint),
+        origins_(network.origins(builder.original_parts, builder.original_signals)),
+        left_out_(builder.left_out()),
         now_(recipe.signal_ports.size()),
-        read_(readings.size()),
-        late_(type.inputs.size()) {
-    for (const int port : recipe.signal_ports) late_[index(port)] = true;
+        read_(readings.size()) {
+    for (const auto& input : type.inputs) late_.push_back(input.late);
   }
 
   void process(const NodeBlock& block) noexcept override {
@@ -97,16 +98,22 @@ class NetworkNode final : public Node, public NetworkView {
   void emit(const NodeBlock& block) noexcept override { write(block, 0, find_read(block)); }
   void absorb(const NodeBlock& block) noexcept override { step(block, 0); }
   void reset() noexcept override { network.reset(state); }
+  void copy(const Node& other) noexcept override {
+    if (const auto* same = dynamic_cast<const NetworkNode*>(&other)) state = same->state;
+  }
 
-  void adopt(Node& before) noexcept override {
+  void adopt(const Node& before) noexcept override {
     const auto* other = dynamic_cast<const NetworkNode*>(&before);
-    if (other != nullptr && other->fingerprint_ == fingerprint_) network.adopt(state, other->state);
+    if (other != nullptr && other->fingerprint_ == fingerprint_)
+      network.adopt(state, origins_, {other->network, other->state, other->origins_});
   }
 
   std::string about() const override {
     const auto choice = explain_choice(network.choice());
     return choice.empty() ? choice : "solver " + choice;
   }
+
+  std::vector<LeftOut> left_out() const override { return left_out_; }
 
   DelayRange delay(int input, int) const override {
     return late_[index(input)] ? DelayRange{1, 1} : DelayRange{};
@@ -134,6 +141,8 @@ class NetworkNode final : public Node, public NetworkView {
   }
 
   std::uint64_t fingerprint_;  ///< which elements, joined how
+  StateOrigins origins_;
+  std::vector<LeftOut> left_out_;
   std::vector<double> now_;
   std::vector<std::size_t> read_;
   std::vector<bool> late_;
@@ -151,6 +160,7 @@ Result<std::unique_ptr<Node>> make_network_node(const NetworkLayout& layout, con
   const auto each =
       layout.solver == Solver::Explicit ? builder.elements.frictions.size() : points + 2 * couplings;
   if (const auto fits = setup.take_memory(couplings * each); !fits) return tl::unexpected(fits.error());
+  setup.variant = builder.variant();
   NetworkRecipe recipe;
   recipe.signals = static_cast<int>(builder.signal_ports.size());
   recipe.rate = setup.sample_rate;
@@ -163,7 +173,21 @@ Result<std::unique_ptr<Node>> make_network_node(const NetworkLayout& layout, con
   recipe.solver = network->solver();
   recipe.oversample = network->oversample();
   return std::make_unique<NetworkNode>(
-      NetworkView{std::move(recipe), std::move(*network), builder.readings()}, *setup.type);
+      NetworkView{std::move(recipe), std::move(*network), builder.readings()}, *setup.type, builder);
+}
+
+/// Signals of elements that matter to what is read, and everything that is fixed.
+std::vector<bool> needed_inputs(const NetworkLayout& layout, NodeSetup setup) {
+  const auto& ports = setup.type->inputs;
+  std::vector<bool> needed;
+  for (std::size_t i = 0; i < ports.size(); ++i) {
+    needed.push_back(ports[i].fixed);
+    // A number that controls decide: as long as it is not known, it may be anything but 0.
+    if (ports[i].fixed && !setup.inputs[i].constant)
+      setup.inputs[i].constant = std::clamp(1.0, ports[i].low, ports[i].high);
+  }
+  for (const int port : NetworkBuilder{layout, setup}.signal_ports) needed[index(port)] = true;
+  return needed;
 }
 
 }  // namespace
@@ -184,9 +208,9 @@ Checked<std::shared_ptr<const NodeType>> network_type(const NetworkSpec& spec) {
   type->outputs.push_back(
       {.name = "energy", .unit = "J", .doc = "energy stored in the whole network", .range = {}});
   type->fingerprint = fingerprint_of(*layout);
-  type->make = [layout = std::move(*layout)](const NodeSetup& setup) {
-    return make_network_node(layout, setup);
-  };
+  const auto shared = std::make_shared<const NetworkLayout>(std::move(*layout));
+  type->make = [shared](const NodeSetup& setup) { return make_network_node(*shared, setup); };
+  type->needed_inputs = [shared](const NodeSetup& setup) { return needed_inputs(*shared, setup); };
   return type;
 }
 

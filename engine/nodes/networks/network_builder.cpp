@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/core/index.h"
+#include "engine/graph/plan/fingerprint.h"
 
 namespace tactus {
 namespace {
@@ -13,6 +14,7 @@ int stage_of(const ElementType& type) {
   return type.ends == ElementType::Ends::None ? 0 : type.force_field.empty() ? 1 : 2;
 }
 
+double nothing(const Network&, const NetworkState&, const ElementParts&) { return 0.0; }
 double energy_of(const Network& network, const NetworkState& state, const ElementParts&) {
   return network.energy(state);
 }
@@ -66,14 +68,122 @@ NetworkBuilder::NetworkBuilder(const NetworkLayout& layout, const NodeSetup& set
       parts_[i].on = end(element, 0);
       element.type->build(*this, element, parts_[i]);
     }
+  leave_out();
+}
+
+/// What each signal is, if it never changes.
+std::vector<std::optional<double>> NetworkBuilder::constants() const {
+  std::vector<std::optional<double>> constants;
+  for (const int port : signal_ports) constants.push_back(setup_.inputs[index(port)].constant);
+  return constants;
+}
+
+PartMarks NetworkBuilder::read_parts() const {
+  const bool all = setup_.read.empty() || setup_.read.back();  // the last output is the energy of all
+  auto read = marks(elements, all);
+  if (all) return read;
+  std::size_t output = 0;
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const auto& element = layout_.elements[i];
+    const auto quantities = element.type->quantities.size();
+    const auto outputs = quantities + (quantities > 0 ? 1 : 0);
+    const auto first = setup_.read.begin() + static_cast<std::ptrdiff_t>(output);
+    const auto end = first + static_cast<std::ptrdiff_t>(outputs);
+    output += outputs;
+    if (std::find(first, end, true) == end) continue;
+    for_each_part(parts_[i], [&](PartKind kind, int part) {
+      if (part >= 0) read[kind][index(part)] = true;
+    });
+    if (parts_[i].on >= 0) read[PartKind::Point][index(parts_[i].on)] = true;
+  }
+  return read;
+}
+
+void NetworkBuilder::leave_out() {
+  const auto needed = needed_parts(elements, read_parts(), acting_parts(elements, constants()));
+  find_left_out(needed);
+  now_ = keep_parts(elements, needed);
+  for_each_list(elements, [&](PartKind kind, const auto&) {
+    for (std::size_t i = 0; i < needed[kind].size(); ++i)
+      if (needed[kind][i]) original_parts[kind].push_back(static_cast<int>(i));
+  });
+  std::vector<int> to(signal_ports.size(), -1);
+  for_each_input(elements, [&](const NetworkInput& input) {
+    if (input.signal >= 0) to[index(input.signal)] = 0;
+  });
+  for (std::size_t i = 0; i < to.size(); ++i) {
+    if (to[i] < 0) continue;
+    to[i] = static_cast<int>(original_signals.size());
+    signal_ports[original_signals.size()] = signal_ports[i];
+    original_signals.push_back(static_cast<int>(i));
+  }
+  signal_ports.resize(original_signals.size());
+  for_each_input(elements, [&](NetworkInput& input) {
+    if (input.signal >= 0) input.signal = to[index(input.signal)];
+  });
+}
+
+/// The same parts as they are called now; -1: left out.
+ElementParts NetworkBuilder::kept(const ElementParts& parts) const {
+  auto kept = parts;
+  for_each_part(kept, [&](PartKind kind, int& part) {
+    if (part >= 0) part = now_[kind][index(part)];
+  });
+  if (kept.on >= 0) kept.on = now_[PartKind::Point][index(kept.on)];
+  return kept;
+}
+
+bool NetworkBuilder::on_mass(const NetworkElement& element, std::size_t which,
+                             const PartMarks& marked) const {
+  const int point = end(element, which);
+  return point >= 0 && elements.points[index(point)].kind == Point::Kind::Mass &&
+         marked[PartKind::Point][index(point)];
+}
+
+/// Before anything is: elements of which nothing is `needed`. Fixed points cost nothing.
+void NetworkBuilder::find_left_out(const PartMarks& needed) {
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const auto& element = layout_.elements[i];
+    bool runs = false, costs = false;
+    for_each_part(parts_[i], [&](PartKind kind, int part) {
+      if (part < 0) return;
+      const bool point = kind == PartKind::Point;
+      costs = costs || !point || elements.points[index(part)].kind != Point::Kind::Ground;
+      for (int p = 0; p < (point ? element.points() : 1); ++p) runs = runs || needed[kind][index(part + p)];
+    });
+    if (!costs || runs) continue;
+    // On what runs it would have to run, too, if it could act.
+    const bool silent = on_mass(element, 0, needed) || on_mass(element, 1, needed);
+    left_out_.push_back({element.name, silent ? "its force is always 0" : "reaches no output"});
+  }
+}
+
+std::uint64_t NetworkBuilder::variant() const {
+  Fingerprint print;
+  bool all = true;
+  for_each_list(elements, [&](PartKind kind, const auto&) {
+    for (const int number : now_[kind]) {
+      print.add(std::uint64_t{number >= 0});
+      all = all && number >= 0;
+    }
+  });
+  return all ? 0 : print.value();
 }
 
 std::vector<NetworkReading> NetworkBuilder::readings() const {
   std::vector<NetworkReading> readings;
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const auto& quantities = layout_.elements[i].type->quantities;
-    for (const auto& quantity : quantities) readings.push_back({quantity.read, parts_[i]});
-    if (!quantities.empty()) readings.push_back({quantities.front().read, parts_[i]});
+    const auto parts = kept(parts_[i]);
+    bool whole = (parts.on < 0) == (parts_[i].on < 0);
+    for_each_part(parts_[i], [&](PartKind kind, int part) {
+      whole = whole && (part < 0 || now_[kind][index(part)] >= 0);
+    });
+    const auto add = [&](const ElementQuantity& quantity) {
+      readings.push_back({whole ? quantity.read : nothing, parts});
+    };
+    for (const auto& quantity : quantities) add(quantity);
+    if (!quantities.empty()) add(quantities.front());
   }
   readings.push_back({energy_of, {}});
   return readings;
@@ -86,14 +196,16 @@ void NetworkBuilder::name_parts(NetworkRecipe& recipe) const {
   const auto name = [](std::vector<std::string>& names, int part, const std::string& element) {
     if (part >= 0) names[index(part)] = element;
   };
+  const auto& points = now_[PartKind::Point];
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const auto& element = layout_.elements[i];
-    name(recipe.points, parts_[i].point, element.name);
-    name(recipe.springs, parts_[i].spring, element.name);
-    name(recipe.contacts, parts_[i].contact, element.name);
-    name(recipe.contacts, parts_[i].opposite, element.name);
+    const auto parts = kept(parts_[i]);
+    name(recipe.points, parts.point, element.name);
+    name(recipe.springs, parts.spring, element.name);
+    name(recipe.contacts, parts.contact, element.name);
+    name(recipe.contacts, parts.opposite, element.name);
     for (int p = 0; element.type->dimensions > 0 && p < element.points(); ++p)
-      name(recipe.points, parts_[i].point + p,
+      name(recipe.points, points[index(parts_[i].point + p)],
            element.name + (element.rows() > 1 ? "." + std::to_string(1 + p / element.columns()) : "") + "." +
                std::to_string(1 + p % element.columns()));
   }

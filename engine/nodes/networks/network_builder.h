@@ -23,13 +23,17 @@ struct NetworkLayout {
 /// the wrong kind; options out of their range. `NetworkElement::ports` is filled later.
 Checked<NetworkLayout> read_network_layout(const NetworkSpec& spec);
 
-/// Builds the physical network of `[networks.x]`.
+/// Builds the physical network of `[networks.x]`, as far as it matters to the outputs that are read.
 class NetworkBuilder {
  public:
   NetworkBuilder(const NetworkLayout& layout, const NodeSetup& setup);
 
-  /// One for each output of the declaration, in its order.
+  /// One for each output of the declaration, in its order; 0 if a part that it reads has been left out.
   std::vector<NetworkReading> readings() const;
+  /// Elements of which nothing is left, with the reason.
+  const std::vector<LeftOut>& left_out() const { return left_out_; }
+  /// Distinguishes what has been left out; 0: nothing.
+  std::uint64_t variant() const;
   /// What the elements are called, by what they have become.
   void name_parts(NetworkRecipe& recipe) const;
 
@@ -54,13 +58,25 @@ class NetworkBuilder {
 
   NetworkElements elements;
   std::vector<int> signal_ports;  ///< input of each signal of the network
+  // Which of all parts and signals each one is, without anything left out.
+  PartNumbers original_parts;
+  std::vector<int> original_signals;
 
  private:
   int port(const NetworkElement& element, std::string_view field) const;
+  std::vector<std::optional<double>> constants() const;
+  PartMarks read_parts() const;
+  void leave_out();
+  void find_left_out(const PartMarks& needed);
+  /// Whether that end is a marked mass.
+  bool on_mass(const NetworkElement& element, std::size_t which, const PartMarks& marked) const;
+  ElementParts kept(const ElementParts& parts) const;
 
   const NetworkLayout& layout_;
   const NodeSetup& setup_;
-  std::vector<ElementParts> parts_;
+  std::vector<ElementParts> parts_;  ///< without anything left out
+  PartNumbers now_;                  ///< where each of them is
+  std::vector<LeftOut> left_out_;
 };
 
 }  // namespace tactus

@@ -36,6 +36,20 @@ struct ElementParts {
       port = -1;
 };
 
+/// [any] Calls `each(kind, part)` for every part of an element, -1 or not; of many points, for the first.
+template <class Parts, class Each>
+void for_each_part(Parts& parts, Each each) {
+  each(PartKind::Point, parts.point);
+  each(PartKind::Spring, parts.spring);
+  each(PartKind::Contact, parts.contact);
+  each(PartKind::Contact, parts.opposite);
+  each(PartKind::Force, parts.force);
+  each(PartKind::Coil, parts.coil);
+  each(PartKind::Friction, parts.friction);
+  each(PartKind::Bond, parts.bond);
+  each(PartKind::Port, parts.port);
+}
+
 /// [realtime] What an output shows of a state.
 using ReadElement = double (*)(const Network&, const NetworkState&, const ElementParts&);
 
