@@ -88,6 +88,7 @@ class KernelNode : public Node {
     run_single_frame<Inputs>(block, [this](auto... in) { return step(state_, further_, in...); });
   }
   void reset() noexcept override { state_ = {}; }
+  void copy(const Node& other) noexcept override { assign(*this, other); }
 
  protected:
   double further_;
@@ -131,6 +132,9 @@ Result<std::unique_ptr<Node>> make_step_node(Step step) {
       run_frames<Inputs>(block, [this](auto... in) { return step_(state_, in...); });
     }
     void reset() noexcept override { state_ = {}; }
+    void copy(const Node& other) noexcept override {
+      if (const auto* same = dynamic_cast<const StepNode*>(&other)) state_ = same->state_;
+    }
 
    private:
     Step step_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <set>
 #include <tuple>
 #include <unordered_map>
 
@@ -49,8 +50,11 @@ class Planner {
   Planner(const Running& before, Running& after)
       : old_(before), new_(after), was_(*before.plan), is_(*after.plan) {
     std::map<Key, int> known;
-    for (const auto& vertex : was_.vertices)
-      known.emplace(key_of(was_, vertex), static_cast<int>(&vertex - was_.vertices.data()));
+    for (int v = 0; v < static_cast<int>(was_.vertices.size()); ++v) {
+      const auto& vertex = was_.vertices[index(v)];
+      known.emplace(key_of(was_, vertex), v);
+      for (const auto& path : vertex.also) known.emplace(Key{Vertex::Kind::Node, path, 0}, v);
+    }
     for (const auto& vertex : is_.vertices) {
       const auto found = known.find(key_of(is_, vertex));
       twin_.push_back(found == known.end() ? -1 : found->second);
@@ -124,7 +128,10 @@ class Planner {
       if (now.runs >= 0) new_.handover.remade.push_back({then.runs, now.runs});
       return;
     }
-    if (now.runs >= 0) new_.handover.nodes.push_back({then.runs, now.runs});
+    // The first takes the node itself; an edit may have separated others that were equal to it.
+    if (now.runs >= 0)
+      (taken_.insert(then.runs).second ? new_.handover.nodes : new_.handover.copies)
+          .push_back({then.runs, now.runs});
     changed_[v] = false;
     for (int i = 0; i < static_cast<int>(now.in.size()); ++i)
       if (!same_operand(then, now, i)) changed_[v] = true;
@@ -203,6 +210,7 @@ class Planner {
   std::vector<int> twin_;                 ///< [vertex] the one before that it continues, or -1
   std::unordered_map<int, int> ramp_at_;  ///< [slot of the plan before] its ramp
   std::vector<bool> changed_;             ///< [vertex]
+  std::set<int> taken_;                   ///< nodes before that one of now continues as
 };
 
 void add_faults(const Running& running, std::map<std::string, std::int64_t>& counts) {

@@ -80,6 +80,7 @@ void Running::set_control(std::size_t control, double value) noexcept {
 void Running::take_over(Running& before, std::int64_t now, std::int64_t fade_frames) noexcept {
   auto &nodes = plan->nodes, &old = before.plan->nodes;
   for (const auto [from, to] : handover.remade) nodes[index(to)]->adopt(*old[index(from)]);
+  for (const auto [from, to] : handover.copies) nodes[index(to)]->copy(*old[index(from)]);
   for (const auto [from, to] : handover.nodes) std::swap(nodes[index(to)], old[index(from)]);
   if (plan->system_delay != nullptr && before.plan->system_delay != nullptr)
     std::copy_n(before.plan->system_delay, kVectorWidth, plan->system_delay);

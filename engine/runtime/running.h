@@ -41,6 +41,7 @@ struct Handover {
     int before, after;
   };
   std::vector<Pair> nodes;      ///< run on with their state
+  std::vector<Pair> copies;     ///< continue as a node that another one runs on with
   std::vector<Pair> remade;     ///< made from other things: adopt what they can
   std::vector<Pair> silences;   ///< in Running::silent_until, of nodes that run on
   std::vector<Pair> controls;   ///< keep their value

@@ -223,3 +223,37 @@ TEST_CASE("nodes: one without memory answers the same values with the same value
     CHECK(first_difference(forward, backward) == "");
   });
 }
+
+TEST_CASE("node contract: outputs are 0 while an input that is said to silence them has always been 0",
+          "[nodes]") {
+  for (const auto* type : standard_nodes().types) {
+    for (const auto& [input, output] : type->silencers) {
+      INFO(type->name << "." << input);
+      REQUIRE(type->input_index(input) >= 0);
+      for (auto one : ordinary_cases(*type, kFrames, kSeeds)) {
+        INFO(one.label);
+        one.inputs[input] = 0.0;
+        auto runner = one.runner();
+        REQUIRE(runner.made());
+        const auto outputs = whole(runner);
+        for (std::size_t o = 0; o < outputs.size(); ++o)
+          if (output.empty() || type->outputs[o].name == output)
+            CHECK(std::ranges::all_of(outputs[o], [](double x) { return x == 0.0; }));
+      }
+    }
+  }
+}
+
+TEST_CASE("node contract: a copy goes on as the node that it was copied from, and does not allocate",
+          "[nodes]") {
+  for_ordinary_cases([](const NodeCase& one, NodeRunner& runner) {
+    const auto blocks = even_cutting(kFrames, kLongestSubBlock);
+    const auto expected = runner.run(blocks);
+    auto other = one.runner();
+    CHECK(first_difference(runner.run_copied(blocks, static_cast<int>(blocks.size()) / 2, other.node()),
+                           expected) == "");
+    const auto before = allocation_count();
+    other.node().copy(runner.node());
+    CHECK(allocation_count() == before);
+  });
+}

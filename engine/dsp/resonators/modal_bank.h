@@ -24,7 +24,7 @@ class ModalBank {
  public:
   /// [control] All modes are silent.
   explicit ModalBank(int modes)
-      : modes_(modes), groups_(static_cast<std::size_t>((modes + Lanes::kCount - 1) / Lanes::kCount)) {
+      : groups_(static_cast<std::size_t>((modes + Lanes::kCount - 1) / Lanes::kCount)) {
     for (auto& group : groups_)
       for (int lane = 0; lane < Lanes::kCount; ++lane)
         tactus_modes_set(&group, lane, tactus_mode_design(0, 1, 0, 1));
@@ -46,15 +46,14 @@ class ModalBank {
       for (auto* row : {&group.last, &group.before, &group.change}) std::fill_n(*row, Lanes::kCount, 0.0);
   }
 
-  /// [realtime] Continues from the state of `other`, mode by mode, as far as there are as many, until `set`.
-  void adopt(const ModalBank& other) noexcept {
+  /// [realtime] A mode continues from the state of one of `other`, until `set`.
+  void adopt(int mode, const ModalBank& other, int from) noexcept {
     using Modes = tactus_modes;
-    for (int k = 0; k < std::min(modes_, other.modes_); ++k) {
-      const auto group = static_cast<std::size_t>(k / Lanes::kCount);
-      for (const auto row : {&Modes::turn, &Modes::minus_pull, &Modes::cosine, &Modes::sine, &Modes::last,
-                             &Modes::before, &Modes::change})
-        (groups_[group].*row)[k % Lanes::kCount] = (other.groups_[group].*row)[k % Lanes::kCount];
-    }
+    auto& group = groups_[static_cast<std::size_t>(mode / Lanes::kCount)];
+    const auto& old = other.groups_[static_cast<std::size_t>(from / Lanes::kCount)];
+    for (const auto row : {&Modes::turn, &Modes::minus_pull, &Modes::cosine, &Modes::sine, &Modes::last,
+                           &Modes::before, &Modes::change})
+      (group.*row)[mode % Lanes::kCount] = (old.*row)[from % Lanes::kCount];
   }
 
  private:
@@ -126,7 +125,6 @@ class ModalBank {
     for (int n = 0; n < frames; ++n) y[n] = Lanes::load(sums.rows[static_cast<std::size_t>(n)].data()).sum();
   }
 
-  int modes_;
   std::vector<Group> groups_;
 };
 

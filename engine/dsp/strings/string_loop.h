@@ -52,7 +52,7 @@ class DesignedLine {
     losses_.reset();
   }
   /// [realtime] Continues from the state of `other`.
-  void adopt(DesignedLine& other) noexcept {
+  void adopt(const DesignedLine& other) noexcept {
     line_.adopt(other.line_);
     if (filter_ == other.filter_) losses_.adopt(other.losses_);
   }
@@ -167,7 +167,7 @@ class VectorStringLoop {
   void tune(const StringParameters& parameters, int lane) noexcept;
   void reset() noexcept;
   /// [realtime] Continues from the state of `other`.
-  void adopt(VectorStringLoop& other) noexcept {
+  void adopt(const VectorStringLoop& other) noexcept {
     line_.adopt(other.line_);
     if (filter_ == other.filter_) loss_ = other.loss_;
   }

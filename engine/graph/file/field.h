@@ -70,6 +70,7 @@ struct SettingValue {
   std::vector<double> numbers;                    ///< Numbers, SI
   std::vector<std::string> names;                 ///< Names
   bool given = false;
+  bool operator==(const SettingValue&) const = default;
 };
 
 /// The keys of a table of a file.

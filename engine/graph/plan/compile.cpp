@@ -88,6 +88,7 @@ FlatGraph flatten(const GraphSpec& spec, const NodeTable& table, const CompileOp
 std::unique_ptr<Plan> make_plan(const FlatGraph& flat, const CompileOptions& options, ErrorList& errors) {
   auto graph = lower(flat);
   simplify(graph, flat, options.sample_rate);
+  merge_equal(graph, flat);
   check_constants(graph, errors);
   if (errors.any()) return nullptr;
   const auto frozen_controls = make_nodes(graph, flat, options, errors);

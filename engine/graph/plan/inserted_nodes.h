@@ -75,6 +75,7 @@ class RateConverter : public Node {
 
   void process(const NodeBlock& block) noexcept override;
   void reset() noexcept override;
+  void copy(const Node& other) noexcept override { assign(*this, other); }
   DelayRange delay(int, int) const override;
   /// Of what stays below half the lower rate; images of it are left out.
   std::optional<std::complex<double>> response(int input, int output, std::complex<double> z,

@@ -44,8 +44,9 @@ class AlignNode final : public Node {
     line_.reset();
     state_ = start_;
   }
-  void adopt(Node& before) noexcept override {
-    if (auto* other = dynamic_cast<AlignNode*>(&before)) line_.adopt(other->line_);
+  void copy(const Node& other) noexcept override { assign(*this, other); }
+  void adopt(const Node& before) noexcept override {
+    if (const auto* other = dynamic_cast<const AlignNode*>(&before)) line_.adopt(other->line_);
   }
 
   DelayRange delay(int input, int) const override {

@@ -23,8 +23,8 @@ class DelayMemory : public Node {
     Contiguous<Width> x;
     line_.write(x(block.in[0], block.frames), block.frames * Width);
   }
-  void adopt(Node& before) noexcept override {
-    if (auto* other = dynamic_cast<DelayMemory*>(&before)) line_.adopt(other->line_);
+  void adopt(const Node& before) noexcept override {
+    if (const auto* other = dynamic_cast<const DelayMemory*>(&before)) line_.adopt(other->line_);
   }
   void reset() noexcept override {
     line_.reset();
@@ -55,6 +55,7 @@ class DelayNode final : public DelayMemory<Width> {
     read(block, block.frames);
   }
   void emit(const NodeBlock& block) noexcept override { read(block, 0); }
+  void copy(const Node& other) noexcept override { assign(*this, other); }
 
   DelayRange delay(int input, int) const override { return input == 0 ? range_of(ranges_) : DelayRange{}; }
 
@@ -226,6 +227,7 @@ NodeType delay_type() {
       .example = "{ type = \"delay\", in = \"string\", time = \"20 ms\" }",
       .inputs = {late({"in", "any", "signal to delay"}), {"time", "s", "delay time", {}, 0}},
       .outputs = {{"out", "=in", "the input, delayed by `time`"}},
+      .silencers = {{"in"}},
       .settings =
           {choice("interpolation",
                   "interpolation between frames; none: rounds to whole frames. Error below 0.1 dB: linear up "

@@ -32,14 +32,15 @@ class StringNode final : public Node {
     process_frames(block);
   }
 
-  void adopt(Node& before) noexcept override {
-    if (auto* other = dynamic_cast<StringNode*>(&before)) string_.adopt(other->string_);
+  void adopt(const Node& before) noexcept override {
+    if (const auto* other = dynamic_cast<const StringNode*>(&before)) string_.adopt(other->string_);
   }
 
   void reset() noexcept override {
     string_.reset();
     steps_.reset();
   }
+  void copy(const Node& other) noexcept override { assign(*this, other); }
 
   std::unique_ptr<Node> vectorised(std::span<const Node* const> lanes) const override {
     double lowest = lowest_pitch_;
@@ -100,6 +101,7 @@ NodeType string_type() {
                  {"gain", "", "gain of one pass through the loop", 0.99, 0, 0.9999},
                  loss_input()},
       .outputs = {filtered_output("out", "signal of the string at the driven point")},
+      .silencers = {{"in"}},
       .settings = {loss_filter_setting()},
       .make = make_node<StringNode<>>,
       .resonant = true};

@@ -14,6 +14,7 @@ class DecayNode final : public Node {
     process_frames(block);
   }
   void reset() noexcept override { state_ = {}; }
+  void copy(const Node& other) noexcept override { assign(*this, other); }
 
  private:
   // Not inlined: the setup for many frames would delay a single one.
@@ -54,6 +55,7 @@ NodeType decay_type() {
                  {"level", "any", "height of the pulse, read at the trigger", 1},
                  {"length", "s", "duration after which the pulse is cut to 0; 0: never", 0, 0}},
       .outputs = {{"out", "=level", "the pulse"}},
+      .silencers = {{"trigger"}, {"level"}},
       .make = make_node<DecayNode>,
       .range = from_zero_to("level"),
   };

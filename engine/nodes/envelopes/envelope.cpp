@@ -20,6 +20,7 @@ NodeType envelope_type() {
                  {"release", "s", "time constant while the signal is below the envelope; 0: immediate", 0.020,
                   0}},
       .outputs = {bounded(0, kUnlimited, {"out", "=in", "envelope, never negative"})},
+      .silencers = {{"in"}},
       .make = make_node<KernelNode<tactus_envelope_step, 3>>,
       .range =
           [](int, const NodeSetup& setup) {
@@ -44,6 +45,7 @@ NodeType adsr_type() {
                  {"sustain", "", "level while the gate stays high", 0.7, 0, 1},
                  {"release", "s", "time constant of the release to 0", 0.100, 0}},
       .outputs = {bounded(0, 1, {"out", "", "the envelope"})},
+      .silencers = {{"gate"}},
       .make = make_node<KernelNode<tactus_adsr_step, 5>>,
   };
 }

@@ -58,6 +58,7 @@ class OnsetNode final : public Node {
     }
   }
   void reset() noexcept override { state_ = start_; }
+  void copy(const Node& other) noexcept override { assign(*this, other); }
 
  private:
   tactus_onset start_{}, state_{};

@@ -34,6 +34,7 @@ class FilterNode : public Node {
     steps_.reset();
     designed_ = false;
   }
+  void copy(const Node& other) noexcept override { assign(*this, other); }
 
   std::optional<std::complex<double>> response(int input, int output, std::complex<double> z,
                                                std::span<const double> at) const override {

@@ -17,7 +17,8 @@ class FirNode : public Node {
   }
 
   void reset() noexcept override { fir_.reset(); }
-  void adopt(Node& before) noexcept override {
+  void copy(const Node& other) noexcept override { assign(*this, other); }
+  void adopt(const Node& before) noexcept override {
     if (const auto* other = dynamic_cast<const FirNode*>(&before)) fir_.adopt(other->fir_);
   }
 
@@ -52,6 +53,7 @@ NodeType fir_type() {
           .example = "{ type = \"fir\", in = \"piezo\", rate = \"48 kHz\", taps = [0.25, 0.5, 0.25] }",
           .inputs = {filtered_input()},
           .outputs = {filtered_output("out", "filtered")},
+          .silencers = {{"in"}},
           .settings = {required({"taps", Setting::Kind::Numbers, "impulse response, one number per sample"}),
                        within(1000, 1e6,
                               {"rate",

@@ -1,4 +1,5 @@
 #include "engine/dsp/resonators/modal_bank.h"
+#include "engine/graph/plan/fingerprint.h"
 #include "engine/nodes/declare.h"
 #include "engine/nodes/filters/mode_table.h"
 #include "engine/nodes/process.h"
@@ -10,11 +11,13 @@ class ModalNode final : public Node {
   enum Input { kIn, kFrequency, kDecay };
 
  public:
-  ModalNode(Hertz sample_rate, ModeTable table, std::vector<double> gains)
+  /// `modes`: those of the table that may sound; rising.
+  ModalNode(Hertz sample_rate, ModeTable table, std::vector<double> gains, std::vector<std::size_t> modes)
       : sample_rate_(sample_rate),
         table_(std::move(table)),
         gains_(std::move(gains)),
-        bank_(static_cast<int>(table_.size())) {}
+        modes_(std::move(modes)),
+        bank_(static_cast<int>(modes_.size())) {}
 
   void process(const NodeBlock& block) noexcept override {
     const Signal in = block.in[kIn];
@@ -32,10 +35,16 @@ class ModalNode final : public Node {
     steps_.reset();
     last_in_ = 0;
   }
+  void copy(const Node& other) noexcept override { assign(*this, other); }
 
-  void adopt(Node& before) noexcept override {
+  void adopt(const Node& before) noexcept override {
     if (const auto* other = dynamic_cast<const ModalNode*>(&before)) {
-      bank_.adopt(other->bank_);
+      std::size_t from = 0;
+      for (std::size_t to = 0; to < modes_.size(); ++to) {
+        while (from < other->modes_.size() && other->modes_[from] < modes_[to]) ++from;
+        if (from < other->modes_.size() && other->modes_[from] == modes_[to])
+          bank_.adopt(static_cast<int>(to), other->bank_, static_cast<int>(from));
+      }
       last_in_ = other->last_in_;
     }
   }
@@ -47,9 +56,15 @@ class ModalNode final : public Node {
     if (input != kIn) return std::nullopt;
     const auto delay = 1.0 / z;
     std::complex<double> sum = 0;
-    for (std::size_t k = 0; k < table_.size(); ++k)
-      sum += mode_response(designed(k, at[kFrequency], at[kDecay]), delay);
+    for (const auto k : modes_) sum += mode_response(designed(k, at[kFrequency], at[kDecay]), delay);
     return sum;
+  }
+
+  std::vector<LeftOut> left_out() const override {
+    const auto all = table_.size(), silent = all - modes_.size();
+    if (silent == 0) return {};
+    return {{"modes", std::to_string(silent) + " of " + std::to_string(all) +
+                          " are silent: of gain 0, or at half the sample rate or above"}};
   }
 
  private:
@@ -62,8 +77,8 @@ class ModalNode final : public Node {
     if (frequency == frequency_ && decay == decay_) return;
     frequency_ = frequency;
     decay_ = decay;
-    for (std::size_t k = 0; k < table_.size(); ++k)
-      bank_.set(static_cast<int>(k), designed(k, frequency, decay));
+    for (std::size_t k = 0; k < modes_.size(); ++k)
+      bank_.set(static_cast<int>(k), designed(modes_[k], frequency, decay));
   }
 
   void run(const NodeBlock& block, const double* in_before) noexcept {
@@ -76,6 +91,7 @@ class ModalNode final : public Node {
   Hertz sample_rate_;
   ModeTable table_;
   std::vector<double> gains_;
+  std::vector<std::size_t> modes_;
   ModalBank bank_;
   GroupSteps steps_;
   double frequency_ = -1, decay_ = -1;  ///< what the bank is tuned to; below 0: nothing yet
@@ -90,7 +106,19 @@ Result<std::unique_ptr<Node>> make_modal(const NodeSetup& setup) {
   if (const auto fits = setup.take_memory(8 * table->size()); !fits) return tl::unexpected(fits.error());
   const double slope = setup.setting("gain_slope").number;
   for (std::size_t k = 0; k < gains->size(); ++k) (*gains)[k] *= table->falling(k, slope);
-  return std::make_unique<ModalNode>(setup.sample_rate, std::move(*table), std::move(*gains));
+  // Retuning changes no mode that is silent at the lowest frequency that may come.
+  const auto frequency = static_cast<std::size_t>(setup.type->input_index("frequency"));
+  const double lowest_hz = setup.inputs[frequency].constant.value_or(setup.inputs[frequency].range.low);
+  std::vector<std::size_t> modes;
+  Fingerprint print;
+  for (std::size_t k = 0; k < table->size(); ++k) {
+    if ((*gains)[k] == 0 || table->frequency_hz(k, lowest_hz) >= setup.sample_rate.value / 2) continue;
+    modes.push_back(k);
+    print.add(std::uint64_t{k});
+  }
+  if (modes.size() < table->size()) setup.variant = print.value();
+  return std::make_unique<ModalNode>(setup.sample_rate, std::move(*table), std::move(*gains),
+                                     std::move(modes));
 }
 
 }  // namespace
@@ -106,7 +134,8 @@ NodeType modal_type() {
           "= e^(-6.91 / (decay_k fs))\n"
           "A series: f_k = frequency ratio_k,  decay_k = decay (f_1 / f_k)^decay_slope,  gain_k times "
           "(f_1 / f_k)^gain_slope\n"
-          "Modes at or above half the sample rate are silent. Retuned every eight frames, at a cost of about "
+          "Modes at or above half the sample rate are silent, and left out if they always are. Retuned every "
+          "eight frames, at a cost of about "
           "30 ns per mode",
       .source =
           "Rabiner & Gold, Theory and Application of Digital Signal Processing, 1975, section 4.5; "
@@ -116,6 +145,7 @@ NodeType modal_type() {
           "decay = \"1 s\" }",
       .inputs = {late({"in", "any", "excitation"}), mode_frequency_input(), mode_decay_input()},
       .outputs = {filtered_output("out", "all modes together")},
+      .silencers = {{"in"}},
       .settings =
           mode_settings({{"gains", Setting::Kind::Numbers,
                           "gain of each mode: one number for all, or one per mode; default: 1"},

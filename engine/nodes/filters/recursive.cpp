@@ -30,6 +30,7 @@ NodeType biquad(const char* name, const char* summary, const char* transfer, con
           .example = example,
           .inputs = {filtered_input(), std::move(corner), std::move(q)},
           .outputs = {filtered_output("out", "filtered")},
+          .silencers = {{"in"}},
           .make = BiquadNode::maker([](const BiquadNode::Parameters& p, Hertz sample_rate) {
             return Shape(tactus_filter_radians(p[0], sample_rate.value), tactus_filter_q(p[1]));
           })};
@@ -63,6 +64,7 @@ NodeType one_pole_type() {
                  cutoff_input("cutoff frequency (-3.01 dB); at most 0.49 of the sample rate")},
       .outputs = {filtered_output("low", "low-pass output"),
                   filtered_output("high", "high-pass output: in - low")},
+      .silencers = {{"in"}},
       .settings = {choice(
           "form",
           "matched: half a frame less delay, but a small gain at half the sample rate; for feedback loops",
@@ -84,6 +86,7 @@ NodeType dc_blocker_type() {
       .example = "{ type = \"dc_blocker\", in = \"piezo\" }",
       .inputs = {filtered_input(), cutoff_input("cutoff frequency (-3 dB if far below the sample rate)", 10)},
       .outputs = {filtered_output("out", "signal without DC")},
+      .silencers = {{"in"}},
       .make = FilterNode<1, 1>::maker(of_cutoff<tactus_dc_blocker>)};
 }
 
@@ -95,6 +98,7 @@ NodeType difference_type() {
           .example = "{ type = \"difference\", in = \"position\" }",
           .inputs = {filtered_input("signal, usually a position")},
           .outputs = {{"out", "=in/s", "rate of change, delayed by half a frame"}},
+          .silencers = {{"in"}},
           .make = make_node<DifferenceNode>};
 }
 
@@ -113,6 +117,7 @@ NodeType velocity_type() {
                cutoff_input(
                    "cutoff frequency of the low-pass after the difference; at most 0.49 of the sample rate")},
           .outputs = {{"out", "=in/s", "filtered rate of change"}},
+          .silencers = {{"in"}},
           .make = FilterNode<1, 1>::maker(velocity_design)};
 }
 

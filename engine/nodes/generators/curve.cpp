@@ -45,6 +45,7 @@ class CurveNode final : public Node {
     start_ = 0;
     started_ = false;
   }
+  void copy(const Node& other) noexcept override { assign(*this, other); }
 
  private:
   Breakpoints points_;

@@ -42,10 +42,12 @@ NodeType noise_type() {
       .example = "hiss = { type = \"noise\", seed = 7, level = \"-40 dB\" }",
       .inputs = {{"level", "any", "peak of uniform noise, standard deviation of gaussian noise", 1}},
       .outputs = {{"out", "=level", "the noise"}},
+      .silencers = {{"level"}},
       .settings = {within(0, 9007199254740992,
                           {"seed", Setting::Kind::Integer, "seed of the noise", {}, "1"}),
                    choice("distribution", "distribution of the values", {"uniform", "gaussian"}, "uniform")},
       .make = make_node<NoiseNode>,
+      .random = true,
       .range = noise_range,
   };
 }

@@ -30,6 +30,7 @@ NodeType sine_type() {
                  {"phase", "rad", "phase offset, added to the running phase", 0},
                  {"level", "any", "amplitude", 1}},
       .outputs = {{"out", "=level", "the sine"}},
+      .silencers = {{"level"}},
       .make = make_node<KernelNode<tactus_sine_step, 3>>,
       .range =
           [](int, const NodeSetup& setup) {
@@ -52,6 +53,7 @@ NodeType wavetable_type() {
                  {"phase", "rad", "phase offset, added to the running phase", 0},
                  {"level", "any", "amplitude, multiplies the table", 1}},
       .outputs = {{"out", "=level", "the waveform"}},
+      .silencers = {{"level"}},
       .settings = {required({"table", Setting::Kind::Numbers,
                              "one period at equal intervals; at least one number"}),
                    choice("interpolation", "interpolation between two numbers", {"linear", "cubic"},

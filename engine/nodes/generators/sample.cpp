@@ -94,6 +94,7 @@ NodeType sample_type() {
                  {"speed", "", "playback speed; 1: as recorded; not band-limited above 1", 1, 0, kMaxSpeed},
                  {"level", "any", "output level for full scale in the file", 1}},
       .outputs = {{"out", "=level", "the played recording"}},
+      .silencers = {{"trigger"}, {"level"}},
       .settings = {required({"file", Setting::Kind::File,
                              "WAV, AIFF or FLAC file; played at its own sample rate"}),
                    within(

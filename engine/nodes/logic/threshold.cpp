@@ -18,6 +18,7 @@ class ThresholdNode final : public Node {
     process_frames(block);
   }
   void reset() noexcept override { state_ = {}; }
+  void copy(const Node& other) noexcept override { assign(*this, other); }
 
  private:
   // Not inlined: the setup for many frames would delay a single one.

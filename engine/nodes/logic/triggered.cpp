@@ -22,6 +22,7 @@ NodeType sample_hold_type() {
       .example = "velocity = { type = \"sample_hold\", in = \"speed\", trigger = \"hit\" }",
       .inputs = {{"in", "any", "signal"}, {"trigger", "", "trigger that samples the input"}},
       .outputs = {{"out", "=in", "held value"}},
+      .silencers = {{"in"}, {"trigger"}},
       .make = make_node<KernelNode<tactus_sample_hold_step, 2>>,
       .small_signal_gain = 1,
       .range = from_zero_to("in"),

@@ -29,7 +29,8 @@ class ModalBodyNode final : public Node {
     }
   }
   void reset() noexcept override { body_.reset(); }
-  void adopt(Node& before) noexcept override {
+  void copy(const Node& other) noexcept override { assign(*this, other); }
+  void adopt(const Node& before) noexcept override {
     if (const auto* other = dynamic_cast<const ModalBodyNode*>(&before)) body_.adopt(other->body_);
   }
 
@@ -138,6 +139,7 @@ NodeType modal_body_type() {
                   {"velocity", "m/s", "velocity of the point of contact"},
                   {"position", "m", "velocity of the point of contact"},
                   {"force", "N", "force on the body"}},
+      .silencers = {{"wave"}},
       .settings = mode_settings(
           {{"masses",
             Setting::Kind::Numbers,

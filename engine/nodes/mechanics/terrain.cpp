@@ -85,6 +85,7 @@ NodeType terrain_type() {
                   "distance between the centre of a detent and its largest force, or period of the sine",
                   0.002, TACTUS_TERRAIN_SHORTEST}},
       .outputs = {{"out", "N", "force on the device"}, {"z", "m", "height of the profile at the position"}},
+      .silencers = {{"weight", "out"}},
       .settings = {choice("profile", "shape of the profile; `points` ignores height and length",
                           {"detent", "sine", "points"}, "detent"),
                    {"points", Setting::Kind::Points, "[[x, z], ...] with ascending x", {"m", "m"}}},

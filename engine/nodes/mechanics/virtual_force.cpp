@@ -54,6 +54,7 @@ NodeType spring_type() {
                  {"stiffness", "N/m", "stiffness (force per displacement)", {}, 0},
                  {"rest", "m", "rest position, where the force is 0", 0}},
       .outputs = {{"out", "N", "force on the device"}},
+      .silencers = {{"stiffness"}},
       .make = make_elementwise<SpringForce>,
       .stateless = true,
       .range =
@@ -74,6 +75,7 @@ NodeType damper_type() {
       .inputs = {{"in", "m/s", "velocity of the device"},
                  {"damping", "N s/m", "damping coefficient (force per velocity)", {}, 0}},
       .outputs = {{"out", "N", "force on the device"}},
+      .silencers = {{"damping"}},
       .make = make_elementwise<DamperForce>,
       .stateless = true,
       .range =

@@ -29,8 +29,9 @@ class WaveguideNode final : public Node {
     line_.reset();
     steps_.reset();
   }
-  void adopt(Node& before) noexcept override {
-    if (auto* other = dynamic_cast<WaveguideNode*>(&before)) line_.adopt(other->line_);
+  void copy(const Node& other) noexcept override { assign(*this, other); }
+  void adopt(const Node& before) noexcept override {
+    if (const auto* other = dynamic_cast<const WaveguideNode*>(&before)) line_.adopt(other->line_);
   }
 
   DelayRange delay(int input, int) const override {
@@ -84,6 +85,7 @@ NodeType waveguide_type() {
                   0, 1},
                  loss_input()},
       .outputs = {{"out", "=wave", "returning wave"}},
+      .silencers = {{"wave"}},
       .settings = {choice("end", "termination of the far end", {"fixed", "free"}, "fixed"),
                    loss_filter_setting()},
       .make = make_node<WaveguideNode>};

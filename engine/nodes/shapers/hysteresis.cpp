@@ -12,6 +12,7 @@ NodeType hysteresis_type() {
       .example = "steady = { type = \"hysteresis\", in = \"lever\", width = \"0.2 mm\" }",
       .inputs = {{"in", "any", "signal"}, {"width", "=in", "width of the dead band", {}, 0}},
       .outputs = {{"out", "=in", "input with variations smaller than the width removed"}},
+      .silencers = {{"in"}},
       .make = make_node<KernelNode<tactus_hysteresis_step, 2>>,
       .small_signal_gain = 1,
       .range = from_zero_to("in"),

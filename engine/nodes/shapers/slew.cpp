@@ -14,6 +14,7 @@ NodeType slew_type() {
                  {"rise", "=in/s", "largest rate of increase", {}, 0},
                  {"fall", "=in/s", "largest rate of decrease", {}, 0}},
       .outputs = {{"out", "=in", "slew-limited signal"}},
+      .silencers = {{"in"}},
       .make = make_node<KernelNode<tactus_slew_step, 3, frame_s_of>>,
       .small_signal_gain = 1,
       .range = from_zero_to("in"),

@@ -347,6 +347,132 @@ TEST_CASE("Player: a network whose stiffness is edited goes on from where it is"
   for (std::size_t n = kEdit; n < kFrames; ++n) REQUIRE(y[n] > 0.99);  // it never falls back to 0
 }
 
+TEST_CASE("Player: a network goes on whatever solver an edit makes right for it", "[runtime][replace]") {
+  // A mass that hums on a spring of 1 kHz keeps its amplitude when the spring becomes one of 1200 Hz, by the
+  // step of `auto`, by several steps, by another method; 2 x pi x 1 mm x 1 kHz = 6.28 m/s.
+  const auto humming = [](const char* stiffness, const char* how) {
+    return graph(std::string("[networks.n]\n") + how +
+                 "\nm = { type = \"oscillator\", mass = \"1 g\", damping = \"0 N s/m\", velocity = \"6.283 "
+                 "m/s\", stiffness = "
+                 "\"" +
+                 stiffness + "\" }\n[outputs]\ny = { from = \"n.m.position / 1 mm\" }\n");
+  };
+  const auto loudest = [](const test::Samples& y, std::size_t from, std::size_t to) {
+    return *std::max_element(y.begin() + from, y.begin() + to);
+  };
+  constexpr int kEdit = 4800;
+  constexpr double kStiff = 39478;  // (2 pi 1 kHz)^2 x 1 g
+  const char* const ways[] = {"solver = \"auto\"", "solver = \"auto\"\noversample = 4", "solver = \"exact\"",
+                              "solver = \"reference\"", "solver = \"passive\""};
+  for (const auto* way : ways) {
+    INFO(way);
+    const auto stiffness = std::to_string(kStiff) + " N/m", stiffer = std::to_string(1.44 * kStiff) + " N/m";
+    const auto y =
+        play(humming(stiffness.c_str(), way), {{kEdit, humming(stiffer.c_str(), way)}}, {}, 9600, 64)[0];
+    CHECK(loudest(y, 0, kEdit) == Approx(1.0).epsilon(0.01));
+    // The energy at the edit lies between that of the old spring and 1.44 times it.
+    CHECK(loudest(y, kEdit + 480, 9600) < 1.02);
+    CHECK(loudest(y, kEdit + 480, 9600) > 0.81);
+  }
+  // `auto` takes another solver for a spring that rings at 5 kHz than for one at 32 Hz. What the slow one is
+  // stretched by, 31.4 mm x sin(200 x 0.1), is the amplitude of the fast one.
+  const auto slow = humming("40 N/m", ways[0]), fast = humming("1000 kN/m", ways[0]);
+  const auto solver = [](const std::string& text) { return schedule_of(text)->nodes.front()->about(); };
+  CHECK(solver(slow) != solver(fast));
+  const auto y = play(slow, {{kEdit, fast}}, {}, 9600, 64)[0];
+  CHECK(loudest(y, kEdit + 480, 9600) == Approx(31.415 * 0.9129).epsilon(0.01));
+}
+
+TEST_CASE("Player: parts of a network that an edit begins or ceases to read", "[runtime][replace]") {
+  const auto network = [](const char* read, const char* friction = "0 N") {
+    return graph(std::string("[networks.n]\nsolver = \"passive\"\n"
+                             "one = { type = \"oscillator\", mass = \"1 g\", frequency = \"300 Hz\", "
+                             "damping_ratio = 0.001, velocity = \"1 m/s\" }\n"
+                             "floor = { type = \"ground\" }\n"
+                             "rub = { type = \"friction\", between = [\"floor\", \"one\"], normal = \"") +
+                 friction +
+                 "\" }\n"
+                 "two = { type = \"oscillator\", mass = \"1 g\", frequency = \"500 Hz\", damping_ratio = "
+                 "0.001, velocity = \"2 m/s\" }\n"
+                 "hand = { type = \"hand\", on = \"two\", stiffness = \"100 N/m\", position = \"3 mm\" }\n"
+                 "[outputs]\ny = { from = \"(" +
+                 read + ") / 1 m\" }\n");
+  };
+  const auto one = play(network("n.one.position"), {}, {}, 4000, 64)[0];
+  const auto two = play(network("n.two.position"), {}, {}, 4000, 64)[0];
+  const auto late =
+      play(network("n.one.position"), {{1000, network("n.one.position + n.two.position")}}, {}, 4000, 64)[0];
+  // What was there goes on, and what is new starts; the output fades from the one to the other. A hand that
+  // is new pulls from its first step on, not from half a step before it.
+  const double largest = *std::max_element(two.begin(), two.end());
+  for (std::size_t n = 0; n < 1000; ++n) REQUIRE(late[n] == one[n]);
+  for (std::size_t n = 2000; n < 4000; ++n)
+    REQUIRE(late[n] == Approx(one[n] + two[n - 1000]).margin(3e-3 * largest));
+  const auto less =
+      play(network("n.one.position + n.two.position"), {{1000, network("n.one.position")}}, {}, 4000, 64)[0];
+  for (std::size_t n = 2000; n < 4000; ++n) REQUIRE(less[n] == Approx(one[n]).margin(1e-12));
+  // A friction that begins to press stops the mass; one that ceases lets it go on as it was.
+  const auto pressed =
+      play(network("n.one.position"), {{1000, network("n.one.position", "1 N")}}, {}, 4000, 64)[0];
+  CHECK(pressed[3999] == Approx(pressed[3000]).margin(1e-9));
+  CHECK(std::abs(pressed[1000] - one[1000]) < 1e-4);
+}
+
+TEST_CASE("Player: a fixed point of a network that an edit moves is there", "[runtime][replace]") {
+  const auto hung = [](const char* at) {
+    return graph(std::string("[networks.n]\nframe = { type = \"ground\", at = \"") + at +
+                 "\" }\nm = { type = \"mass\", mass = \"1 g\" }\ns = { type = \"spring\", between = "
+                 "[\"frame\", \"m\"], "
+                 "stiffness = \"1 kN/m\", damping = \"1 N s/m\" }\n[outputs]\ny = { from = \"n.m.position / "
+                 "1 mm\" }\n");
+  };
+  const auto y = play(hung("0 mm"), {{1000, hung("2 mm")}}, {}, 9600, 64)[0];
+  CHECK(y[999] == 0.0);
+  CHECK(y[9599] == Approx(2.0));
+}
+
+TEST_CASE("Player: nodes that were one go on each with its state when an edit separates them",
+          "[runtime][replace]") {
+  // Two strings that ring alike, of which one is then tuned, and two echoes of which one becomes longer.
+  const auto strings = [](const char* second, const char* time) {
+    return graph(std::string("[inputs]\nx = {}\n[nodes]\n"
+                             "a = { type = \"string\", in = \"x\", pitch = \"200 Hz\" }\n"
+                             "b = { type = \"string\", in = \"x\", pitch = \"") +
+                 second +
+                 "\" }\nc = { type = \"delay\", in = \"a\", time = \"4 ms\" }\n"
+                 "d = { type = \"delay\", in = \"a\", time = \"" +
+                 time +
+                 "\" }\n"
+                 "[outputs]\na = { from = \"a\" }\nb = { from = \"b\" }\nc = { from = \"c\" }\nd = { from = "
+                 "\"d\" }\n");
+  };
+  const auto merged = strings("200 Hz", "4 ms"), tuned = strings("200.1 Hz", "5 ms");
+  CHECK(schedule_of(merged)->nodes.size() == 2);
+  CHECK(schedule_of(tuned)->nodes.size() == 4);
+  test::Samples pluck(6000, 0.0);
+  pluck[0] = 1.0;
+  const auto plain = play(merged, {}, {pluck}, 6000, 64);
+  const auto edited = play(merged, {{2400, tuned}}, {pluck}, 6000, 64);
+  CHECK(edited[0] == plain[0]);
+  CHECK(edited[2] == plain[2]);
+  for (std::size_t n = 0; n < 2400; ++n) REQUIRE(edited[1][n] == plain[1][n]);
+  const auto loudest = [](const test::Samples& y) {
+    double most = 0.0;
+    for (std::size_t n = 2400; n < 6000; ++n) most = std::max(most, std::abs(y[n]));
+    return most;
+  };
+  // It rings on; other taps round the pulse off.
+  CHECK(loudest(edited[1]) == Approx(loudest(plain[1])).epsilon(0.2));
+  CHECK(edited[1] != plain[1]);
+  // After the fade the longer echo has what was in the line before the edit: a 1 ms later.
+  for (std::size_t n = 2400 + 480; n < 2400 + 960; ++n)
+    REQUIRE(edited[3][n] == Approx(plain[0][n - 240]).margin(1e-12));
+  // What is merged again is the first of them.
+  const auto again = play(tuned, {{2400, merged}}, {pluck}, 6000, 64);
+  CHECK(again[0] == plain[0]);
+  for (std::size_t n = 5000; n < 6000; ++n) REQUIRE(again[1][n] == again[0][n]);
+}
+
 TEST_CASE("Player: edits from another thread all arrive", "[runtime][replace]") {
   const auto engine = engine_of(simple("0 + x"));
   REQUIRE(engine->prepare({48_kHz, 1, 1, 64}));

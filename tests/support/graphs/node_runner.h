@@ -185,6 +185,15 @@ class NodeRunner {
     });
   }
 
+  /// The same, from block `change` on by `other`, which continues as a copy.
+  Outputs run_copied(std::span<const int> block_lengths, int change, Node& other) {
+    int block_number = 0;
+    return run_sub_blocks(block_lengths, 0, [&](const NodeBlock& block) {
+      if (block_number == change) other.copy(node());
+      (block_number++ < change ? node() : other).process(block);
+    });
+  }
+
   /// "" if random cuttings of `frames` frames, single frames and whole sub-blocks give the same bits.
   std::string cutting_matters(int frames, unsigned seeds = 4, std::int64_t first_frame = 0) {
     const auto whole = run(even_cutting(frames, kLongestSubBlock), first_frame);

@@ -109,7 +109,7 @@ TEST_CASE("modal_bank: another bank goes on where one was", "[dsp]") {
   auto in = impulse(200);
   Samples ringing(200), taken_over(200);
   first.run(in.data(), ringing.data(), 200);
-  second.adopt(first);
+  for (int mode = 0; mode < 20; ++mode) second.adopt(mode, first, mode);
   in[0] = 0;
   first.run(in.data(), ringing.data(), 200);
   second.run(in.data(), taken_over.data(), 200);
