@@ -319,8 +319,13 @@ class Session {
 
   /// The output gets the sum, which is neither limited nor what is measured.
   Status check_writers(const Stream& stream) const {
+    if (settings_.shared_port) return {};
+    if (stream.granted().writers_unknown && settings_.guard.kind == DriveGuard::Kind::Drive)
+      return fail(Errc::Device, stream.granted().device,
+                  "this library does not show who else writes to the output",
+                  "use --backend jack, or give --shared-port; --cable, if nothing but a cable is connected");
     const auto writers = stream.other_writers();
-    if (writers.empty() || settings_.shared_port) return {};
+    if (writers.empty()) return {};
     return fail(Errc::Device, stream.granted().device,
                 "'" + writers.front().from + "' also writes to '" + writers.front().to + "'",
                 "disconnect it, or give --shared-port");

@@ -7,6 +7,7 @@
 #include "latency/probe/probe_player.h"
 #include "tests/latency/simulated_cards.h"
 #include "tests/support/allocation_count.h"
+#include "tests/support/fake_backend.h"
 
 using namespace tactus;
 using test::Cards;
@@ -180,6 +181,44 @@ TEST_CASE("measurement: settings that make no sense and devices that are not the
   settings = on_a_wire();
   settings.input = 2;
   CHECK(measure(backend, settings).error().code == Errc::OutOfRange);
+}
+
+TEST_CASE("measurement: nothing is played to a drive where other writers are there or cannot be seen",
+          "[latency][measurement]") {
+  test::FakeWorld world;
+  world.starts = false;  // so that what would have been played is an error of its own
+  struct OneDevice final : test::FakeBackend {
+    using FakeBackend::FakeBackend;
+    Result<std::vector<Device>> devices() override {
+      Device one;
+      one.id = one.name = "fake:one";
+      one.in_channels = one.out_channels = 1;
+      one.default_rate = 48_kHz;
+      return std::vector{one};
+    }
+  };
+  OneDevice backend{world};
+  const auto said = [&](DriveGuard::Kind kind, bool shared) {
+    MeasureSettings settings;
+    settings.guard.kind = kind;
+    settings.shared_port = shared;
+    settings.request.device = "fake:one";
+    const auto result = measure(backend, settings);
+    REQUIRE_FALSE(result);
+    return result.error().what;
+  };
+  const std::string started = "it does not start";
+  CHECK(said(DriveGuard::Kind::Drive, false) == started);
+  world.writers_unknown = true;
+  CHECK(said(DriveGuard::Kind::Drive, false) == "this library does not show who else writes to the output");
+  CHECK(said(DriveGuard::Kind::Drive, true) == started);
+  CHECK(said(DriveGuard::Kind::Audio, false) == started);  // nothing but a cable
+  world.writers_unknown = false;
+  world.writers = {{0, "player:out_1", "card:playback_1"}};
+  for (const auto kind : {DriveGuard::Kind::Drive, DriveGuard::Kind::Audio}) {
+    CHECK(said(kind, false) == "'player:out_1' also writes to 'card:playback_1'");
+    CHECK(said(kind, true) == started);
+  }
 }
 
 TEST_CASE("measurement: progress only grows", "[latency][measurement]") {

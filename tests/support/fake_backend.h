@@ -22,6 +22,7 @@ struct FakeWorld {
   int block_now = 64;  ///< of a running stream
   int periods = 2;
   std::vector<OtherWriter> writers;
+  bool writers_unknown = false;
 
   std::vector<std::string> opened;
   std::vector<StreamRequest> requests;
@@ -57,7 +58,7 @@ class FakeStream final : public Stream {
 };
 
 /// A backend that fails on request. The test brings the blocks.
-class FakeBackend final : public Backend {
+class FakeBackend : public Backend {
  public:
   explicit FakeBackend(FakeWorld& world) : world_(world) {}
   std::string name() const override { return "fake"; }
@@ -75,6 +76,7 @@ class FakeBackend final : public Backend {
     granted.block_frames = world_.block_now = world_.block;
     granted.periods = world_.periods;
     granted.comes_back = world_.comes_back;
+    granted.writers_unknown = world_.writers_unknown;
     if (auto status = processor.prepare(granted.format); !status) return tl::unexpected(status.error());
     guarded = &processor;
     world_.opened.push_back(granted.device);
