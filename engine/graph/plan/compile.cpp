@@ -85,10 +85,13 @@ FlatGraph flatten(const GraphSpec& spec, const NodeTable& table, const CompileOp
 }
 
 /// nullptr after an error.
-std::unique_ptr<Plan> make_plan(const FlatGraph& flat, const CompileOptions& options, ErrorList& errors) {
+std::unique_ptr<Plan> make_plan(const FlatGraph& flat, const CompileOptions& options, ErrorList& errors,
+                                bool merges = true) {
   auto graph = lower(flat);
   simplify(graph, flat, options.sample_rate);
-  merge_equal(graph, flat);
+  const auto written = graph.vertices.size();
+  if (merges) merge_equal(graph, flat);
+  merges = graph.vertices.size() < written;
   check_constants(graph, errors);
   if (errors.any()) return nullptr;
   const auto frozen_controls = make_nodes(graph, flat, options, errors);
@@ -104,6 +107,8 @@ std::unique_ptr<Plan> make_plan(const FlatGraph& flat, const CompileOptions& opt
     graph = std::move(scalar);
     sections = expand_and_order();
   }
+  // An error names what is written, not another node that equals it.
+  if (!sections && merges && !errors.any()) return make_plan(flat, options, errors, false);
   if (!sections) errors.add(sections.error());
   if (errors.any()) return nullptr;
   return build_plan(std::move(graph), flat, *sections, frozen_controls, options);
