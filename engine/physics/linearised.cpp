@@ -162,12 +162,83 @@ double radius_by_running(const Network& network, const NetworkElements& elements
 
 // ---- response
 
-StepResponse::StepResponse(const LinearStep& step, const Eigen::MatrixXd& c) {
+StepResponse::StepResponse(const LinearStep& step, const Eigen::MatrixXd& c,
+                           const std::vector<StepMode>& modes) {
+  find_modes(step, c, modes);
   const Eigen::HessenbergDecomposition<Eigen::MatrixXd> form(step.a);
   const Eigen::MatrixXd q = form.matrixQ();
   minus_h_ = -form.matrixH().cast<std::complex<double>>();
   b_ = (q.transpose() * step.b).cast<std::complex<double>>();
   c_ = (c * q).cast<std::complex<double>>();
+  check_modes();
+}
+
+/// Where eigenvectors are less exact than elimination, as of numbers of very different sizes, they are not
+/// used.
+void StepResponse::check_modes() {
+  constexpr double kMostError = 1e-9;
+  for (const double turn : {0.01, 0.1, 0.3, 0.9, 2.0}) {
+    const auto z = std::polar(1.0, turn);
+    const auto all = at(z);
+    const double largest = all.cwiseAbs().maxCoeff();
+    for (int row = 0; by_modes() && row < all.rows(); ++row)
+      for (int column = 0; by_modes() && column < all.cols(); ++column)
+        if (!(std::abs(at(z, row, column) - all(row, column)) <= kMostError * largest)) poles_.resize(0);
+  }
+}
+
+void StepResponse::find_modes(const LinearStep& step, const Eigen::MatrixXd& c,
+                              const std::vector<StepMode>& modes) {
+  // J; poles at 0 come out as up to eps^(1/J), others lose J log10(1/|p|) digits.
+  constexpr int kInARow = 5;
+  constexpr double kZero = 2e-3, kLeastPole = 0.05;
+  // The reciprocal condition of V is the share of the digits that are lost.
+  constexpr double kLeastCondition = 1e-7;
+  const auto n = step.a.rows();
+  std::vector<const StepMode*> kept;
+  for (const auto& mode : modes) {
+    if (std::abs(mode.pole) > kZero) kept.push_back(&mode);
+    if (std::abs(mode.pole) > kZero && std::abs(mode.pole) < kLeastPole) return;
+  }
+  const auto count = static_cast<Eigen::Index>(kept.size());
+  if (count == 0) return;
+  Eigen::MatrixXcd v(n, count);
+  Eigen::ArrayXcd poles(count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    v.col(k) = kept[static_cast<std::size_t>(k)]->shape.normalized();
+    poles[k] = kept[static_cast<std::size_t>(k)]->pole;
+  }
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXcd> qr(v);
+  const auto diagonal = qr.matrixR().diagonal().cwiseAbs();
+  if (diagonal.minCoeff() < kLeastCondition * diagonal.maxCoeff()) return;
+  std::vector<Eigen::MatrixXd> powers{step.b};
+  for (int j = 0; j < kInARow; ++j) powers.emplace_back(step.a * powers.back());
+  into_ = qr.solve(powers.back().cast<std::complex<double>>());
+  into_.array().colwise() /= poles.pow(kInARow);
+  const Eigen::MatrixXcd seen = c.cast<std::complex<double>>() * v;
+  Eigen::MatrixXcd now = into_;
+  for (int j = 0; j < kInARow; ++j) {
+    at_once_.emplace_back(c * powers[static_cast<std::size_t>(j)] - (seen * now).real());
+    now.array().colwise() *= poles;
+  }
+  out_ = seen.transpose();
+  poles_ = poles;
+}
+
+/// Reciprocals by hand: those of the language look after infinities, which takes most of the time.
+std::complex<double> StepResponse::at(std::complex<double> z, int output, int input) const {
+  const auto real = z.real() - poles_.real();
+  const auto imaginary = z.imag() - poles_.imag();
+  const auto square = real.square() + imaginary.square();
+  const auto in = into_.col(input).array(), out = out_.col(output).array();
+  const auto share_real = in.real() * out.real() - in.imag() * out.imag();
+  const auto share_imaginary = in.real() * out.imag() + in.imag() * out.real();
+  std::complex<double> sum{((share_real * real + share_imaginary * imaginary) / square).sum(),
+                           ((share_imaginary * real - share_real * imaginary) / square).sum()};
+  const auto delay = 1.0 / z;
+  std::complex<double> last = 0.0;
+  for (auto c = at_once_.rbegin(); c != at_once_.rend(); ++c) last = ((*c)(output, input) + last) * delay;
+  return sum + last;
 }
 
 /// Elimination of the one diagonal below the main one, with the larger of two rows on top.

@@ -59,13 +59,32 @@ double spectral_radius(const Eigen::MatrixXd& a);
 /// motions: their growth a frame, or 1 if they do not grow. Detects growth of more than a thousandth a frame.
 double radius_by_running(const Network& network, const NetworkElements& elements, int signals);
 
-/// C (z - A)^-1 B at any z, after A was brought to Hessenberg form once: n^2 operations for each input.
+/// H(z) = C (z - A)^-1 B at any z. What a step keeps of the last one only (motions before, inputs that were
+/// held) makes poles at 0, J in a row at most; the others, p_k with the eigenvectors V, span what A^J
+/// reaches:
+///   H = sum_k (C V)_ok R_ki / (z - p_k) + sum_j=1..J c_j z^-j,   R = P^-J V^+ A^J B,
+///   c_j = C A^(j-1) B - C V P^(j-1) R,
+/// n operations an entry. Where V is too near a singular matrix (a free mass, motions that are nearly alike)
+/// or a pole too near 0, A is brought to Hessenberg form: n^2 operations for each input.
 class StepResponse {
  public:
-  StepResponse(const LinearStep& step, const Eigen::MatrixXd& c);
+  /// `modes`: of `step.a`.
+  StepResponse(const LinearStep& step, const Eigen::MatrixXd& c, const std::vector<StepMode>& modes);
+  /// All of H.
   Eigen::MatrixXcd at(std::complex<double> z) const;
+  /// Whether an entry can be had by itself.
+  bool by_modes() const { return poles_.size() > 0; }
+  /// [by_modes] From `input` to `output`.
+  std::complex<double> at(std::complex<double> z, int output, int input) const;
 
  private:
+  void find_modes(const LinearStep& step, const Eigen::MatrixXd& c, const std::vector<StepMode>& modes);
+
+  void check_modes();
+
+  Eigen::ArrayXcd poles_;                 ///< other than 0; none: not by modes
+  Eigen::MatrixXcd into_, out_;           ///< R; transposed C V: what belongs to an entry lies together
+  std::vector<Eigen::MatrixXd> at_once_;  ///< c_j
   /// Row by row in memory: elimination goes along rows.
   using Rows = Eigen::Matrix<std::complex<double>, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   Rows minus_h_;

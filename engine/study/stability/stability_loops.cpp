@@ -32,10 +32,12 @@ void find_gains(const LinearGraph& graph, std::complex<double> z, const std::vec
             edge.node->response(edge.input, edge.output, std::pow(z, edge.divisor), edge.at).value_or(0.0);
         break;
       case LinearEdge::Kind::Network: {
-        auto& response = responses[index(edge.network)];
-        if (response.size() == 0)
-          response = graph.networks[index(edge.network)]->response(std::pow(z, edge.divisor));
-        gains[e] = response(edge.output, edge.input);
+        const auto& network = graph.networks[index(edge.network)]->response();
+        const auto at = edge.divisor == 1 ? z : std::pow(z, edge.divisor);
+        auto& all = responses[index(edge.network)];
+        if (!network.by_modes() && all.size() == 0) all = network.at(at);
+        gains[e] =
+            network.by_modes() ? network.at(at, edge.output, edge.input) : all(edge.output, edge.input);
         break;
       }
       case LinearEdge::Kind::Event:

@@ -24,9 +24,12 @@ struct Critical {
   double border = std::numeric_limits<double>::infinity();
 };
 
+/// Of two that differ by rounding, the first.
 bool more_critical(double border, const Critical& than) {
+  constexpr double kRounding = 1e-6;
   if (!std::isfinite(border) || border <= 0) return false;
-  return than.border < 1 ? border < 1 && border > than.border : border < than.border;
+  return than.border < 1 ? border < 1 && border > (1 + kRounding) * than.border
+                         : border < (1 - kRounding) * than.border;
 }
 
 Critical most_critical(const StabilityVerdict& verdict) {

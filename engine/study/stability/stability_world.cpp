@@ -172,7 +172,9 @@ void RestingWorld::join_plant(ClosedGraph& closed, const Regime& regime, const T
   for (const auto& network : graph.networks)
     if (network->whole() && network->driven_row >= 0)
       closed.mobility = [network](std::complex<double> z) {
-        return network->response(z)(network->driven_row, network->test_force);
+        const auto& response = network->response();
+        return response.by_modes() ? response.at(z, network->driven_row, network->test_force)
+                                   : response.at(z)(network->driven_row, network->test_force);
       };
 }
 

@@ -56,7 +56,7 @@ TEST_CASE("linearised: the response is that of stepping the network", "[physics]
   const auto step = linear_step(*network, elements, 2);
   Eigen::MatrixXd c = Eigen::MatrixXd::Zero(1, step.a.rows());
   c(0, 0) = 1;  // the position of the mass
-  const StepResponse response(step, c);
+  const StepResponse response(step, c, modes(step.a));
   for (const int input : {0, 1}) {
     auto state = network->initial_state();
     double in[2] = {0, 0};
@@ -71,7 +71,45 @@ TEST_CASE("linearised: the response is that of stepping the network", "[physics]
       in[input] = 0;
     }
     CHECK(std::abs(transform - response.at(z)(0, input)) < 1e-9 * std::abs(transform));
+    REQUIRE(response.by_modes());
+    CHECK(std::abs(transform - response.at(z, 0, input)) < 1e-9 * std::abs(transform));
   }
+}
+
+TEST_CASE("linearised: responses by modes are those by elimination, where modes can be told apart",
+          "[physics]") {
+  // A string of 60 masses of which one is driven, held loosely, at frequencies on and beside the unit circle.
+  NetworkElements elements;
+  elements.points.push_back({.kind = Point::Kind::Ground, .input = {}});
+  for (int i = 1; i <= 60; ++i) {
+    elements.points.push_back({.kind = Point::Kind::Mass, .mass = 1e-4, .input = {}});
+    elements.springs.push_back({i - 1, i, 6e4, 1e-4, 0.0});
+    elements.springs.push_back({0, i, 0.0, 1e-5, 0.0});
+  }
+  elements.forces.push_back({30, {0, {}}});
+  const auto network = Network::make(elements, 1, 48_kHz, Solver::Passive, 1);
+  const auto step = linear_step(*network, elements, 1);
+  const Eigen::MatrixXd c = Eigen::MatrixXd::Identity(60, step.a.rows());
+  const StepResponse response(step, c, modes(step.a));
+  REQUIRE(response.by_modes());
+  for (const double size : {1.0, 1.001, 1.5})
+    for (double turn = 0.001; turn < 3.1; turn *= 1.3) {
+      const auto z = std::polar(size, turn);
+      const auto all = response.at(z);
+      const double largest = all.cwiseAbs().maxCoeff();
+      for (int row = 0; row < 60; ++row) {
+        CAPTURE(size, turn, row);
+        REQUIRE(std::abs(response.at(z, row, 0) - all(row, 0)) <= 1e-10 * largest);
+      }
+    }
+  // A mass that nothing holds: both of its modes rest.
+  NetworkElements free;
+  free.points.push_back({.kind = Point::Kind::Mass, .mass = 1.0, .input = {}});
+  free.forces.push_back({0, {0, {}}});
+  const auto loose = Network::make(free, 1, 48_kHz, Solver::Passive, 1);
+  const auto free_step = linear_step(*loose, free, 1);
+  CHECK_FALSE(StepResponse(free_step, Eigen::MatrixXd::Identity(1, free_step.a.rows()), modes(free_step.a))
+                  .by_modes());
 }
 
 TEST_CASE("linearised: a closed contact is the spring that it is at its indentation", "[physics]") {

@@ -33,7 +33,7 @@ class LinearNetwork {
 
   /// H(z): rows are the outputs of the node, then the position of the first driven point; columns are the
   /// signals of the recipe, then a test force on that point.
-  Eigen::MatrixXcd response(std::complex<double> z) const { return response_->at(z); }
+  const StepResponse& response() const { return *response_; }
   /// False: it has more numbers than `kMostLinearised`, and only its radius is known.
   bool whole() const { return response_.has_value(); }
   bool grows() const { return radius > 1.0 + kRoundOfRadius; }

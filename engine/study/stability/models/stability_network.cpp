@@ -77,8 +77,9 @@ std::shared_ptr<const LinearNetwork> LinearNetwork::make(const NetworkView& view
   }
   const auto step = linear_step(*network, recipe.elements, recipe.signals);
   if (!step.a.allFinite() || !step.b.allFinite()) return nullptr;
-  model->response_.emplace(step, model->readings(*network, view, type.outputs.size(), touching));
   model->modes = tactus::modes(step.a);
+  model->response_.emplace(step, model->readings(*network, view, type.outputs.size(), touching),
+                           model->modes);
   if (!model->modes.empty()) model->radius = std::abs(model->modes.front().pole);
   return model;
 }
