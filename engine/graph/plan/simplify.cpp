@@ -2,6 +2,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/plan/inserted_nodes.h"
@@ -21,6 +22,8 @@ class Simplifier {
       : graph_(graph), flat_(flat), sample_rate_(sample_rate) {}
 
   void run() {
+    for (const auto& vertex : graph_.vertices)
+      if (vertex.kind == Kind::PhaseDelay) asked_for_phase_.insert(vertex.index);
     find_named();
     skip_copies();
     fold();
@@ -163,16 +166,10 @@ class Simplifier {
         silent[o] = silent[o] || output.empty() || type.outputs[o].name == output;
     }
     const bool all = std::find(silent.begin(), silent.end(), false) == silent.end();
-    if (all && silent.size() == 1 && !answers_for_its_phase(v)) return make_constant(v, 0);
+    if (all && silent.size() == 1 && !asked_for_phase_.contains(v)) return make_constant(v, 0);
     bool any = false;
     for (std::size_t o = 0; o < silent.size(); ++o) any = (silent[o] && fold_output(v, o, 0)) || any;
     return any;
-  }
-
-  bool answers_for_its_phase(int v) const {
-    return std::ranges::any_of(graph_.vertices, [&](const auto& vertex) {
-      return vertex.kind == Kind::PhaseDelay && vertex.index == v;
-    });
   }
 
   /// False: nothing reads that output.
@@ -303,6 +300,7 @@ class Simplifier {
   Hertz sample_rate_;
   bool zeros_ = false;
   std::vector<std::vector<int>> consumers_;
+  std::set<int> asked_for_phase_;     ///< nodes whose phase delay others compensate
   std::map<int, Read> reads_;         ///< nodes that choose their inputs, reached by the last sweep
   std::map<int, std::string> named_;  ///< vertices with a name in the file; why they are left out, or ""
 };
