@@ -177,6 +177,7 @@ StepResponse::StepResponse(const LinearStep& step, const Eigen::MatrixXd& c,
 /// used.
 void StepResponse::check_modes() {
   constexpr double kMostError = 1e-9;
+  if (!by_modes()) return;
   for (const double turn : {0.01, 0.1, 0.3, 0.9, 2.0}) {
     const auto z = std::polar(1.0, turn);
     const auto all = at(z);
@@ -201,7 +202,7 @@ void StepResponse::find_modes(const LinearStep& step, const Eigen::MatrixXd& c,
     if (std::abs(mode.pole) > kZero && std::abs(mode.pole) < kLeastPole) return;
   }
   const auto count = static_cast<Eigen::Index>(kept.size());
-  if (count == 0) return;
+  if (count == 0 || step.b.cols() == 0 || c.rows() == 0) return;
   Eigen::MatrixXcd v(n, count);
   Eigen::ArrayXcd poles(count);
   for (Eigen::Index k = 0; k < count; ++k) {

@@ -110,6 +110,11 @@ TEST_CASE("linearised: responses by modes are those by elimination, where modes 
   const auto free_step = linear_step(*loose, free, 1);
   CHECK_FALSE(StepResponse(free_step, Eigen::MatrixXd::Identity(1, free_step.a.rows()), modes(free_step.a))
                   .by_modes());
+  // Without an input or an output there is nothing to answer.
+  auto undriven = step;
+  undriven.b.resize(undriven.b.rows(), 0);
+  CHECK_FALSE(StepResponse(undriven, c, modes(step.a)).by_modes());
+  CHECK_FALSE(StepResponse(step, c.topRows(0), modes(step.a)).by_modes());
 }
 
 TEST_CASE("linearised: a closed contact is the spring that it is at its indentation", "[physics]") {
