@@ -14,23 +14,20 @@
 #include "engine/nodes/networks/solver_names.h"
 #include "engine/nodes/table.h"
 #include "engine/rig/rig.h"
-#include "engine/study/stability/stability.h"
-#include "engine/study/stability/stability_extremes.h"
-#include "engine/study/sweep/evaluate_runs.h"
+#include "engine/study/stability/stability_check.h"
 
 namespace tactus::app {
 namespace {
 
 /// What `tactus check` found.
-struct CheckReport {
+struct CheckReport : StabilityReport {
   std::string name;
   std::string delay_source;  ///< where the delay comes from
-  StabilityVerdict verdict;
-  std::vector<ExtremeRun> runs;
-
-  /// It is stable, and every run was as predicted.
-  bool passed() const { return verdict.stable && std::ranges::all_of(runs, &ExtremeRun::as_expected); }
 };
+
+const char* word_of(Stability stability) {
+  return stability == Stability::Stable ? "stable" : stability == Stability::Undecided ? "undecided" : "unstable";
+}
 
 // JSON has no infinity and no NaN: they are written as null.
 
@@ -115,8 +112,10 @@ Json gesture_json(const GestureVerdict& gesture) {
   return {{"control", gesture.control},
           {"value", gesture.value},
           {"seconds", gesture.seconds},
-          {"holds", gesture.stable}};
+          {"verdict", word_of(gesture.stability)}};
 }
+
+Json doubt_json(const Doubt& doubt) { return {{"reason", doubt.reason}, {"remedy", doubt.remedy}}; }
 
 Json event_json(const EventPlace& event) {
   return {{"name", event.path},
@@ -172,7 +171,7 @@ void print_tables(const Json& json) {
   print_table(json["networks"],
               {"name", "regime", "solver", "spectral_radius", "rate_hz", "needs_hz", "weakest"});
   print_table(json["controls"], {"name", "holds_at_low", "holds_at_high", "border"});
-  print_table(json["gestures"], {"control", "value", "seconds", "holds"});
+  print_table(json["gestures"], {"control", "value", "seconds", "verdict"});
   print_table(json["runs"], {"what", "rate_hz", "delay_ms", "seconds", "peak", "before", "after",
                              "expected_to_hold", "finite", "faults", "grew", "exploded", "as_expected"});
 }
@@ -181,7 +180,9 @@ void print_tables(const Json& json) {
 Json check_json(const CheckReport& report) {
   const auto& verdict = report.verdict;
   return {{"name", report.name},
-          {"holds", report.passed()},
+          {"verdict", word_of(report.stability())},
+          {"holds", report.stability() == Stability::Stable},
+          {"undecided", list_of(verdict.doubts, doubt_json)},
           {"outside_known", verdict.outside_known},
           {"sample_rate_hz", verdict.rate.value},
           {"delay_ms", 1e3 * verdict.delay_s},
@@ -200,9 +201,9 @@ Json check_json(const CheckReport& report) {
 /// The verdict, what fails, and with `verbose` every table.
 void print(const CheckReport& report, bool verbose) {
   const auto& verdict = report.verdict;
-  fmt::print("{}\n\n", !report.passed()        ? "unstable"
-                       : verdict.outside_known ? "stable"
-                                               : "stable by itself; the loop through the plant is not known");
+  const bool by_itself = report.stability() == Stability::Stable && !verdict.outside_known;
+  fmt::print("{}{}\n\n", word_of(report.stability()),
+             by_itself ? " by itself; the loop through the plant is not known" : "");
   const auto sentences = describe(verdict);
   fmt::print("{}: {} ({})\n", report.name, sentences.front(), report.delay_source);
   for (std::size_t i = 1; i < sentences.size(); ++i) fmt::print("  {}\n", sentences[i]);
@@ -297,25 +298,6 @@ std::string read_options(const CheckOptions& options, CheckJob& job) {
   return choose_delay(options, job);
 }
 
-/// Predicts whether it is stable where each run takes it, and measures it there; on all processors.
-std::vector<ExtremeRun> run_all(const CheckJob& job, const StabilityVerdict& verdict) {
-  const auto world = or_exit(RestingWorld::make(job.subject(), job.options.world));
-  auto plans = border_runs(job.options.world, verdict);
-  for (auto& plan : extremes_of(job.options.world, world.instrument())) plans.push_back(std::move(plan));
-  std::vector<Checked<ExtremeRun>> made(plans.size());
-  Progress progress{"running"};
-  const auto run_one = [&](int i) {
-    auto& plan = plans[index(i)];
-    if (!plan.linear) plan.expected = is_stable_with(job.subject(), plan.world, job.options.push);
-    made[index(i)] = run_extreme(job.subject(), plan);
-  };
-  parallel_for(static_cast<int>(plans.size()), run_one, [&](double share) { progress(share); });
-  std::vector<ExtremeRun> runs;
-  for (auto& run : made) runs.push_back(or_exit(std::move(run)));
-  exclude_player_energy(runs);
-  return runs;
-}
-
 int run_check(const CheckOptions& options) {
   CheckJob job;
   CheckReport report;
@@ -323,12 +305,12 @@ int run_check(const CheckOptions& options) {
   report.delay_source = read_options(options, job);
   {
     Progress progress{"analysing the loops"};
-    const auto show = [&](double share) { progress(share); };
-    report.verdict = or_exit(analyse_stability(job.subject(), job.options, show));
+    const auto show = [&](const std::string& what, double share) { progress(share, what); };
+    static_cast<StabilityReport&>(report) =
+        or_exit(check_stability(job.subject(), job.options, options.quick, show));
   }
-  if (!options.quick) report.runs = run_all(job, report.verdict);
   options.json ? print_json(check_json(report)) : print(report, options.verbose);
-  return report.passed() ? kDone : kNo;
+  return report.stability() == Stability::Stable ? kDone : kNo;
 }
 
 }  // namespace

@@ -137,13 +137,20 @@ class Analysis {
     for (const auto& regime : regimes) find_open_gains(*world, regime);
     for (const auto& control : world->instrument().controls) find_border(control.control);
     if (auto judged = judge_gestures(); !judged) return tl::unexpected(judged.error());
-    for (const auto& regime : verdict_.regimes) verdict_.stable &= regime.held || regime.is_stable();
-    for (const auto& network : verdict_.networks) verdict_.stable &= network.stable();
-    for (const auto& gesture : verdict_.gestures) verdict_.stable &= gesture.stable;
+    conclude();
     return std::move(verdict_);
   }
 
  private:
+  void conclude() {
+    auto& all = verdict_.stability;
+    const auto unless = [&](bool stable) { all = worse(all, stable ? Stability::Stable : Stability::Unstable); };
+    for (const auto& regime : verdict_.regimes) unless(regime.held || regime.is_stable());
+    for (const auto& network : verdict_.networks) unless(network.stable());
+    for (const auto& gesture : verdict_.gestures) all = worse(all, gesture.stability);
+    if (!verdict_.doubts.empty()) all = worse(all, Stability::Undecided);
+  }
+
   void report_progress() {
     constexpr double kAll = 24;
     if (progress_) progress_(1 - std::exp(-++done_ / kAll));
@@ -243,7 +250,7 @@ class Analysis {
     auto with = options_.world;
     with.set[control.name] = ControlValue{value};
     report_progress();
-    return is_stable_with(subject_, with, options_.push);
+    return stability_with(subject_, with, options_.push) == Stability::Stable;
   }
 
   /// If one end is stable and the other is not, the border between them.
@@ -268,14 +275,14 @@ class Analysis {
     const auto scene = compile_scene(*subject_.scene, *subject_.table, options_.world);
     if (!scene) return tl::unexpected(scene.error());
     const auto& controls = scene->instrument->controls;
-    std::map<std::map<int, double>, bool> known;
+    std::map<std::map<int, double>, Stability> known;
     for (const auto& reached : reached_values(scene->journal, verdict_.rate)) {
       const auto& control = controls[index(reached.control)].control;
       auto with = options_.world;
       for (const auto& [moved, value] : reached.state.values)
         with.set[controls[index(moved)].control.name] = ControlValue{value};
-      const auto [judged, is_new] = known.try_emplace(reached.state.values, true);
-      if (is_new) judged->second = is_stable_with(subject_, with, options_.push);
+      const auto [judged, is_new] = known.try_emplace(reached.state.values, Stability::Stable);
+      if (is_new) judged->second = stability_with(subject_, with, options_.push);
       report_progress();
       verdict_.gestures.push_back(
           {control.name, control.unit, reached.value(), reached.state.seconds, judged->second});
@@ -298,11 +305,11 @@ class Analysis {
 
 }  // namespace
 
-bool is_stable_with(const StabilitySubject& subject, const WorldOptions& options, double push) {
+Stability stability_with(const StabilitySubject& subject, const WorldOptions& options, double push) {
   const auto world = RestingWorld::make(subject, options);
-  if (!world) return false;
+  if (!world) return Stability::Unstable;
   const auto regimes = world->regimes(push);
-  return std::ranges::all_of(regimes, [&](const auto& regime) {
+  const bool stable = std::ranges::all_of(regimes, [&](const auto& regime) {
     const auto closed = world->closed(regime);
     const auto& networks = closed.graph.networks;
     if (std::ranges::any_of(networks, [](const auto& n) { return n->grows(); })) return false;
@@ -313,6 +320,7 @@ bool is_stable_with(const StabilitySubject& subject, const WorldOptions& options
     }
     return growing <= 0;
   });
+  return stable ? Stability::Stable : Stability::Unstable;
 }
 
 Checked<StabilityVerdict> analyse_stability(const StabilitySubject& subject, const StabilityOptions& options,

@@ -14,6 +14,10 @@
 
 namespace tactus {
 
+/// What an analysis concludes; of several conclusions the last in this order counts.
+enum class Stability { Stable, Undecided, Unstable };
+inline Stability worse(Stability a, Stability b) { return a < b ? b : a; }
+
 /// The stability of a network by itself.
 struct NetworkVerdict {
   std::string path, regime;
@@ -76,6 +80,12 @@ struct ControlVerdict {
   std::optional<double> border = {};  ///< of the stable range, if one end is unstable
 };
 
+/// Why there is no verdict, and what to do about it: two sentences without a full stop.
+struct Doubt {
+  std::string reason, remedy;
+  bool operator==(const Doubt&) const = default;
+};
+
 /// The stability where the gestures of a scene take a control to its highest or lowest value, with all others
 /// as they are then.
 struct GestureVerdict {
@@ -83,7 +93,7 @@ struct GestureVerdict {
   Unit unit;         ///< how people read it
   double value = 0;  ///< SI
   double seconds = 0;
-  bool stable = true;
+  Stability stability = Stability::Stable;
 };
 
 struct StabilityVerdict {
@@ -98,7 +108,9 @@ struct StabilityVerdict {
   std::vector<std::string> skipped;
   bool nonlinear = false;     ///< the stiffness of some force depends on the position
   bool outside_known = true;  ///< false: an instrument alone; only its inner loops are analysed
-  bool stable = true;
+  std::vector<Doubt> doubts;  ///< what could not be decided
+  Stability stability = Stability::Stable;
+  bool stable() const { return stability == Stability::Stable; }
 };
 
 struct StabilityOptions {
@@ -111,9 +123,9 @@ struct StabilityOptions {
 Checked<StabilityVerdict> analyse_stability(const StabilitySubject& subject, const StabilityOptions& options,
                                             const std::function<void(double)>& progress = {});
 
-/// [control] Whether nothing grows with these options, in any of the regimes that the world has. False, too,
-/// if it cannot be made with them.
-bool is_stable_with(const StabilitySubject& subject, const WorldOptions& options, double push);
+/// [control] The stability with these options, in all regimes that the world has. Unstable, too, if it cannot
+/// be made with them.
+Stability stability_with(const StabilitySubject& subject, const WorldOptions& options, double push);
 
 /// [any] The verdict, the most critical place and remedies, a sentence each; the first is the verdict.
 std::vector<std::string> describe(const StabilityVerdict& verdict);

@@ -36,7 +36,7 @@ Critical most_critical(const StabilityVerdict& verdict) {
   Critical found;
   for (const bool springs : {true, false}) {
     for (const auto& regime : verdict.regimes) {
-      if (regime.held || (!verdict.stable && regime.is_stable())) continue;
+      if (regime.held || (!verdict.stable() && regime.is_stable())) continue;
       for (const auto& stiff : regime.stiff)
         if (const double border = stiff.stable_up_to / stiff.stiffness;
             springs && more_critical(border, found))
@@ -66,9 +66,9 @@ class Report {
       add("the operating point is an unstable equilibrium of '{}': analysed where its force is restoring",
           path);
     add_critical();
-    if (!verdict_.stable) add_remedies();
+    if (!verdict_.stable()) add_remedies();
     add_delay_margin();
-    if (verdict_.stable) add_controls();
+    if (verdict_.stable()) add_controls();
     add_held();
     add_events();
     add_outside();
@@ -86,7 +86,7 @@ class Report {
     const auto at = fmt::format("at {:g} kHz with a delay of {:.4g} ms", verdict_.rate.value / 1e3,
                                 1e3 * verdict_.delay_s);
     const auto* const stable = verdict_.outside_known ? "stable" : "stable by itself";
-    if (!verdict_.stable) return add("unstable {}", at);
+    if (!verdict_.stable()) return add("unstable {}", at);
     if (critical_.regime == nullptr) return add("{} {}: no loop is closed", stable, at);
     add("{} {}: margin {:.1f} dB at {:.4g} Hz", stable, at, amplitude_to_db(critical_.border),
         critical_.stiff != nullptr ? critical_.stiff->border_hz : critical_.loop->margin.border_hz);
@@ -103,7 +103,7 @@ class Report {
   }
 
   void add_gesture(const GestureVerdict& gesture) {
-    if (!gesture.stable)
+    if (gesture.stability != Stability::Stable)
       add("unstable at {:.3g} s, where a gesture takes control '{}' to {}", gesture.seconds, gesture.control,
           in_unit(gesture.value, gesture.unit));
   }

@@ -66,7 +66,7 @@ const RegimeVerdict* find_regime(const StabilityVerdict& verdict, std::string_vi
 TEST_CASE("stability: a scene is judged with its own plant, ring and coil", "[analysis]") {
   const LeverFolder folder;
   const auto verdict = analysed(folder);
-  CHECK(verdict.stable);
+  CHECK(verdict.stable());
   CHECK(verdict.delay_s == Approx(0.002));
   const auto* bare = find_regime(verdict, "at rest", false);
   REQUIRE(bare != nullptr);
@@ -132,14 +132,14 @@ less = {{ points = [["0 s", 1], ["0.1 s", {:.9g}], ["0.7 s", {:.9g}], ["0.8 s", 
                                            highest, share_then, share_then));
     return analysed(folder);
   };
-  CHECK(played(0.98 * border, 1.0).stable);
-  CHECK(played(1.96 * border, 0.5).stable);
+  CHECK(played(0.98 * border, 1.0).stable());
+  CHECK(played(1.96 * border, 0.5).stable());
   const auto beyond = played(2.04 * border, 0.5);
-  CHECK_FALSE(beyond.stable);
+  CHECK_FALSE(beyond.stable());
   for (const auto& reached : beyond.gestures) {
     CAPTURE(reached.control, reached.value);
     const bool highest = reached.value > border;
-    CHECK(reached.stable == !highest);
+    CHECK((reached.stability == Stability::Stable) == !highest);
     if (highest) CHECK(reached.seconds == Approx(0.4));
   }
   CHECK(beyond.gestures.size() == 4);  // the lowest and highest of both
@@ -167,9 +167,9 @@ ball = {{ from = "n.ball.position", unit = "m" }}
     return *verdict;
   };
   const auto refused = verdict_of("explicit");
-  CHECK_FALSE(refused.stable);
+  CHECK_FALSE(refused.stable());
   REQUIRE_FALSE(refused.networks.empty());
   CHECK(refused.networks[0].contact_steps ==
         Approx(std::numbers::pi * std::sqrt(1e-3 / 4e6) * 48000).epsilon(0.01));
-  CHECK(verdict_of("passive").stable);
+  CHECK(verdict_of("passive").stable());
 }
