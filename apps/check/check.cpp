@@ -82,7 +82,7 @@ Json network_json(const NetworkVerdict& network) {
           {"weakest", network.weakest},
           {"contact_steps", network.contact_steps},
           {"contact_too_deep", network.too_deep},
-          {"holds", network.stable()}};
+          {"verdict", word_of(network.stability())}};
 }
 
 Json run_json(const ExtremeRun& run) {
@@ -116,6 +116,13 @@ Json gesture_json(const GestureVerdict& gesture) {
 }
 
 Json doubt_json(const Doubt& doubt) { return {{"reason", doubt.reason}, {"remedy", doubt.remedy}}; }
+
+Json held_json(const HeldVerdict& held) {
+  return {{"input", held.input},
+          {"added", held.level},
+          {"alternates", held.alternates},
+          {"verdict", word_of(held.stability)}};
+}
 
 Json event_json(const EventPlace& event) {
   return {{"name", event.path},
@@ -194,7 +201,7 @@ Json check_json(const CheckReport& report) {
           {"gestures", list_of(verdict.gestures, gesture_json)},
           {"events", list_of(verdict.events, event_json)},
           {"open", list_of(verdict.open, open_json)},
-          {"not_looked_at", verdict.skipped},
+          {"held", list_of(verdict.held, held_json)},
           {"runs", list_of(report.runs, run_json)}};
 }
 

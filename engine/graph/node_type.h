@@ -31,6 +31,7 @@ struct InputPort {
   bool late = false;         ///< may close a loop: read by `absorb` (see Node)
   bool fixed = false;        ///< must be constant: it is needed when the node is made
   bool hold = false;         ///< least time between two events of the node (event-driven nodes)
+  bool samples = false;      ///< a trigger: the output is the first input at the last one
 };
 
 enum class OutputKind { Signal, Trigger };

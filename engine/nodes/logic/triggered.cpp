@@ -20,7 +20,7 @@ NodeType sample_hold_type() {
       .equation = "out[n] = in[m], m <= n the frame of the last trigger",
       .source = "elementary",
       .example = "velocity = { type = \"sample_hold\", in = \"speed\", trigger = \"hit\" }",
-      .inputs = {{"in", "any", "signal"}, {"trigger", "", "trigger that samples the input"}},
+      .inputs = {{"in", "any", "signal"}, sampling({"trigger", "", "trigger that samples the input"})},
       .outputs = {{"out", "=in", "held value"}},
       .silencers = {{"in"}, {"trigger"}},
       .make = make_node<KernelNode<tactus_sample_hold_step, 2>>,

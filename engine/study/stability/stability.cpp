@@ -7,6 +7,7 @@
 
 #include "engine/core/index.h"
 #include "engine/study/stability/models/stability_roots.h"
+#include "engine/study/stability/models/thrown_network.h"
 
 namespace tactus {
 namespace {
@@ -40,11 +41,68 @@ void find_passive_limit(const ClosedGraph& closed, const LoopGroup& group, int c
   verdict.stiff.back().passive_up_to = verdict.stiff.back().stiffness * limit.factor;
 }
 
-void analyse_group(const ClosedGraph& closed, const LoopGroup& group, Hertz rate, RegimeVerdict& verdict) {
+/// The loops without what goes from samples to frames.
+LinearGraph frames_alone(const LinearGraph& graph) {
+  auto alone = graph;
+  std::erase_if(alone.edges, [&](const LinearEdge& edge) {
+    return graph.divisors[index(edge.from)] > graph.divisors[index(edge.to)];
+  });
+  return alone;
+}
+
+void add_doubt(std::vector<Doubt>& doubts, Doubt doubt) {
+  if (std::ranges::find(doubts, doubt) == doubts.end()) doubts.push_back(std::move(doubt));
+}
+
+const char* const kSmaller = "make the graph smaller, or judge it by playing";
+
+/// Roots that grow in a group in which something is sampled once in `frames`.
+int growing_when_sampled(const LinearGraph& graph, const std::vector<int>& signals, int frames, Hertz rate) {
+  int growing = 0;
+  const auto alone = frames_alone(graph);
+  for (auto& loop : loops_of(alone, false))
+    if (std::ranges::binary_search(signals, loop.front()) && graph.divisors[index(loop.front())] == 1)
+      growing += std::max(0, LoopScan(LoopGroup(alone, std::move(loop), {}), rate).growing());
+  const auto group = LoopGroup::sampled(graph, signals, frames);
+  return growing + std::max(0, LoopScan(group, rate).growing());
+}
+
+/// Roots that grow in a group of loops; `scan`: of the same, where there is one.
+int growing_in(const LinearGraph& graph, const std::vector<int>& signals, Hertz rate, const LoopScan* scan,
+               std::vector<Doubt>& doubts) {
+  for (const auto& [signal, path] : graph.unclocked)
+    if (std::ranges::binary_search(signals, signal))
+      add_doubt(doubts, {"'" + path + "' samples a signal of a loop without a regular clock, so its delay is not known",
+                         "trigger it by a clock of a whole number of frames, or take it out of the loop"});
+  const int frames = frames_between_samples(graph, signals);
+  if (frames == 0)
+    add_doubt(doubts, {"a loop through '" + graph.signals[index(signals.front())] + "' is sampled at several rates",
+                       "give the parts and clocks of this loop one rate"});
+  constexpr int kMostFrames = 256;
+  if (frames > kMostFrames)
+    add_doubt(doubts, {"a loop through '" + graph.signals[index(signals.front())] + "' is sampled less often than once in 256 frames",
+                       "sample it more often"});
+  if (frames > 1 && frames <= kMostFrames) return growing_when_sampled(graph, signals, frames, rate);
+  return std::max(0, scan != nullptr ? scan->growing() : LoopScan(LoopGroup(graph, signals, {}), rate).growing());
+}
+
+bool too_large(const LoopGroup& group, std::vector<Doubt>& doubts) {
+  if (group.too_large())
+    add_doubt(doubts, {"the loops through '" + group.graph().signals[index(group.signals().front())] +
+                           "' are too many to analyse",
+                       kSmaller});
+  return group.too_large();
+}
+
+void analyse_group(const ClosedGraph& closed, const LoopGroup& group, Hertz rate, StabilityVerdict& all,
+                   RegimeVerdict& verdict) {
   const auto& graph = closed.graph;
-  if (group.too_large()) return verdict.too_large.push_back(graph.signals[index(group.signals().front())]);
+  std::vector<Doubt> of_held;
+  auto& doubts = verdict.held ? of_held : all.doubts;
+  if (too_large(group, doubts)) return;
   const LoopScan scan(group, rate);
-  verdict.growing += std::max(0, scan.growing());
+  verdict.growing += growing_in(graph, group.signals(), rate, &scan, doubts);
+  all.sampled |= frames_between_samples(graph, group.signals()) != 1;
   for (const auto& root : scan.roots(kMostRoots)) verdict.roots.push_back(root);
   for (int c = 0; c < std::ssize(group.cuts()); ++c) {
     const auto margin = scan.margin(c);
@@ -61,14 +119,15 @@ void analyse_group(const ClosedGraph& closed, const LoopGroup& group, Hertz rate
   }
 }
 
-RegimeVerdict analyse_regime(const ClosedGraph& closed, const Regime& regime, Hertz rate) {
+RegimeVerdict analyse_regime(const ClosedGraph& closed, const Regime& regime, Hertz rate, StabilityVerdict& all) {
   RegimeVerdict verdict{.name = regime.name,
+                        .certain = regime.certain,
                         .held = regime.hand.has_value(),
                         .unstable_equilibria = closed.graph.unstable_equilibria};
   std::vector<int> wanted = closed.drives;
   for (const auto& place : closed.graph.stiff) wanted.push_back(place.signal);
   for (auto& signals : loops_of(closed.graph, false))
-    analyse_group(closed, {closed.graph, std::move(signals), wanted}, rate, verdict);
+    analyse_group(closed, {closed.graph, std::move(signals), wanted}, rate, all, verdict);
   sort_by_growth(verdict.roots, kMostRoots);
   return verdict;
 }
@@ -119,6 +178,79 @@ std::vector<ReachedValue> reached_values(const std::vector<JournalEntry>& journa
   return reached;
 }
 
+/// The states of the controls after each frame of the journal.
+std::vector<ControlState> moving_states(const std::vector<JournalEntry>& journal, Hertz rate) {
+  std::vector<ControlState> states;
+  ControlState now;
+  for (std::size_t i = 0; i < journal.size(); ++i) {
+    now.seconds = static_cast<double>(journal[i].frame) / rate.value;
+    now.values[journal[i].index] = journal[i].value;
+    if (i + 1 == journal.size() || journal[i + 1].frame != journal[i].frame) states.push_back(now);
+  }
+  return states;
+}
+
+/// Networks of which only their growth is known.
+void doubt_networks(const LinearGraph& graph, std::vector<Doubt>& doubts) {
+  for (const auto& path : graph.skipped)
+    if (event_loop_through(graph, path))
+      add_doubt(doubts, {"network '" + path + "' has more than 300 numbers in its state, and loops go through it", kSmaller});
+}
+
+/// Stability of a world in all its regimes, bare.
+Stability stability_of(const RestingWorld& world, double push, std::vector<Doubt>& doubts) {
+  auto all = Stability::Stable;
+  for (const auto& regime : world.regimes(push)) {
+    const auto closed = world.closed(regime);
+    doubt_networks(closed.graph, doubts);
+    for (const auto& network : closed.graph.networks)
+      if (network->grows()) all = Stability::Unstable;
+    for (const auto& signals : loops_of(closed.graph, false)) {
+      if (too_large({closed.graph, signals, {}}, doubts)) continue;
+      if (growing_in(closed.graph, signals, world.rate(), nullptr, doubts) == 0) continue;
+      all = worse(all, regime.certain ? Stability::Unstable : Stability::Undecided);
+    }
+    if (all == Stability::Unstable) return all;
+  }
+  return doubts.empty() ? all : worse(all, Stability::Undecided);
+}
+
+/// Per second, of the root that decays least.
+double growth_with(const StabilitySubject& subject, const WorldOptions& options, double push) {
+  const auto world = RestingWorld::make(subject, options);
+  double most = -std::numeric_limits<double>::infinity();
+  if (!world) return most;
+  for (const auto& regime : world->regimes(push)) {
+    const auto closed = world->closed(regime);
+    for (auto& signals : loops_of(closed.graph, false)) {
+      const LoopGroup group(closed.graph, std::move(signals), {});
+      if (group.too_large()) continue;
+      for (const auto& root : LoopScan(group, world->rate()).roots(1)) most = std::max(most, root.growth_per_s);
+    }
+  }
+  return most;
+}
+
+/// The gains of what lies in loops, at some z.
+std::vector<std::complex<double>> loop_gains(const LinearGraph& graph) {
+  std::vector<std::complex<double>> gains;
+  for (auto& signals : loops_of(graph, false)) {
+    const LoopGroup group(graph, std::move(signals), {});
+    for (const double turn : {0.003, 0.05, 0.7}) {
+      const auto at = group.gains_at(std::polar(1.0, turn));
+      gains.insert(gains.end(), at.begin(), at.end());
+    }
+  }
+  return gains;
+}
+
+bool same(const std::vector<std::complex<double>>& a, const std::vector<std::complex<double>>& b) {
+  if (a.size() != b.size()) return false;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (std::abs(a[i] - b[i]) > 1e-6 * std::abs(a[i])) return false;
+  return true;
+}
+
 class Analysis {
  public:
   Analysis(const StabilitySubject& subject, const StabilityOptions& options,
@@ -136,6 +268,7 @@ class Analysis {
     find_event_loops(*world);
     for (const auto& regime : regimes) find_open_gains(*world, regime);
     for (const auto& control : world->instrument().controls) find_border(control.control);
+    hold_inputs(*world);
     if (auto judged = judge_gestures(); !judged) return tl::unexpected(judged.error());
     conclude();
     return std::move(verdict_);
@@ -145,8 +278,14 @@ class Analysis {
   void conclude() {
     auto& all = verdict_.stability;
     const auto unless = [&](bool stable) { all = worse(all, stable ? Stability::Stable : Stability::Unstable); };
-    for (const auto& regime : verdict_.regimes) unless(regime.held || regime.is_stable());
-    for (const auto& network : verdict_.networks) unless(network.stable());
+    for (const auto& regime : verdict_.regimes) unless(regime.held || !regime.certain || regime.is_stable());
+    for (const auto& regime : verdict_.regimes)
+      if (!regime.certain && !regime.held && !regime.is_stable())
+        add_doubt(verdict_.doubts,
+                  {"there are more combinations of nonlinearities than are analysed, and all at their steepest at once they grow",
+                   "split the graph, or make the nonlinearities less steep"});
+    for (const auto& network : verdict_.networks) all = worse(all, network.stability());
+    for (const auto& held : verdict_.held) all = worse(all, held.stability);
     for (const auto& gesture : verdict_.gestures) all = worse(all, gesture.stability);
     if (!verdict_.doubts.empty()) all = worse(all, Stability::Undecided);
   }
@@ -161,15 +300,13 @@ class Analysis {
     const auto closed = world.closed(regime);
     analyse_networks(closed.graph, regime);
     verdict_.nonlinear |= closed.graph.nonlinear;
-    verdict_.regimes.push_back(analyse_regime(closed, regime, verdict_.rate));
-    if (verdict_.regimes.size() == 1)
-      for (const auto& first : verdict_.regimes.front().too_large)
-        verdict_.skipped.push_back("the loops through '" + first + "'");
+    doubt_networks(closed.graph, verdict_.doubts);
+    verdict_.regimes.push_back(analyse_regime(closed, regime, verdict_.rate, verdict_));
     report_progress();
     if (!closed.mobility || verdict_.regimes.back().loops.empty()) return;
     auto with_hand = regime;
     with_hand.hand = options_.hand;
-    verdict_.regimes.push_back(analyse_regime(world.closed(with_hand), with_hand, verdict_.rate));
+    verdict_.regimes.push_back(analyse_regime(world.closed(with_hand), with_hand, verdict_.rate, verdict_));
     report_progress();
   }
 
@@ -186,20 +323,16 @@ class Analysis {
       verdict.rate_hz = recipe.rate.value * recipe.oversample;
       if (const auto needed = model.needed_rate()) verdict.needed_hz = needed->value;
       verdict.weakest = model.weakest();
-      check_contacts(recipe, verdict);
+      check_contacts(model, verdict);
       verdict.grows = model.grows();
       verdict_.networks.push_back(std::move(verdict));
     }
-    if (verdict_.skipped.empty())
-      for (const auto& path : graph.skipped)
-        if (event_loop_through(graph, path))
-          verdict_.skipped.push_back("the loops through network '" + path + "'");
   }
 
   /// Of the explicit solver: the others bound the energy of a contact, however short it is.
-  static void check_contacts(const NetworkRecipe& recipe, NetworkVerdict& verdict) {
-    if (recipe.solver != Solver::Explicit) return;
-    const auto demand = contact_demand(recipe.elements);
+  static void check_contacts(const LinearNetwork& model, NetworkVerdict& verdict) {
+    if (model.recipe.solver != Solver::Explicit) return;
+    const auto demand = contact_demand(model.written);
     for (const auto& strike : demand.strikes) {
       const double steps = strike.time_s * verdict.rate_hz, needed = strike.fewest_steps();
       if (steps / needed >= verdict.contact_steps / verdict.needed_contact_steps) continue;
@@ -207,12 +340,61 @@ class Analysis {
       verdict.needed_contact_steps = needed;
     }
     verdict.too_deep = demand.stiffness > kStiffestContact * verdict.rate_hz * verdict.rate_hz;
+    if (!verdict.within_steps() && std::ranges::all_of(demand.strikes, &ContactDemand::Strike::spring))
+      verdict.thrown = thrown(model);
+  }
+
+  static Stability thrown(const LinearNetwork& model) {
+    constexpr double kFarther = 1.2;
+    if (grows_when_thrown(model.recipe, model.written, 1.0)) return Stability::Unstable;
+    return grows_when_thrown(model.recipe, model.written, kFarther) ? Stability::Undecided : Stability::Stable;
   }
 
   void find_event_loops(const RestingWorld& world) {
     const auto graph = world.closed({}).graph;
     verdict_.events = graph.events;
     for (auto& event : verdict_.events) event.on_loop = event_loop_through(graph, event.path);
+    for (const auto& event : verdict_.events)
+      if (event.on_loop && !event.hold_s.value_or(0))
+        add_doubt(verdict_.doubts,
+                  {"the loop through " + event.type + " '" + event.path + "' is event-driven, and nothing limits its events",
+                   "give it a 'hold' time, or check it with the runs", true});
+  }
+
+  /// Gains that depend on signals: with each input of the instrument held.
+  void hold_inputs(const RestingWorld& world) {
+    const auto at_rest = world.closed({}).graph;
+    if (!at_rest.varies) return;
+    const auto moved = world.moved_inputs();
+    std::vector<std::vector<std::complex<double>>> known{loop_gains(at_rest)};
+    const auto hold = [&](const std::vector<HeldInput>& held) {
+      const auto then = RestingWorld::make(subject_, options_.world, held);
+      if (!then) return;
+      auto gains = loop_gains(then->closed({}).graph);
+      if (std::ranges::any_of(known, [&](const auto& other) { return same(gains, other); })) return;
+      known.push_back(std::move(gains));
+      const auto& first = held.front();
+      const auto& plan = world.instrument();
+      std::vector<Doubt> doubts;
+      auto stability = stability_of(*then, options_.push, doubts);
+      if (stability == Stability::Undecided || (stability == Stability::Unstable && first.alternates)) {
+        stability = Stability::Undecided;
+        add_doubt(verdict_.doubts,
+                  {"the gains of loops vary with input '" + plan.input_names[index(first.channel)] +
+                       "', and with some of them they grow",
+                   "play it, or lower the gain of what is multiplied"});
+      }
+      verdict_.held.push_back({plan.input_names[index(first.channel)], {}, first.level, first.alternates, stability});
+      report_progress();
+    };
+    constexpr std::size_t kMostInputs = 8;
+    for (std::size_t i = 0; i < moved.size() && i < kMostInputs; ++i)
+      for (const bool alternates : {false, true})
+        for (const double level : {1.0, -1.0, 0.5, -0.5, 0.1, -0.1})
+          if (!alternates || level > 0) hold({{moved[i], level, alternates}});
+    std::vector<HeldInput> all;
+    for (const int channel : moved) all.push_back({channel, 1.0, false});
+    if (moved.size() > 1) hold(all);
   }
 
   /// The largest gain of each pair with the inner loops closed.
@@ -270,24 +452,57 @@ class Analysis {
     verdict_.controls.push_back(std::move(verdict));
   }
 
+  /// Of a scene whose gestures move controls of the instrument: where each control is highest and lowest, and
+  /// along the way between.
   Checked<void> judge_gestures() {
     if (subject_.scene == nullptr) return {};
     const auto scene = compile_scene(*subject_.scene, *subject_.table, options_.world);
     if (!scene) return tl::unexpected(scene.error());
-    const auto& controls = scene->instrument->controls;
-    std::map<std::map<int, double>, Stability> known;
-    for (const auto& reached : reached_values(scene->journal, verdict_.rate)) {
-      const auto& control = controls[index(reached.control)].control;
-      auto with = options_.world;
-      for (const auto& [moved, value] : reached.state.values)
-        with.set[controls[index(moved)].control.name] = ControlValue{value};
-      const auto [judged, is_new] = known.try_emplace(reached.state.values, Stability::Stable);
-      if (is_new) judged->second = stability_with(subject_, with, options_.push);
-      report_progress();
-      verdict_.gestures.push_back(
-          {control.name, control.unit, reached.value(), reached.state.seconds, judged->second});
-    }
+    controls_ = &scene->instrument->controls;
+    judged_.clear();
+    for (const auto& reached : reached_values(scene->journal, verdict_.rate)) judge_reached(reached);
+    const auto way = moving_states(scene->journal, verdict_.rate);
+    const bool stable = std::ranges::all_of(verdict_.gestures, [](const auto& g) { return g.stability == Stability::Stable; });
+    if (stable && way.size() > 2) search_between(way);
     return {};
+  }
+
+  WorldOptions at_state(const ControlState& state) const {
+    auto with = options_.world;
+    for (const auto& [moved, value] : state.values)
+      with.set[(*controls_)[index(moved)].control.name] = ControlValue{value};
+    return with;
+  }
+
+  void judge_reached(const ReachedValue& reached) {
+    const auto [judged, is_new] = judged_.try_emplace(reached.state.values, Stability::Stable);
+    if (is_new) judged->second = stability_with(subject_, at_state(reached.state), options_.push);
+    report_progress();
+    const auto& control = (*controls_)[index(reached.control)].control;
+    verdict_.gestures.push_back({control.name, control.unit, reached.value(), reached.state.seconds, judged->second});
+  }
+
+  /// The growth of what decays least along the way, evenly and then closer around its highest place.
+  void search_between(const std::vector<ControlState>& way) {
+    constexpr std::size_t kEvenly = 12, kCloser = 5;
+    const auto last = way.size() - 1;
+    std::map<std::size_t, double> growth;
+    const auto look = [&](std::size_t i) {
+      if (!growth.contains(i)) growth[i] = growth_with(subject_, at_state(way[i]), options_.push), report_progress();
+    };
+    for (std::size_t i = 0; i <= kEvenly; ++i) look(i * last / kEvenly);
+    std::size_t best = 0;
+    for (std::size_t stride = std::max<std::size_t>(1, last / kEvenly); stride > 0; stride /= kCloser) {
+      best = std::ranges::max_element(growth, {}, [](const auto& g) { return g.second; })->first;
+      for (std::size_t k = 0; k <= 2 * kCloser; ++k) {
+        const auto at = best + k * stride / kCloser;
+        if (at >= stride && at - stride <= last) look(at - stride);
+      }
+      best = std::ranges::max_element(growth, {}, [](const auto& g) { return g.second; })->first;
+      if (growth[best] > kSlowestGrowth) break;
+    }
+    if (growth[best] > kSlowestGrowth)
+      judge_reached({way[best].values.begin()->first, way[best]});
   }
 
   static constexpr int kMostHalvings = 40;
@@ -301,26 +516,29 @@ class Analysis {
   const std::function<void(double)>& progress_;
   double done_ = 0;
   StabilityVerdict verdict_;
+  const std::vector<PlannedControl>* controls_ = nullptr;
+  std::map<std::map<int, double>, Stability> judged_;
 };
 
 }  // namespace
 
+bool StabilityVerdict::has_undecided_part() const {
+  const auto undecided = [](Stability part) { return part == Stability::Undecided; };
+  return std::ranges::any_of(networks, undecided, &NetworkVerdict::stability) ||
+         std::ranges::any_of(gestures, undecided, &GestureVerdict::stability) ||
+         std::ranges::any_of(held, undecided, &HeldVerdict::stability);
+}
+
+Stability NetworkVerdict::stability() const {
+  if (grows) return Stability::Unstable;
+  if (within_steps()) return Stability::Stable;
+  return thrown.value_or(Stability::Unstable);
+}
+
 Stability stability_with(const StabilitySubject& subject, const WorldOptions& options, double push) {
   const auto world = RestingWorld::make(subject, options);
-  if (!world) return Stability::Unstable;
-  const auto regimes = world->regimes(push);
-  const bool stable = std::ranges::all_of(regimes, [&](const auto& regime) {
-    const auto closed = world->closed(regime);
-    const auto& networks = closed.graph.networks;
-    if (std::ranges::any_of(networks, [](const auto& n) { return n->grows(); })) return false;
-    int growing = 0;
-    for (auto& signals : loops_of(closed.graph, false)) {
-      const LoopGroup group(closed.graph, std::move(signals), {});
-      if (!group.too_large()) growing += LoopScan(group, world->rate()).growing();
-    }
-    return growing <= 0;
-  });
-  return stable ? Stability::Stable : Stability::Unstable;
+  std::vector<Doubt> doubts;
+  return world ? stability_of(*world, push, doubts) : Stability::Unstable;
 }
 
 Checked<StabilityVerdict> analyse_stability(const StabilitySubject& subject, const StabilityOptions& options,

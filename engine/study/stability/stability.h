@@ -32,9 +32,12 @@ struct NetworkVerdict {
   double contact_steps = std::numeric_limits<double>::infinity();
   double needed_contact_steps = kFewestContactSteps;
   bool too_deep = false;  ///< its initial state presses an explicit contact too stiff for the rate
-  bool contacts_stable() const { return contact_steps >= needed_contact_steps && !too_deep; }
+  /// Where its contacts are the sides of cubic springs and have too few steps: found by throwing its masses, at
+  /// 1 m/s, and at 1.2 times that and the start. Stable, if neither grows.
+  std::optional<Stability> thrown = {};
+  bool within_steps() const { return contact_steps >= needed_contact_steps && !too_deep; }
   bool grows = false;  ///< its linear part
-  bool stable() const { return !grows && contacts_stable(); }
+  Stability stability() const;
 };
 
 /// A place where a loop was cut open.
@@ -60,14 +63,13 @@ struct StiffVerdict : StiffPlace {
 /// The stability at one operating point.
 struct RegimeVerdict {
   std::string name;
-  bool held = false;  ///< by a fingertip
+  bool certain = true;  ///< false: its nonlinearities may never be where they are taken together
+  bool held = false;    ///< by a fingertip
   int growing = 0;    ///< roots that grow
   std::vector<LoopRoot> roots = {};
   std::vector<LoopVerdict> loops = {};
   std::vector<StiffVerdict> stiff = {};
   std::optional<double> device_damping = {};  ///< [N s/m] of the device, near 0 Hz
-  /// Groups of loops too large to analyse, by their first signal.
-  std::vector<std::string> too_large = {};
   std::vector<std::string> unstable_equilibria =
       {};  ///< nonlinearities whose force pushes away here and restores elsewhere: left out
   bool is_stable() const { return growing == 0; }
@@ -80,10 +82,21 @@ struct ControlVerdict {
   std::optional<double> border = {};  ///< of the stable range, if one end is unstable
 };
 
-/// Why there is no verdict, and what to do about it: two sentences without a full stop.
+/// Why there is no verdict, and what to do about it.
 struct Doubt {
   std::string reason, remedy;
+  bool until_played = false;  ///< runs decide it
   bool operator==(const Doubt&) const = default;
+};
+
+/// The stability with the gains that loops have while an input of the instrument is held, where these are
+/// others than at rest.
+struct HeldVerdict {
+  std::string input;
+  Unit unit;
+  double level = 0;         ///< SI
+  bool alternates = false;  ///< between this level and its opposite
+  Stability stability = Stability::Stable;
 };
 
 /// The stability where the gestures of a scene take a control to its highest or lowest value, with all others
@@ -104,13 +117,16 @@ struct StabilityVerdict {
   std::vector<EventPlace> events;
   std::vector<ControlVerdict> controls;
   std::vector<GestureVerdict> gestures;
+  std::vector<HeldVerdict> held;
   std::vector<OpenPair> open;
-  std::vector<std::string> skipped;
   bool nonlinear = false;     ///< the stiffness of some force depends on the position
+  bool sampled = false;       ///< something in a loop is sampled less often than once a frame
   bool outside_known = true;  ///< false: an instrument alone; only its inner loops are analysed
   std::vector<Doubt> doubts;  ///< what could not be decided
   Stability stability = Stability::Stable;
   bool stable() const { return stability == Stability::Stable; }
+  /// A network, gesture or held input is.
+  bool has_undecided_part() const;
 };
 
 struct StabilityOptions {

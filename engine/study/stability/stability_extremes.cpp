@@ -186,28 +186,42 @@ std::vector<ExtremePlan> extremes_of(const WorldOptions& world, const Plan& inst
     plans.push_back({.what = std::move(what), .world = world, .disturbance = &kDisturbances[1]});
     return plans.back();
   };
+  const auto elsewhere = [&](std::string what) -> ExtremePlan& {
+    auto& made = plan(std::move(what));
+    made.elsewhere = true;
+    return made;
+  };
   for (const auto& disturbance : kDisturbances) plan(disturbance.name).disturbance = &disturbance;
   for (const Hertz rate : {8_kHz, 44.1_kHz, 96_kHz, 192_kHz})
-    plan(fmt::format("{:g} kHz", rate.value / 1e3)).world.rate = rate;
+    elsewhere(fmt::format("{:g} kHz", rate.value / 1e3)).world.rate = rate;
   for (const double ms : {0.0, 1.0, 5.0, 20.0, 50.0, 100.0})
-    plan(fmt::format("delay {:g} ms", ms)).world.delay = Seconds{1e-3 * ms};
+    elsewhere(fmt::format("delay {:g} ms", ms)).world.delay = Seconds{1e-3 * ms};
   for (const auto& planned : instrument.controls) {
     const auto& control = planned.control;
     for (const double end : {control.range.low, control.range.high}) {
       if (!std::isfinite(end)) continue;
-      auto& made = plan(fmt::format("{} = {:g}", control.name, control.unit.from_si(end)));
+      auto& made = elsewhere(fmt::format("{} = {:g}", control.name, control.unit.from_si(end)));
       made.world.set[control.name] = ControlValue{end};
+      made.control = control.name;
     }
   }
   return plans;
+}
+
+WorldOptions without_gestures(WorldOptions world, const StabilityVerdict& verdict) {
+  for (const auto& gesture : verdict.gestures)
+    for (const auto& control : verdict.controls)
+      if (control.control.name == gesture.control)
+        world.set.try_emplace(gesture.control, ControlValue{control.control.value});
+  return world;
 }
 
 std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityVerdict& verdict) {
   std::vector<ExtremePlan> plans;
   // A measurable motion leaves the range where the linear model is right.
   if (verdict.nonlinear) return plans;
-  // A loop that an event opens and closes has no border.
-  if (std::ranges::any_of(verdict.events, &EventPlace::on_loop)) return plans;
+  // A loop that an event opens and closes has no border; that of what is sampled less often is not computed.
+  if (verdict.sampled || std::ranges::any_of(verdict.events, &EventPlace::on_loop)) return plans;
   const LoopVerdict* loop = nullptr;
   for (const auto& other : verdict.regimes.front().loops) {
     if (!other.drive) continue;
@@ -228,8 +242,11 @@ std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityV
          .push_s = loop->margin.border_hz > 0 ? 0.1 / loop->margin.border_hz : 0.0,
          .expected = !above});
   }
-  // Dry friction would hide the growth: the border is that of the system without it.
-  for (auto& plan : plans) plan.world.friction = false;
+  // Dry friction would hide the growth: the border is that of the system without it, before gestures begin.
+  for (auto& plan : plans) {
+    plan.world = without_gestures(plan.world, verdict);
+    plan.world.friction = false;
+  }
   return plans;
 }
 

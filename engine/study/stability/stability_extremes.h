@@ -30,6 +30,8 @@ struct ExtremePlan {
   bool linear = false;    ///< one push at the start, no guard, no converters: to see which side it is on
   double push_s = 0;      ///< of linear runs: how long the push lasts, a frame at least
   bool expected = true;   ///< false: predicted to grow
+  std::string control = {};  ///< which one is at the end of its range
+  bool elsewhere = false;  ///< at another rate, delay or control than requested
 };
 
 /// [full scale] No instrument makes that of signals of full scale, unless a loop of it grows.
@@ -57,6 +59,8 @@ std::vector<ExtremePlan> extremes_of(const WorldOptions& world, const Plan& inst
 /// [control] 2 % below and above the border of the loop at rest that one drive closes, long enough for the
 /// root to grow or decay; none if no such loop can grow, or with nonlinearities or events in it.
 std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityVerdict& verdict);
+/// [any] The same world before gestures begin: they leave the controls alone.
+WorldOptions without_gestures(WorldOptions world, const StabilityVerdict& verdict);
 /// [control] Errors: of the graph at that rate, with those controls.
 Checked<ExtremeRun> run_extreme(const StabilitySubject& subject, const ExtremePlan& plan);
 /// [any] Energy that the gestures supply is no growth: a run did not grow if it ends with at most four times

@@ -4,14 +4,23 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <functional>
+#include <iterator>
 #include <map>
 #include <set>
 
 #include "engine/core/index.h"
+#include "engine/core/units.h"
 #include "engine/graph/plan/vertex_graph.h"
 
 namespace tactus {
 namespace {
+
+std::complex<double> mean_of_frames(std::complex<double> z, int frames) {
+  std::complex<double> sum = 0.0, power = 1.0;
+  for (int i = 0; i < frames; ++i, power /= z) sum += power;
+  return sum / static_cast<double>(frames);
+}
 
 /// The gains at z of the edges `of`.
 void find_gains(const LinearGraph& graph, std::complex<double> z, const std::vector<std::size_t>& of,
@@ -40,6 +49,9 @@ void find_gains(const LinearGraph& graph, std::complex<double> z, const std::vec
             network.by_modes() ? network.at(at, edge.output, edge.input) : all(edge.output, edge.input);
         break;
       }
+      case LinearEdge::Kind::Hold:
+        gains[e] = mean_of_frames(z, edge.frames);
+        break;
       case LinearEdge::Kind::Event:
         gains[e] = 0.0;
         break;
@@ -79,6 +91,29 @@ LoopGroup::LoopGroup(const LinearGraph& graph, std::vector<int> signals, const s
   if (!too_large()) put_in_order();
 }
 
+LoopGroup LoopGroup::sampled(const LinearGraph& graph, std::vector<int> signals, int frames) {
+  std::vector<int> samples;
+  for (const auto& edge : graph.edges)
+    if (edge.kind != LinearEdge::Kind::Event && std::ranges::binary_search(signals, edge.from) &&
+        std::ranges::binary_search(signals, edge.to) &&
+        graph.divisors[static_cast<std::size_t>(edge.from)] < graph.divisors[static_cast<std::size_t>(edge.to)])
+      samples.push_back(edge.to);
+  LoopGroup group(graph, std::move(signals), samples);
+  group.frames_ = frames;
+  const auto slow = [&](int signal) { return graph.divisors[static_cast<std::size_t>(signal)] > 1; };
+  std::ranges::copy_if(group.cuts_, std::back_inserter(group.inner_cuts_), std::not_fn(slow));
+  std::erase_if(group.cuts_, std::not_fn(slow));
+  if (!group.too_large()) group.put_in_order();
+  return group;
+}
+
+int frames_between_samples(const LinearGraph& graph, const std::vector<int>& signals) {
+  std::set<int> divisors;
+  for (const int signal : signals) divisors.insert(graph.divisors[index(signal)]);
+  if (divisors.size() == 1) return 1;
+  return divisors.size() == 2 && *divisors.begin() == 1 ? *divisors.rbegin() : 0;
+}
+
 int LoopGroup::cut(int signal) const {
   const auto found = std::ranges::find(cuts_, signal);
   return found == cuts_.end() ? -1 : static_cast<int>(found - cuts_.begin());
@@ -108,21 +143,60 @@ void LoopGroup::choose_cuts(const std::vector<int>& wanted) {
 
 /// Without the cuts there is no loop: every component is one signal, behind all that it reads.
 void LoopGroup::put_in_order() {
+  order_.clear();
+  const auto is_cut = [&](int signal) { return cut(signal) >= 0 || std::ranges::count(inner_cuts_, signal) > 0; };
   std::vector<std::vector<int>> reads(signals_.size());
   for (const auto e : edges_) {
     const auto& edge = graph_->edges[e];
-    if (cut(edge.from) < 0 && cut(edge.to) < 0)
+    if (!is_cut(edge.from) && !is_cut(edge.to))
       reads[index(place_[index(edge.to)])].push_back(place_[index(edge.from)]);
   }
   for (const auto& component : strong_components(reads, Roots::FirstToLast))
-    if (const int signal = signals_[index(component.front())]; cut(signal) < 0) order_.push_back(signal);
+    if (const int signal = signals_[index(component.front())]; !is_cut(signal)) order_.push_back(signal);
+}
+
+/// From samples to frames.
+bool LoopGroup::holds(std::size_t edge) const {
+  const auto& e = graph_->edges[edge];
+  return graph_->divisors[index(e.from)] > graph_->divisors[index(e.to)];
 }
 
 Eigen::MatrixXcd LoopGroup::returned(std::complex<double> z) const {
+  if (frames_ == 1) return returned_each_frame(z);
+  const auto slow = static_cast<Eigen::Index>(cuts_.size()), fast = static_cast<Eigen::Index>(inner_cuts_.size());
+  const auto root = std::exp(std::log(z) / static_cast<double>(frames_));
+  held_only_ = true;
+  const Eigen::MatrixXcd among_samples = returned_each_frame(root).topLeftCorner(slow, slow);
+  held_only_ = false;
+  Eigen::MatrixXcd folded = among_samples;
+  for (int k = 0; k < frames_; ++k) {
+    const auto all = returned_each_frame(root * std::polar(1.0, 2 * kPi * k / frames_));
+    folded += all.topLeftCorner(slow, slow) - among_samples;
+    if (fast == 0) continue;
+    const Eigen::MatrixXcd one = Eigen::MatrixXcd::Identity(fast, fast);
+    folded += all.topRightCorner(slow, fast) * Eigen::MatrixXcd(one - all.bottomRightCorner(fast, fast)).inverse() *
+              all.bottomLeftCorner(fast, slow);
+  }
+  return folded;
+}
+
+const std::vector<std::complex<double>>& LoopGroup::gains_at(std::complex<double> z) const {
+  gains_.assign(graph_->edges.size(), 0.0);
   find_gains(*graph_, z, edges_, gains_);
-  const auto count = static_cast<Eigen::Index>(cuts_.size());
+  return gains_;
+}
+
+/// Cuts that are sampled come first.
+Eigen::MatrixXcd LoopGroup::returned_each_frame(std::complex<double> z) const {
+  find_gains(*graph_, z, edges_, gains_);
+  if (held_only_)
+    for (const auto e : edges_)
+      if (holds(e)) gains_[e] = 0.0;
+  auto cuts = cuts_;
+  cuts.insert(cuts.end(), inner_cuts_.begin(), inner_cuts_.end());
+  const auto count = static_cast<Eigen::Index>(cuts.size());
   Eigen::MatrixXcd values = Eigen::MatrixXcd::Zero(count, static_cast<Eigen::Index>(signals_.size()));
-  for (Eigen::Index c = 0; c < count; ++c) values(c, place_[index(cuts_[static_cast<std::size_t>(c)])]) = 1.0;
+  for (Eigen::Index c = 0; c < count; ++c) values(c, place_[index(cuts[static_cast<std::size_t>(c)])]) = 1.0;
   const auto sum = [&](int signal) {
     Eigen::VectorXcd come = Eigen::VectorXcd::Zero(count);
     for (const auto e : incoming_[index(place_[index(signal)])])
@@ -132,7 +206,7 @@ Eigen::MatrixXcd LoopGroup::returned(std::complex<double> z) const {
   for (const int s : order_) values.col(place_[index(s)]) = sum(s);
   Eigen::MatrixXcd returned(count, count);
   for (Eigen::Index c = 0; c < count; ++c)
-    returned.row(c) = sum(cuts_[static_cast<std::size_t>(c)]).transpose();
+    returned.row(c) = sum(cuts[static_cast<std::size_t>(c)]).transpose();
   return returned;
 }
 
@@ -153,7 +227,7 @@ std::vector<std::complex<double>> LoopGroup::alone(const Eigen::MatrixXcd& retur
 int LoopGroup::delay_frames() const {
   long frames = 0;
   for (const auto e : edges_) frames += graph_->edges[e].frames;
-  return static_cast<int>(std::min(frames, 1'000'000L));
+  return static_cast<int>(std::min(frames / frames_, 1'000'000L));
 }
 
 /// The shortest way from the cut back to itself, breadth first.

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include "engine/core/index.h"
 #include "engine/graph/plan/plan.h"
@@ -13,8 +14,9 @@ const std::complex<double> kSomewhere = std::polar(1.0, 0.01);
 
 class PlanReader {
  public:
-  PlanReader(LinearGraph& graph, const Plan& plan, const Regime& regime, std::string prefix)
-      : graph_(graph), plan_(plan), regime_(regime), prefix_(std::move(prefix)) {}
+  PlanReader(LinearGraph& graph, const Plan& plan, const SamplingClocks& clocks, const Regime& regime,
+             std::string prefix)
+      : graph_(graph), plan_(plan), clocks_(clocks), regime_(regime), prefix_(std::move(prefix)) {}
 
   Terminals run() {
     Terminals terminals;
@@ -44,10 +46,10 @@ class PlanReader {
   }
   std::string path_of(int v) const { return prefix_ + vertex(v).path; }
 
-  int made(int v, int port, const std::string& name) {
+  int made(int v, int port, const std::string& name, int divisor = 1) {
     auto& ports = places_[index(v)];
     if (ports.empty()) ports.assign(index(vertex(v).outputs), -1);
-    return ports[index(port)] = graph_.add_signal(prefix_ + name);
+    return ports[index(port)] = graph_.add_signal(prefix_ + name, divisor);
   }
   /// -1: a constant, a control, or a function of these alone.
   int signal(int v, int port) const {
@@ -65,6 +67,7 @@ class PlanReader {
     return plan_.outputs[index(step.first_out + output)] != nullptr;
   }
   int divisor(const Step& step) const { return plan_.divisors[index(step.divider)]; }
+  int divisor_out(const Step& step) const { return plan_.divisors[index(step.divider_out)]; }
   double value(int slot) const { return *plan_.inputs[index(slot)].data; }
 
   void make_outputs(const Step& step) {
@@ -76,7 +79,7 @@ class PlanReader {
       if (!is_read(step, o)) continue;
       std::string name = from.path;
       if (from.type != nullptr && o > 0) name += "." + from.type->outputs[index(o)].name;
-      const int signal = made(step.vertex, o, name);
+      const int signal = made(step.vertex, o, name, divisor_out(step));
       if (is_network(step) && name.ends_with(".wave")) graph_.wave_ports.push_back(signal);
     }
   }
@@ -89,7 +92,7 @@ class PlanReader {
       const bool rests = operation.can_rest >= 0 || (in[0].constant() && in[1].constant());
       if (rests) continue;
       const int v = operation.vertex;
-      made(v, 0, vertex(v).path);
+      made(v, 0, vertex(v).path, divisor(step));
       derived_.note({&plan_, v, 0}, operation.op, {source(operand(v, 0)), source(operand(v, 1))},
                     operands_of_vertex(operation));
     }
@@ -107,6 +110,14 @@ class PlanReader {
         const auto path = path_of(operation.vertex);
         if (auto law = corner(path, operation.op, operands, k, derived_.of(source(wire))))
           graph_.laws.push_back(std::move(*law));
+        if (k == 0 && has_two_sides(operation.op) && operands.moves[1]) {
+          graph_.laws.push_back(corner_of_two(path, {&plan_, operation.vertex, 0}, operation.op, operands,
+                                              {derived_.of(source(wire)), derived_.of(source(operand(operation.vertex, 1)))}));
+          graph_.has_touched = true;
+        }
+        using enum Expression::Op;
+        graph_.varies |= operation.op == Multiply && operands.moves[0] && operands.moves[1];
+        graph_.varies |= operation.op == Divide && operands.moves[1];
         const double rest = slope_of(operation.op, operands, k, false);
         const double steep = slope_of(operation.op, operands, k, true);
         graph_.has_touched |= steep != rest;
@@ -117,6 +128,8 @@ class PlanReader {
     }
   }
 
+  static bool has_two_sides(Expression::Op op) { return op == Expression::Op::Min || op == Expression::Op::Max; }
+
   Operands operands_of_vertex(const MicroOperation& operation) const {
     const auto moves = [&](int k) { return signal(operand(operation.vertex, k)) >= 0; };
     return {value(operation.first_in), value(operation.first_in + 1), {moves(0), moves(1)}};
@@ -124,6 +137,8 @@ class PlanReader {
 
   double touched_slope(const MicroOperation& operation, int which) const {
     auto operands = operands_of_vertex(operation);
+    if (const auto choice = regime_.moved.find(choice_at({&plan_, operation.vertex, 0})); choice != regime_.moved.end())
+      return choice->second == which ? 1 : 0;
     bool taken = false;
     for (int k = 0; k < operands_of(operation.op); ++k)
       if (const auto by = derived_.moved(source(operand(operation.vertex, k)), regime_.moved))
@@ -141,6 +156,7 @@ class PlanReader {
       at.push_back(value(step.first_in + i));
       moves.push_back(signal(from.in[index(i)]) >= 0);
     }
+    graph_.varies |= std::ranges::count(moves, true) > 1 && (type == nullptr || !type->stateless);
     const bool restores = type != nullptr && type->stateless && move_to_regime(step, at, moves);
     for (int i = 0; i < step.inputs; ++i)
       for (int o = 0; moves[index(i)] && o < step.outputs; ++o)
@@ -183,8 +199,26 @@ class PlanReader {
       for (std::size_t i = 0; i < there.size(); ++i) there[i] += slopes[i] * moved;
       return answer_at(*node, *type, there, moves);
     };
-    graph_.laws.push_back(
-        {path_of(step.vertex), from.source, (steep.at[input] - at[input]) / from.slope, answer});
+    const bool spring = std::ranges::any_of(std::views::iota(std::size_t{0}, at.size()), [&](std::size_t i) {
+      return moves[i] && is_spring(*vertex(step.vertex).type, i, 0);
+    });
+    Nonlinearity law{path_of(step.vertex), from.source, (steep.at[input] - at[input]) / from.slope, answer};
+    if (!spring) {
+      law.slope = [node = plan_.nodes[index(step.node)], at, moves, slopes](double moved) {
+        auto there = at;
+        for (std::size_t i = 0; i < there.size(); ++i) there[i] += slopes[i] * moved;
+        double sum = 0;
+        for (std::size_t i = 0; i < there.size(); ++i)
+          if (moves[i]) sum += slopes[i] * node->response(static_cast<int>(i), 0, 1.0, there).value_or(0.0).real();
+        return sum;
+      };
+      std::vector<double> middles{0.0};
+      for (std::size_t i = 0; i < at.size(); ++i)
+        if (!moves[i]) middles.push_back((at[i] - at[input]) / from.slope);
+      law.elsewhere = places_of_slopes(law.slope, law.to, middles);
+      graph_.has_touched |= law.elsewhere.size() > 1;
+    }
+    graph_.laws.push_back(std::move(law));
   }
 
   /// `restores`: the force restores at some place, as a spring does.
@@ -204,6 +238,7 @@ class PlanReader {
                     .divisor = divisor(step)};
     const auto response = node->response(input, output, kSomewhere, at);
     if (!response) {
+      if (type != nullptr && input == 0 && sampling_trigger(*type) >= 0) return add_sampling(std::move(edge));
       if (type != nullptr && input == 0 && type->small_signal_gain) {
         edge.kind = LinearEdge::Kind::Gain;
         edge.gain = *type->small_signal_gain;
@@ -222,10 +257,30 @@ class PlanReader {
 
   /// A signal of its own between position and force, where the stiffness can be scaled.
   void add_stiff(LinearEdge edge, const std::string& type, double stiffness) {
-    const int between = graph_.add_signal(edge.path);
+    const int between = graph_.add_signal(edge.path, graph_.divisors[index(edge.to)]);
     graph_.stiff.push_back({between, edge.path, type, stiffness});
     graph_.join(between, edge.to);
     edge.to = between;
+    graph_.edges.push_back(std::move(edge));
+  }
+
+  /// A signal of its own for what is sampled, which has a sample once in a clock's period.
+  void add_sampling(LinearEdge edge) {
+    const auto clock = clocks_.find(edge.node.get());
+    edge.kind = LinearEdge::Kind::Gain;
+    edge.gain = 1;
+    if (clock == clocks_.end() || clock->second == 0) {
+      graph_.unclocked.emplace_back(edge.from, edge.path);
+      graph_.edges.push_back(std::move(edge));
+      return;
+    }
+    const int frames = clock->second, sampled = graph_.add_signal(edge.path, frames);
+    graph_.edges.push_back({.kind = LinearEdge::Kind::Hold,
+                            .from = sampled,
+                            .to = edge.to,
+                            .path = edge.path,
+                            .frames = frames});
+    edge.to = sampled;
     graph_.edges.push_back(std::move(edge));
   }
 
@@ -281,6 +336,7 @@ class PlanReader {
 
   LinearGraph& graph_;
   const Plan& plan_;
+  const SamplingClocks& clocks_;
   const Regime& regime_;
   std::string prefix_;
   std::vector<std::vector<int>> places_;  ///< [vertex][port] signal of the graph, or -1
@@ -289,8 +345,14 @@ class PlanReader {
 
 }  // namespace
 
-Terminals add_plan(LinearGraph& graph, const Plan& plan, const Regime& regime, const std::string& prefix) {
-  return PlanReader{graph, plan, regime, prefix}.run();
+int sampling_trigger(const NodeType& type) {
+  const auto found = std::ranges::find(type.inputs, true, &InputPort::samples);
+  return found == type.inputs.end() ? -1 : static_cast<int>(found - type.inputs.begin());
+}
+
+Terminals add_plan(LinearGraph& graph, const Plan& plan, const SamplingClocks& clocks, const Regime& regime,
+                   const std::string& prefix) {
+  return PlanReader{graph, plan, clocks, regime, prefix}.run();
 }
 
 }  // namespace tactus

@@ -59,6 +59,10 @@ class Report {
     add_headline();
     for (const auto& regime : verdict_.regimes) add_growing(regime);
     for (const auto& gesture : verdict_.gestures) add_gesture(gesture);
+    for (const auto& held : verdict_.held)
+      if (held.stability == Stability::Unstable)
+        add("unstable while {} to input '{}'", added(held), held.input);
+    for (const auto& doubt : verdict_.doubts) add("undecided: {}; {}", doubt.reason, doubt.remedy);
     for (const auto& network : verdict_.networks) add_network(network);
     if (std::ranges::any_of(verdict_.networks, &NetworkVerdict::has_friction))
       add("dry friction is neglected: it keeps small motions stable even above these limits");
@@ -66,13 +70,12 @@ class Report {
       add("the operating point is an unstable equilibrium of '{}': analysed where its force is restoring",
           path);
     add_critical();
-    if (!verdict_.stable()) add_remedies();
+    if (verdict_.stability == Stability::Unstable) add_remedies();
     add_delay_margin();
     if (verdict_.stable()) add_controls();
     add_held();
     add_events();
     add_outside();
-    for (const auto& path : verdict_.skipped) add("{}: too large to analyse; skipped", path);
     return std::move(lines_);
   }
 
@@ -86,10 +89,15 @@ class Report {
     const auto at = fmt::format("at {:g} kHz with a delay of {:.4g} ms", verdict_.rate.value / 1e3,
                                 1e3 * verdict_.delay_s);
     const auto* const stable = verdict_.outside_known ? "stable" : "stable by itself";
-    if (!verdict_.stable()) return add("unstable {}", at);
+    if (!verdict_.stable())
+      return add("{} {}", verdict_.stability == Stability::Undecided ? "undecided" : "unstable", at);
     if (critical_.regime == nullptr) return add("{} {}: no loop is closed", stable, at);
     add("{} {}: margin {:.1f} dB at {:.4g} Hz", stable, at, amplitude_to_db(critical_.border),
         critical_.stiff != nullptr ? critical_.stiff->border_hz : critical_.loop->margin.border_hz);
+  }
+
+  static std::string added(const HeldVerdict& held) {
+    return fmt::format("{}{:g} (in its unit) is added", held.alternates ? "+-" : "", held.level);
   }
 
   void add_growing(const RegimeVerdict& regime) {
@@ -110,7 +118,7 @@ class Report {
 
   void add_network(const NetworkVerdict& network) {
     const bool first = &network == &verdict_.networks.front() || (&network - 1)->path != network.path;
-    if (first && !network.contacts_stable()) add_contacts(network);
+    if (first && network.stability() != Stability::Stable && !network.within_steps()) add_contacts(network);
     if (!network.grows) return;
     add("network '{}' ({}) is unstable by itself: spectral radius {:.9g}", network.path, network.regime,
         network.radius);
@@ -127,9 +135,11 @@ class Report {
           network.path, network.contact_steps, network.needed_contact_steps,
           std::ceil(network.needed_contact_steps / network.contact_steps));
     else
-      add("network '{}': its initial state compresses a contact that is too stiff for explicit steps, which "
-          "then add energy; use more steps, or solver = \"passive\"",
+      add("network '{}': its initial state or a strike at 1 m/s compresses a contact that is too stiff for explicit "
+          "steps, which then add energy; use more steps, or solver = \"passive\"",
           network.path);
+    if (network.stability() == Stability::Undecided)
+      lines_.back() += "; undecided: thrown at 1 m/s it does not grow in 200000 frames, at 1.2 m/s it does";
   }
 
   void add_critical() {

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "engine/core/dimension.h"
+#include "engine/core/index.h"
 #include "engine/graph/file/load.h"
 #include "engine/nodes/networks/network_elements.h"
 #include "engine/scene/guard_report.h"
@@ -16,22 +18,72 @@ namespace {
 
 constexpr double kSettleSeconds = 0.05;
 
-/// An instrument whose drives are disconnected.
+/// An instrument whose drives are disconnected, and some of whose inputs are held.
 class Disconnected final : public BlockProcessor {
  public:
-  explicit Disconnected(BlockProcessor& inner) : inner_(inner) {}
+  Disconnected(BlockProcessor& inner, const std::vector<HeldInput>& held) : inner_(inner), held_(held) {}
   Status prepare(const StreamFormat& format) override {
     outputs_ = format.out_channels;
+    half_period_ = std::max(1, static_cast<int>(0.002 * format.sample_rate.value));
+    sensors_.resize(format.in_channels, format.max_frames);
     return inner_.prepare(format);
   }
   void process(const BlockIo& io) noexcept override {
-    inner_.process(io);
+    for (int c = 0; c < sensors_.size(); ++c) std::copy_n(io.in[c], io.frames, sensors_[c]);
+    for (const auto& held : held_)
+      for (int n = 0; n < io.frames; ++n)
+        sensors_[held.channel][n] += held.alternates && (frame_ + n) / half_period_ % 2 == 1 ? -held.level : held.level;
+    inner_.process({sensors_.data(), io.out, io.frames});
     for (int c = 0; c < outputs_; ++c) std::fill_n(io.out[c], io.frames, 0.0);
+    frame_ += io.frames;
   }
 
  private:
   BlockProcessor& inner_;
-  int outputs_ = 0;
+  const std::vector<HeldInput>& held_;
+  ChannelBuffers sensors_;
+  int outputs_ = 0, half_period_ = 1;
+  std::int64_t frame_ = 0;
+};
+
+/// Watches when nodes of a plan sample, frame by frame.
+class ClockWatch {
+ public:
+  explicit ClockWatch(const Plan& plan) {
+    for (const auto& step : plan.steps) {
+      const auto* type = step.kind == Step::Kind::Process ? plan.vertices[index(step.vertex)].type.get() : nullptr;
+      if (type == nullptr || sampling_trigger(*type) < 0) continue;
+      watched_.push_back({plan.nodes[index(step.node)].get(),
+                          plan.inputs[index(step.first_in + sampling_trigger(*type))].data});
+    }
+  }
+  void next() {
+    for (auto& w : watched_) {
+      const bool high = *w.trigger >= 0.5;
+      if (high && !w.high) {
+        const int apart = w.last < 0 ? 0 : frame_ - w.last;
+        if (w.apart > 0 && apart != w.apart) w.regular = false;
+        w.seen += w.apart > 0;
+        w.apart = apart;
+        w.last = frame_;
+      }
+      w.high = high;
+    }
+    ++frame_;
+  }
+  void note(SamplingClocks& clocks) const {
+    for (const auto& w : watched_) clocks[w.node] = w.regular && w.seen > 0 ? w.apart : 0;
+  }
+
+ private:
+  struct Watched {
+    const Node* node;
+    const double* trigger;
+    bool high = false, regular = true;
+    int last = -1, apart = 0, seen = 0;
+  };
+  std::vector<Watched> watched_;
+  int frame_ = 0;
 };
 
 const Dimension kMetre{.metre = 1};
@@ -126,29 +178,33 @@ Checked<BuiltScene> build_world(const StabilitySubject& subject, const WorldOpti
                      options);
 }
 
-Checked<RestingWorld> RestingWorld::make(const StabilitySubject& subject, const WorldOptions& options) {
+Checked<RestingWorld> RestingWorld::make(const StabilitySubject& subject, const WorldOptions& options,
+                                         const std::vector<HeldInput>& held) {
   auto resting = options;
   resting.vectorise = false;
   auto built = build_world(subject, resting);
   if (!built) return tl::unexpected(built.error());
   RestingWorld world{std::move(*built)};
   world.alone_ = subject.instrument != nullptr;
-  world.rest();
+  world.rest(held);
   return world;
 }
 
 /// Frame by frame, so that the last value of each signal is at the front of its buffer.
-void RestingWorld::rest() {
+void RestingWorld::rest(const std::vector<HeldInput>& held) {
   const int frames = static_cast<int>(kSettleSeconds * rate().value);
-  Disconnected instrument{*built_.instrument};
+  Disconnected instrument{*built_.instrument, held};
+  ClockWatch own{built_.instrument->plan()}, around{built_.plant->plan()};
   ClosedLoop loop{
       instrument, *built_.plant, built_.instrument->out_channels(), built_.delay_frames, {.on = false}};
-  if (loop.prepare(rate(), 1)) loop.run(frames);
+  if (loop.prepare(rate(), 1)) loop.run(frames, [&](const ClosedLoop::Block&) { own.next(), around.next(); });
+  own.note(clocks_);
+  around.note(clocks_);
 }
 
 ClosedGraph RestingWorld::closed(const Regime& regime) const {
   ClosedGraph closed;
-  const auto terminals = add_plan(closed.graph, instrument(), regime, "instrument.");
+  const auto terminals = add_plan(closed.graph, instrument(), clocks_, regime, "instrument.");
   const auto& channels = instrument().channels;
   for (std::size_t c = 0; c < channels.size(); ++c) {
     if (channels[c].use == OutputUse::Tap) continue;
@@ -162,7 +218,7 @@ ClosedGraph RestingWorld::closed(const Regime& regime) const {
 
 void RestingWorld::join_plant(ClosedGraph& closed, const Regime& regime, const Terminals& instrument) const {
   auto& graph = closed.graph;
-  const auto plant = add_plan(graph, built_.plant->plan(), regime, "");
+  const auto plant = add_plan(graph, built_.plant->plan(), clocks_, regime, "");
   for (std::size_t d = 0; d < closed.drives.size() && d < plant.inputs.size(); ++d)
     if (plant.inputs[d] >= 0) graph.delay(closed.drives[d], plant.inputs[d], built_.delay_frames);
   const auto wires = output_names(built_.plant->plan()).size();
@@ -183,10 +239,27 @@ bool RestingWorld::outside_known() const {
   return !alone_ || std::ranges::any_of(wires, [](const auto& wire) { return !wire.signal.constant(); });
 }
 
+std::vector<int> RestingWorld::moved_inputs() const {
+  LinearGraph graph;
+  const auto terminals = add_plan(graph, built_.plant->plan(), clocks_, {}, "");
+  std::vector<bool> reached(graph.signals.size(), alone_);
+  for (const int input : terminals.inputs)
+    if (input >= 0) reached[index(input)] = true;
+  for (bool further = true; std::exchange(further, false);)
+    for (const auto& edge : graph.edges)
+      if (reached[index(edge.from)] && !reached[index(edge.to)]) reached[index(edge.to)] = further = true;
+  std::vector<int> moved;
+  for (int c = 0; c < std::ssize(instrument().input_names); ++c) {
+    const int sensor = index(c) < terminals.channels.size() ? terminals.channels[index(c)] : -1;
+    if (alone_ || (sensor >= 0 && reached[index(sensor)])) moved.push_back(c);
+  }
+  return moved;
+}
+
 std::vector<OpenPair> RestingWorld::open_pairs(LinearGraph& graph, const Regime& regime) const {
   std::vector<OpenPair> pairs;
   if (!alone_) return pairs;
-  const auto terminals = add_plan(graph, instrument(), regime, "instrument.");
+  const auto terminals = add_plan(graph, instrument(), clocks_, regime, "instrument.");
   const auto& outside = built_.plant->plan();
   for (std::size_t i = 0; i < terminals.inputs.size(); ++i)
     for (std::size_t c = 0; c < terminals.channels.size(); ++c) {
@@ -205,7 +278,7 @@ std::vector<Regime> RestingWorld::regimes(double push) const {
   const auto free = closed(regimes.front()).graph;
   const auto places = free.has_touched ? operating_points(free.laws) : std::vector<OperatingPoint>{};
   for (const auto& place : places)
-    regimes.push_back({.name = place.name, .touched = true, .moved = place.moved});
+    regimes.push_back({.name = place.name, .certain = place.certain, .touched = true, .moved = place.moved});
   Regime all{.name = "everything touched", .touched = true};
   std::size_t contacts = 0;
   for (std::size_t n = 0; n < free.networks.size(); ++n) {
@@ -228,6 +301,7 @@ std::vector<Regime> RestingWorld::regimes(double push) const {
     auto& one = regimes.emplace_back(all);
     one.name += ", " + places[p].name;
     one.moved = places[p].moved;
+    one.certain = places[p].certain;
   }
   return regimes;
 }

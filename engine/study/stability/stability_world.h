@@ -52,16 +52,27 @@ struct StabilitySubject {
 /// [control] Both engines of a scene; for an instrument alone, the second one is the assumed device.
 Checked<BuiltScene> build_world(const StabilitySubject& subject, const WorldOptions& options);
 
+/// What is added to an input of the instrument while its world settles.
+struct HeldInput {
+  int channel = 0;
+  double level = 0;         ///< SI
+  bool alternates = false;  ///< every 2 ms; else a constant
+};
+
 /// An instrument in its world that has run for a moment on silence with its drives disconnected (the closed
 /// loop might be unstable), so that every signal has its resting value.
 class RestingWorld {
  public:
-  static Checked<RestingWorld> make(const StabilitySubject& subject, const WorldOptions& options);
+  static Checked<RestingWorld> make(const StabilitySubject& subject, const WorldOptions& options,
+                                    const std::vector<HeldInput>& held = {});
 
   /// [control]
   ClosedGraph closed(const Regime& regime) const;
   /// Of an instrument alone: the inputs and drives that the device does not join.
   std::vector<OpenPair> open_pairs(LinearGraph& graph, const Regime& regime) const;
+  /// Input channels of the instrument that something else may move than its gestures: those that its drives
+  /// reach, and all of an instrument alone.
+  std::vector<int> moved_inputs() const;
   /// Its operating points: at rest, touched, each contact closed.
   std::vector<Regime> regimes(double push) const;
 
@@ -74,10 +85,11 @@ class RestingWorld {
 
  private:
   explicit RestingWorld(BuiltScene built) : built_(std::move(built)) {}
-  void rest();
+  void rest(const std::vector<HeldInput>& held);
   void join_plant(ClosedGraph& closed, const Regime& regime, const Terminals& instrument) const;
 
   BuiltScene built_;
+  SamplingClocks clocks_;
   bool alone_ = false;
 };
 

@@ -162,8 +162,8 @@ std::vector<Circuit::Signal> Circuit::masses(const Masses& of, Method method, do
     moving->force << inverse, inverse, none;
     read << one, none, none, none, 1.5 * one / t, -0.5 * one / t;
   }
-  const auto size = static_cast<int>(moving->step.rows());
-  moving->state = add_states(size);
+  const auto size = static_cast<int>(moving->step.rows()), count = static_cast<int>(n);
+  moving->state = add_states(size + count);  // and the forces of the frame before
   std::vector<Signal> signals;
   for (Eigen::Index i = 0; i < 2 * n; ++i) signals.push_back(add_signal());
   moving->first = signals.front();
@@ -177,9 +177,13 @@ std::vector<Circuit::Signal> Circuit::masses(const Masses& of, Method method, do
   });
   late_.push_back([=](const Frame& f) {
     Eigen::Map<Eigen::VectorXd> x(f.state + moving->state, size);
-    Eigen::VectorXd force = Eigen::VectorXd::Zero(n);
+    Eigen::Map<Eigen::VectorXd> before(f.state + moving->state + size, count);
+    Eigen::VectorXd force = Eigen::VectorXd::Zero(count);
     for (const auto& [where, newtons] : moving->pushes) force[where.first] += newtons * f.signal[where.second];
-    x = Eigen::VectorXd(moving->step * x + moving->force * force);
+    // A force that is held from frame to frame: its mean around the frame.
+    const Eigen::VectorXd acts = method == Method::Exact ? force : Eigen::VectorXd(0.5 * (force + before));
+    x = Eigen::VectorXd(moving->step * x + moving->force * acts);
+    before = force;
   });
   moving_.push_back(std::move(moving));
   return signals;
@@ -254,7 +258,7 @@ double Circuit::growth() const {
 std::vector<double> Circuit::respond(int frames, Signal output) const {
   std::vector<double> state(states_), signals(signals_), responded;
   for (int n = 0; n < frames; ++n) {
-    if (!inputs_.empty()) signals[at(inputs_.front())] = n < kPushFrames ? 1.0 : 0.0;
+    if (!inputs_.empty()) signals[at(inputs_.front())] = pushed(n) ? 1.0 : 0.0;
     step(signals, state, n);
     responded.push_back(signals[at(output)]);
   }

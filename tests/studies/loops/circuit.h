@@ -36,7 +36,8 @@ struct Masses {
 };
 enum class Method { Explicit, Passive, Implicit, Exact };
 
-constexpr int kPushFrames = 100;
+/// What `respond` does to the input: 1 for a while, once parts with rates of their own have begun.
+constexpr bool pushed(long frame) { return frame >= 40 && frame < 140; }
 
 /// A linear system, stepped frame by frame as docs/graph_files.md, docs/networks.md and the equations of the
 /// nodes say. Shares nothing with the engine. Blocks run in the order in which they are added, after delays and
@@ -67,7 +68,7 @@ class Circuit {
   int states() const { return static_cast<int>(states_); }
   /// ln of the largest eigenvalue, per frame.
   double growth() const;
-  /// The output while the input is 1 for `kPushFrames`, and after that.
+  /// The output when the input is `pushed`.
   std::vector<double> respond(int frames, Signal output) const;
 
  private:

@@ -84,7 +84,7 @@ class Pushed final : public BlockProcessor {
   void process(const BlockIo& io) noexcept override {
     for (int c = 0; c < sensors_.size(); ++c)
       for (int n = 0; n < io.frames; ++n)
-        sensors_[c][n] = io.in[c][n] + (c == 0 && frame_ + n < kPushFrames ? 1.0 : 0.0);
+        sensors_[c][n] = io.in[c][n] + (c == 0 && pushed(frame_ + n) ? 1.0 : 0.0);
     inner_.process({sensors_.data(), io.out, io.frames});
     for (int n = 0; n < io.frames; ++n) first.push_back(io.out[0][n]);
     frame_ += io.frames;

@@ -41,11 +41,22 @@ struct Group {
     choices.push_back(std::move(choice));
   }
 
-  /// The steepest point of each, and that of their sum.
+  /// The steepest point of each, that of their sum, and where slopes are others.
   void choose() {
     offer_steepest();
     for (const auto* law : laws)
-      if (law->opposite) choices.push_back({law->path, *law->opposite, "beyond its corner"});
+      for (const double to : law->elsewhere)
+        if (std::ranges::none_of(choices, [&](const Choice& other) { return alike(other.to, to); }))
+          choices.push_back({law->path, to, "at another slope"});
+  }
+
+  /// Whether every law has the same slope at both.
+  bool alike(double one, double other) const {
+    return std::ranges::all_of(laws, [&](const Nonlinearity* law) {
+      const auto& slope = law->slope ? law->slope : law->answer;
+      const double a = slope(one), b = slope(other);
+      return std::abs(a - b) <= 1e-6 * std::max(std::abs(a), std::abs(b));
+    });
   }
 
   void offer_steepest() {
@@ -88,6 +99,20 @@ std::vector<OperatingPoint> with(const std::vector<OperatingPoint>& places, cons
         made.name += fmt::format("{}'{}' {}", made.name.empty() ? "" : ", ", choice.path, choice.where);
     }
   return further;
+}
+
+/// Each group's points alone, the others at rest; then all at their steepest.
+std::vector<OperatingPoint> one_by_one(const std::vector<Group>& groups) {
+  std::vector<OperatingPoint> places;
+  for (const auto& group : groups)
+    for (const auto& choice : group.choices) {
+      if (places.size() == kMostPlaces) break;
+      auto& made = places.emplace_back(OperatingPoint{fmt::format("'{}' {}", choice.path, choice.where), {}});
+      for (const auto& other : groups) made.moved[other.source] = 0.0;
+      made.moved[group.source] = choice.to;
+    }
+  places.push_back({kAllSteepest, {}, false});
+  return places;
 }
 
 /// Of a minimum (or maximum) of something that moves and something that does not, the moving one limits when
@@ -140,6 +165,39 @@ double answer_at(const Node& node, const NodeType& type, const std::vector<doubl
     sum += is_spring(type, i, 0) ? std::max(0.0, -slope) : std::abs(slope);
   }
   return std::isfinite(sum) ? sum : 0;
+}
+
+PlanSignal choice_at(PlanSignal out) {
+  constexpr int kNoPort = 1000;
+  out.port = kNoPort;
+  return out;
+}
+
+std::vector<double> places_of_slopes(const std::function<double(double)>& slope, double but,
+                                     const std::vector<double>& middles) {
+  constexpr int kPerDecade = 4;
+  constexpr std::size_t kMostLines = 5;
+  std::vector<std::pair<double, double>> found;  // slope, place
+  const auto note = [&](double at) {
+    const double value = slope(at);
+    if (!std::isfinite(value)) return;
+    const auto close = [&](const auto& other) {
+      return std::abs(other.first - value) <= 1e-6 * std::max(std::abs(other.first), std::abs(value));
+    };
+    if (std::ranges::none_of(found, close)) found.emplace_back(value, at);
+  };
+  note(0.0);
+  note(but);
+  const auto known = found.size();
+  for (const double middle : middles)
+    for (int step = -6 * kPerDecade; step <= 3 * kPerDecade; ++step)
+      for (const double side : {-1.0, 1.0})
+        note(middle + side * std::pow(10.0, step / static_cast<double>(kPerDecade)));
+  std::vector<std::pair<double, double>> others(found.begin() + static_cast<std::ptrdiff_t>(known), found.end());
+  if (found.size() > kMostLines) others = {std::ranges::min(others), std::ranges::max(others)};
+  std::vector<double> places{0.0};
+  for (const auto& [value, at] : others) places.push_back(at);
+  return places;
 }
 
 Summit summit(const std::function<double(double)>& height, double start, const std::vector<double>& middles) {
@@ -220,11 +278,12 @@ std::optional<Nonlinearity> corner(const std::string& path, Expression::Op op, c
   const bool has_corner = op == Expression::Op::Min || op == Expression::Op::Max || op == Expression::Op::Abs;
   const bool of_two = operands_of(op) == 2 && operands.moves[0] && operands.moves[1];
   if (!has_corner || of_two) return std::nullopt;
-  const auto answer = [=](double moved) {
+  const auto slope = [=](double moved) {
     auto there = operands;
     (which == 0 ? there.a : there.b) += from.slope * moved;
-    return std::abs(slope_of(op, there, which, false));
+    return slope_of(op, there, which, false);
   };
+  const auto answer = [slope](double moved) { return std::abs(slope(moved)); };
   const double here = which == 0 ? operands.a : operands.b;
   const double edge = op == Expression::Op::Abs ? 0 : which == 0 ? operands.b : operands.a;
   const double to_edge = (edge - here) / from.slope;
@@ -232,8 +291,28 @@ std::optional<Nonlinearity> corner(const std::string& path, Expression::Op op, c
   double to = 0;
   for (const double beyond : {to_edge + little, to_edge - little})
     if (answer(beyond) > answer(to)) to = beyond;
-  Nonlinearity law{path, from.source, to, answer};
-  if (op == Expression::Op::Abs) law.opposite = 2 * to_edge - to;
+  Nonlinearity law{path, from.source, to, answer, slope};
+  law.elsewhere = {0.0, to_edge - little, to_edge + little};
+  return law;
+}
+
+Nonlinearity corner_of_two(const std::string& path, const PlanSignal& out, Expression::Op op, const Operands& operands,
+                           const std::array<Derived, 2>& from) {
+  if (from[0].source != from[1].source) {
+    const auto always = [](double) { return 1.0; };
+    Nonlinearity law{path, choice_at(out), 0.0, always, [](double choice) { return choice; }};
+    law.elsewhere = {1.0};
+    return law;
+  }
+  const auto slope = [=](double moved) {
+    const Operands there{operands.a + from[0].slope * moved, operands.b + from[1].slope * moved, operands.moves};
+    return slope_of(op, there, 0, false) != 0 ? from[0].slope : from[1].slope;
+  };
+  const double apart = from[0].slope - from[1].slope;
+  const double edge = apart == 0.0 ? 0.0 : (operands.b - operands.a) / apart;
+  const double little = std::max(1e-6 * std::abs(edge), 1e-9);
+  Nonlinearity law{path, from[0].source, edge + little, [slope](double moved) { return std::abs(slope(moved)); }, slope};
+  law.elsewhere = {0.0, edge - little, edge + little};
   return law;
 }
 
@@ -241,7 +320,7 @@ std::vector<OperatingPoint> operating_points(const std::vector<Nonlinearity>& la
   const auto groups = groups_of(laws);
   std::size_t count = 1;
   for (const auto& group : groups) count = std::min(count * group.choices.size(), kMostPlaces + 1);
-  if (count > kMostPlaces) return {{kAllSteepest, {}}};
+  if (count > kMostPlaces) return one_by_one(groups);
   std::vector<OperatingPoint> places(1);
   for (const auto& group : groups) places = with(places, group);
   if (places.size() == 1) places.front().name = kAllSteepest;

@@ -42,6 +42,7 @@ class LinearNetwork {
   /// The mode that would grow first: the mass that moves most and the link that it strains most.
   std::string weakest() const;
 
+  NetworkElements written;               ///< its elements as they are in the file
   NetworkRecipe recipe;                  ///< with fingertip, test force and tangents; knows the node's inputs
   int driven_row = -1, test_force = -1;  ///< row and column of the driven point, -1 if nothing is driven
   std::vector<StepMode> modes = {};
@@ -67,13 +68,14 @@ struct LinearEdge {
     Delay,    ///< z^-frames
     Node,     ///< Node::response
     Network,  ///< of LinearNetwork
+    Hold,     ///< (1 + z^-1 + ... z^-(frames - 1)) / frames: what is sampled once in `frames` and held
     Event,    ///< event-driven or unknown: it has no gain, and closes no linear loop
   };
   Kind kind = Kind::Gain;
   int from = 0, to = 0;
   std::string path;  ///< of the node or expression
   double gain = 1;
-  int frames = 0;  ///< Delay; of others the longest that is promised
+  int frames = 0;  ///< Delay, Hold; of others the longest that is promised
   std::shared_ptr<const Node> node = {};
   int input = 0, output = 0;    ///< of the node; column and row of a network's model
   std::vector<double> at = {};  ///< the node's inputs
@@ -98,6 +100,7 @@ struct EventPlace {
 /// Which operating point is analysed: contacts open or closed, free or held.
 struct Regime {
   std::string name = "at rest";
+  bool certain = true;    ///< false: its laws may never be where they are taken together
   bool touched = false;  ///< nonlinearities at their steepest point: behind the wall, on the slope
   Displaced moved = {};  ///< touched: the displacements that lead there; others are displaced one by one
   std::map<std::string, Touching> contacts = {};  ///< [path of the network]
@@ -107,21 +110,26 @@ struct Regime {
 /// The small-signal model of one or several plans.
 struct LinearGraph {
   std::vector<std::string> signals;  ///< names, for reports
+  std::vector<int> divisors;         ///< [signal] engine frames between two of its samples
   std::vector<LinearEdge> edges;
   std::vector<std::shared_ptr<const LinearNetwork>> networks;
   std::vector<std::string> network_paths;
   std::vector<std::string> skipped;  ///< networks that are too large to analyse
   std::vector<StiffPlace> stiff;
   std::vector<EventPlace> events;
+  std::vector<std::pair<int, std::string>> unclocked;  ///< inputs of nodes that sample without a regular clock
   std::vector<std::string> unstable_equilibria;  ///< nonlinearities whose force pushes away at the operating
                                                  ///< point and restores elsewhere: left out
   std::vector<int> wave_ports;                   ///< waves that leave a network
   std::vector<Nonlinearity> laws;                ///< whose slope depends on the operating point
   bool nonlinear = false;                        ///< the stiffness of some force depends on the position
   bool has_touched = false;                      ///< some law is steeper elsewhere than at rest
+  bool varies = false;  ///< some gain depends on a signal: a product, a parameter that moves, an event
+  bool all_combined = true;  ///< false: there are more combinations of laws than are analysed
 
-  int add_signal(std::string name) {
+  int add_signal(std::string name, int divisor = 1) {
     signals.push_back(std::move(name));
+    divisors.push_back(divisor);
     return static_cast<int>(signals.size()) - 1;
   }
   void join(int from, int to) { edges.push_back({.from = from, .to = to, .path = {}}); }
@@ -135,8 +143,15 @@ struct Terminals {
   std::vector<int> inputs;    ///< in the order of Plan::input_names
   std::vector<int> channels;  ///< in the order of Plan::channels, taps included
 };
+/// Which input of a node triggers its sampling of the first one; -1: none.
+int sampling_trigger(const NodeType& type);
+
+/// How many frames lie between two samples of the nodes that sample at a trigger; 0: it was not the same
+/// number twice in a row.
+using SamplingClocks = std::map<const Node*, int>;
 /// Adds a plan (compiled with `vectorise` off) at the operating point of its signals: it must have run, and
 /// last for one frame. `prefix` comes before its names.
-Terminals add_plan(LinearGraph& graph, const Plan& plan, const Regime& regime, const std::string& prefix);
+Terminals add_plan(LinearGraph& graph, const Plan& plan, const SamplingClocks& clocks, const Regime& regime,
+                   const std::string& prefix);
 
 }  // namespace tactus

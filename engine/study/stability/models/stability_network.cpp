@@ -58,6 +58,7 @@ std::shared_ptr<const LinearNetwork> LinearNetwork::make(const NetworkView& view
                                                          const std::optional<Fingertip>& hand) {
   std::shared_ptr<LinearNetwork> model{new LinearNetwork};
   auto& recipe = model->recipe = view.recipe;
+  model->written = recipe.elements;
   model->driven_ = driven_point(recipe.elements);
   if (model->driven_ >= 0) model->driven_row = static_cast<int>(type.outputs.size());
   for (std::size_t p = 0; p < recipe.elements.points.size(); ++p)

@@ -12,8 +12,6 @@ using Complex = std::complex<double>;
 
 // No more than so many points, whatever the graph does: what turns faster than that is rounding.
 constexpr std::size_t kMostPoints = 400'000;
-// Growth per second on the circle that is scanned.
-constexpr double kSlowestGrowth = 1e-4;
 // Factors outside these are no margins any more.
 constexpr double kLeastFactor = 1e-6, kMostFactor = 1e6;
 
@@ -36,13 +34,13 @@ void sort_by_growth(std::vector<LoopRoot>& roots, std::size_t most) {
 }
 
 LoopScan::LoopScan(const LoopGroup& group, Hertz rate)
-    : group_(group), rate_(rate), radius_(std::exp(kSlowestGrowth / rate.value)) {
+    : group_(group), rate_(rate / group.frames()), radius_(std::exp(kSlowestGrowth / rate_.value)) {
   constexpr double kQuick = 0.5;  // what is gone within a few frames is no mode
   const auto& graph = group.graph();
   for (std::size_t n = 0; n < graph.networks.size(); ++n)
     if (group.contains(static_cast<int>(n)))
       for (const auto& mode : graph.networks[n]->modes)
-        if (std::abs(mode.pole) > kQuick) poles_.push_back(mode.pole);
+        if (std::abs(mode.pole) > kQuick) poles_.push_back(std::pow(mode.pole, group.frames()));
   refine(first_points());
 }
 

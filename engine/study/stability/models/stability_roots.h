@@ -35,6 +35,9 @@ struct CutMargin {
   double more_delay_s = std::numeric_limits<double>::infinity();
 };
 
+/// Growth per second on the circle that is scanned: slower growth counts as none.
+inline constexpr double kSlowestGrowth = 1e-4;
+
 /// Evaluates f(z) = det(1 - R(z)) of a loop group along the circle |z| = 1 + tiny, on which a root doubles in
 /// two hours, with points so close that f never turns by more than a fraction from one to the
 /// next.
