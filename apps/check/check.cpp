@@ -351,7 +351,7 @@ void add_check(CLI::App& app, int& exit_code) {
   command.add_flag("--json", options.json, "print every number as JSON");
   command.footer(
       "Examples:\n  tactus check instruments/haptic_drum\n  tactus check my_wall.toml --delay \"1 ms\" "
-      "--device-mass \"30 g\"\n  tactus check my_scene.toml --quick --json\n\nExit code 1: unstable.");
+      "--device-mass \"30 g\"\n  tactus check my_scene.toml --quick --json\n\nExit code 1: unstable or undecided.");
 }
 
 }  // namespace tactus::app

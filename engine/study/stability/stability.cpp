@@ -62,9 +62,9 @@ int growing_when_sampled(const LinearGraph& graph, const std::vector<int>& signa
   const auto alone = frames_alone(graph);
   for (auto& loop : loops_of(alone, false))
     if (std::ranges::binary_search(signals, loop.front()) && graph.divisors[index(loop.front())] == 1)
-      growing += std::max(0, LoopScan(LoopGroup(alone, std::move(loop), {}), rate).growing());
+      growing += std::max(0, LoopScan(LoopGroup(alone, std::move(loop), {}), rate, LoopScan::For::Counting).growing());
   const auto group = LoopGroup::sampled(graph, signals, frames);
-  return growing + std::max(0, LoopScan(group, rate).growing());
+  return growing + std::max(0, LoopScan(group, rate, LoopScan::For::Counting).growing());
 }
 
 /// Roots that grow in a group of loops; `scan`: of the same, where there is one.
@@ -83,7 +83,7 @@ int growing_in(const LinearGraph& graph, const std::vector<int>& signals, Hertz 
     add_doubt(doubts, {"a loop through '" + graph.signals[index(signals.front())] + "' is sampled less often than once in 256 frames",
                        "sample it more often"});
   if (frames > 1 && frames <= kMostFrames) return growing_when_sampled(graph, signals, frames, rate);
-  return std::max(0, scan != nullptr ? scan->growing() : LoopScan(LoopGroup(graph, signals, {}), rate).growing());
+  return std::max(0, scan != nullptr ? scan->growing() : LoopScan(LoopGroup(graph, signals, {}), rate, LoopScan::For::Counting).growing());
 }
 
 bool too_large(const LoopGroup& group, std::vector<Doubt>& doubts) {
@@ -384,7 +384,7 @@ class Analysis {
                        "', and with some of them they grow",
                    "play it, or lower the gain of what is multiplied"});
       }
-      verdict_.held.push_back({plan.input_names[index(first.channel)], {}, first.level, first.alternates, stability});
+      verdict_.held.push_back({plan.input_names[index(first.channel)], first.level, first.alternates, stability});
       report_progress();
     };
     constexpr std::size_t kMostInputs = 8;

@@ -93,7 +93,6 @@ struct Doubt {
 /// others than at rest.
 struct HeldVerdict {
   std::string input;
-  Unit unit;
   double level = 0;         ///< SI
   bool alternates = false;  ///< between this level and its opposite
   Stability stability = Stability::Stable;

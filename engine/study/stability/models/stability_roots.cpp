@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "engine/core/units.h"
 
@@ -33,8 +34,8 @@ void sort_by_growth(std::vector<LoopRoot>& roots, std::size_t most) {
   if (roots.size() > most) roots.resize(most);
 }
 
-LoopScan::LoopScan(const LoopGroup& group, Hertz rate)
-    : group_(group), rate_(rate / group.frames()), radius_(std::exp(kSlowestGrowth / rate_.value)) {
+LoopScan::LoopScan(const LoopGroup& group, Hertz rate, For what)
+    : group_(group), rate_(rate / group.frames()), what_(what), radius_(std::exp(kSlowestGrowth / rate_.value)) {
   constexpr double kQuick = 0.5;  // what is gone within a few frames is no mode
   const auto& graph = group.graph();
   for (std::size_t n = 0; n < graph.networks.size(); ++n)
@@ -48,7 +49,8 @@ double LoopScan::hertz(double radians) const { return radians * rate_.value / (2
 
 LoopScan::Sample LoopScan::sample(double radians) const {
   const auto returned = group_.returned(std::polar(radius_, radians));
-  return {radians, LoopGroup::characteristic(returned), LoopGroup::alone(returned)};
+  auto alone = what_ == For::Margins ? LoopGroup::alone(returned) : std::vector<Complex>{};
+  return {radians, LoopGroup::characteristic(returned), std::move(alone)};
 }
 
 /// Eight for each turn of the delays, more towards 0 Hz and around what rings in the networks.
@@ -85,7 +87,7 @@ void LoopScan::refine(std::vector<double> points) {
   for (auto p = points.rbegin(); p != points.rend(); ++p) ahead.push_back(sample(*p));
   heights_.assign(group_.cuts().size(), 0.0);
   for (const auto& s : ahead)
-    for (std::size_t c = 0; c < heights_.size(); ++c)
+    for (std::size_t c = 0; c < s.alone.size(); ++c)
       heights_[c] = std::max(heights_[c], std::min(1.0, std::abs(s.alone[c])));
   while (!ahead.empty()) {
     if (!samples_.empty() && samples_.size() + ahead.size() < kMostPoints) {
@@ -100,16 +102,24 @@ void LoopScan::refine(std::vector<double> points) {
   }
 }
 
-int LoopScan::growing_with(int cut, double factor) const {
-  const auto c = static_cast<std::size_t>(cut);
+template <class Value>
+int LoopScan::turns(const Value& value) const {
   double turned = 0;
   Complex before = 0;
   for (const auto& s : samples_) {
-    const auto f = scaled(s.f, s.alone[c], factor);
+    const Complex f = value(s);
     if (before != 0.0 && f != 0.0) turned += std::arg(f / before);
     before = f;
   }
   return static_cast<int>(std::lround(-turned / kPi));
+}
+
+int LoopScan::growing() const {
+  return turns([](const Sample& s) { return s.f; });
+}
+
+int LoopScan::growing_with(int cut, double factor) const {
+  return turns([&](const Sample& s) { return scaled(s.f, s.alone[static_cast<std::size_t>(cut)], factor); });
 }
 
 // ---- margins

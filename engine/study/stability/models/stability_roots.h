@@ -43,11 +43,15 @@ inline constexpr double kSlowestGrowth = 1e-4;
 /// next.
 class LoopScan {
  public:
-  LoopScan(const LoopGroup& group, Hertz rate);
+  enum class For {
+    Margins,
+    Counting,  ///< `growing` alone: fewer points, and less at each of them
+  };
+  LoopScan(const LoopGroup& group, Hertz rate, For what = For::Margins);
 
   /// Roots outside the circle, from the turns of f around 0 (Cauchy's argument principle; f has no poles
   /// there if no network grows by itself).
-  int growing() const { return growing_with(0, 1.0); }
+  int growing() const;
   /// The same with everything that goes through a cut times `factor`.
   int growing_with(int cut, double factor) const;
   CutMargin margin(int cut) const;
@@ -77,8 +81,12 @@ class LoopScan {
   std::optional<LoopRoot> newton(std::complex<double> s, int cut, double factor) const;
   double hertz(double radians) const;
 
+  template <class Value>
+  int turns(const Value& value) const;
+
   const LoopGroup& group_;
   Hertz rate_;
+  For what_;
   double radius_;
   std::vector<std::complex<double>> poles_;  ///< of the networks in the loop
   std::vector<Sample> samples_;              ///< from 0 to half the rate
