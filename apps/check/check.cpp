@@ -26,7 +26,9 @@ struct CheckReport : StabilityReport {
 };
 
 const char* word_of(Stability stability) {
-  return stability == Stability::Stable ? "stable" : stability == Stability::Undecided ? "undecided" : "unstable";
+  return stability == Stability::Stable      ? "stable"
+         : stability == Stability::Undecided ? "undecided"
+                                             : "unstable";
 }
 
 // JSON has no infinity and no NaN: they are written as null.
@@ -351,7 +353,8 @@ void add_check(CLI::App& app, int& exit_code) {
   command.add_flag("--json", options.json, "print every number as JSON");
   command.footer(
       "Examples:\n  tactus check instruments/haptic_drum\n  tactus check my_wall.toml --delay \"1 ms\" "
-      "--device-mass \"30 g\"\n  tactus check my_scene.toml --quick --json\n\nExit code 1: unstable or undecided.");
+      "--device-mass \"30 g\"\n  tactus check my_scene.toml --quick --json\n\nExit code 1: unstable or "
+      "undecided.");
 }
 
 }  // namespace tactus::app

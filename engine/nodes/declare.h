@@ -15,8 +15,8 @@ namespace tactus {
 // Rows of a declaration. An input is {name, unit, doc, default, low, high}, an output {name, unit, doc}, a
 // setting {name, kind, doc, choices or units, default}.
 
-/// An input that may close a loop, is needed when the node is made, is the least time between two events, samples
-/// the first input.
+/// An input that may close a loop, is needed when the node is made, is the least time between two events,
+/// samples the first input.
 inline InputPort late(InputPort port) { return port.late = true, port; }
 inline InputPort fixed(InputPort port) { return port.fixed = true, port; }
 inline InputPort event_hold(InputPort port) { return port.hold = true, port; }

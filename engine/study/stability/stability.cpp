@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/core/index.h"
+#include "engine/physics/network_model.h"
 #include "engine/study/stability/models/stability_roots.h"
 #include "engine/study/stability/models/thrown_network.h"
 
@@ -62,7 +63,8 @@ int growing_when_sampled(const LinearGraph& graph, const std::vector<int>& signa
   const auto alone = frames_alone(graph);
   for (auto& loop : loops_of(alone, false))
     if (std::ranges::binary_search(signals, loop.front()) && graph.divisors[index(loop.front())] == 1)
-      growing += std::max(0, LoopScan(LoopGroup(alone, std::move(loop), {}), rate, LoopScan::For::Counting).growing());
+      growing += std::max(
+          0, LoopScan(LoopGroup(alone, std::move(loop), {}), rate, LoopScan::For::Counting).growing());
   const auto group = LoopGroup::sampled(graph, signals, frames);
   return growing + std::max(0, LoopScan(group, rate, LoopScan::For::Counting).growing());
 }
@@ -72,18 +74,24 @@ int growing_in(const LinearGraph& graph, const std::vector<int>& signals, Hertz 
                std::vector<Doubt>& doubts) {
   for (const auto& [signal, path] : graph.unclocked)
     if (std::ranges::binary_search(signals, signal))
-      add_doubt(doubts, {"'" + path + "' samples a signal of a loop without a regular clock, so its delay is not known",
-                         "trigger it by a clock of a whole number of frames, or take it out of the loop"});
+      add_doubt(
+          doubts,
+          {"'" + path + "' samples a signal of a loop without a regular clock, so its delay is not known",
+           "trigger it by a clock of a whole number of frames, or take it out of the loop"});
   const int frames = frames_between_samples(graph, signals);
   if (frames == 0)
-    add_doubt(doubts, {"a loop through '" + graph.signals[index(signals.front())] + "' is sampled at several rates",
-                       "give the parts and clocks of this loop one rate"});
+    add_doubt(doubts,
+              {"a loop through '" + graph.signals[index(signals.front())] + "' is sampled at several rates",
+               "give the parts and clocks of this loop one rate"});
   constexpr int kMostFrames = 256;
   if (frames > kMostFrames)
-    add_doubt(doubts, {"a loop through '" + graph.signals[index(signals.front())] + "' is sampled less often than once in 256 frames",
+    add_doubt(doubts, {"a loop through '" + graph.signals[index(signals.front())] +
+                           "' is sampled less often than once in 256 frames",
                        "sample it more often"});
   if (frames > 1 && frames <= kMostFrames) return growing_when_sampled(graph, signals, frames, rate);
-  return std::max(0, scan != nullptr ? scan->growing() : LoopScan(LoopGroup(graph, signals, {}), rate, LoopScan::For::Counting).growing());
+  return std::max(0, scan != nullptr
+                         ? scan->growing()
+                         : LoopScan(LoopGroup(graph, signals, {}), rate, LoopScan::For::Counting).growing());
 }
 
 bool too_large(const LoopGroup& group, std::vector<Doubt>& doubts) {
@@ -119,7 +127,8 @@ void analyse_group(const ClosedGraph& closed, const LoopGroup& group, Hertz rate
   }
 }
 
-RegimeVerdict analyse_regime(const ClosedGraph& closed, const Regime& regime, Hertz rate, StabilityVerdict& all) {
+RegimeVerdict analyse_regime(const ClosedGraph& closed, const Regime& regime, Hertz rate,
+                             StabilityVerdict& all) {
   RegimeVerdict verdict{.name = regime.name,
                         .certain = regime.certain,
                         .held = regime.hand.has_value(),
@@ -194,7 +203,9 @@ std::vector<ControlState> moving_states(const std::vector<JournalEntry>& journal
 void doubt_networks(const LinearGraph& graph, std::vector<Doubt>& doubts) {
   for (const auto& path : graph.skipped)
     if (event_loop_through(graph, path))
-      add_doubt(doubts, {"network '" + path + "' has more than 300 numbers in its state, and loops go through it", kSmaller});
+      add_doubt(doubts,
+                {"network '" + path + "' has more than 300 numbers in its state, and loops go through it",
+                 kSmaller});
 }
 
 /// Stability of a world in all its regimes, bare.
@@ -225,7 +236,8 @@ double growth_with(const StabilitySubject& subject, const WorldOptions& options,
     for (auto& signals : loops_of(closed.graph, false)) {
       const LoopGroup group(closed.graph, std::move(signals), {});
       if (group.too_large()) continue;
-      for (const auto& root : LoopScan(group, world->rate()).roots(1)) most = std::max(most, root.growth_per_s);
+      for (const auto& root : LoopScan(group, world->rate()).roots(1))
+        most = std::max(most, root.growth_per_s);
     }
   }
   return most;
@@ -277,13 +289,15 @@ class Analysis {
  private:
   void conclude() {
     auto& all = verdict_.stability;
-    const auto unless = [&](bool stable) { all = worse(all, stable ? Stability::Stable : Stability::Unstable); };
+    const auto unless = [&](bool stable) {
+      all = worse(all, stable ? Stability::Stable : Stability::Unstable);
+    };
     for (const auto& regime : verdict_.regimes) unless(regime.held || !regime.certain || regime.is_stable());
     for (const auto& regime : verdict_.regimes)
       if (!regime.certain && !regime.held && !regime.is_stable())
-        add_doubt(verdict_.doubts,
-                  {"there are more combinations of nonlinearities than are analysed, and all at their steepest at once they grow",
-                   "split the graph, or make the nonlinearities less steep"});
+        add_doubt(verdict_.doubts, {"there are more combinations of nonlinearities than are analysed, and "
+                                    "all at their steepest at once they grow",
+                                    "split the graph, or make the nonlinearities less steep"});
     for (const auto& network : verdict_.networks) all = worse(all, network.stability());
     for (const auto& held : verdict_.held) all = worse(all, held.stability);
     for (const auto& gesture : verdict_.gestures) all = worse(all, gesture.stability);
@@ -325,8 +339,21 @@ class Analysis {
       verdict.weakest = model.weakest();
       check_contacts(model, verdict);
       verdict.grows = model.grows();
+      if (!model.whole() && !verdict.grows && !surely_stable(recipe))
+        add_doubt(verdict_.doubts,
+                  {"explicit network '" + verdict.path +
+                       "' has more than 300 numbers in its state: it did not grow in 4000 frames, and may later",
+                   "use solver = \"passive\", or a larger 'oversample'"});
       verdict_.networks.push_back(std::move(verdict));
     }
+  }
+
+  /// Other solvers than the explicit one keep the energy, or lose some; that one while k^2 times the largest
+  /// eigenvalue of M^-1 (K + 2 C / k) is below 4.
+  static bool surely_stable(const NetworkRecipe& recipe) {
+    const double k = 1.0 / (recipe.rate.value * recipe.oversample);
+    return recipe.solver != Solver::Explicit ||
+           k * k * NetworkModel(recipe.elements, recipe.signals, k).stiffest(1.0, 2.0) < 4.0;
   }
 
   /// Of the explicit solver: the others bound the energy of a contact, however short it is.
@@ -347,7 +374,8 @@ class Analysis {
   static Stability thrown(const LinearNetwork& model) {
     constexpr double kFarther = 1.2;
     if (grows_when_thrown(model.recipe, model.written, 1.0)) return Stability::Unstable;
-    return grows_when_thrown(model.recipe, model.written, kFarther) ? Stability::Undecided : Stability::Stable;
+    return grows_when_thrown(model.recipe, model.written, kFarther) ? Stability::Undecided
+                                                                    : Stability::Stable;
   }
 
   void find_event_loops(const RestingWorld& world) {
@@ -356,9 +384,9 @@ class Analysis {
     for (auto& event : verdict_.events) event.on_loop = event_loop_through(graph, event.path);
     for (const auto& event : verdict_.events)
       if (event.on_loop && !event.hold_s.value_or(0))
-        add_doubt(verdict_.doubts,
-                  {"the loop through " + event.type + " '" + event.path + "' is event-driven, and nothing limits its events",
-                   "give it a 'hold' time, or check it with the runs", true});
+        add_doubt(verdict_.doubts, {"the loop through " + event.type + " '" + event.path +
+                                        "' is event-driven, and nothing limits its events",
+                                    "give it a 'hold' time, or check it with the runs", true});
   }
 
   /// Gains that depend on signals: with each input of the instrument held.
@@ -384,7 +412,8 @@ class Analysis {
                        "', and with some of them they grow",
                    "play it, or lower the gain of what is multiplied"});
       }
-      verdict_.held.push_back({plan.input_names[index(first.channel)], first.level, first.alternates, stability});
+      verdict_.held.push_back(
+          {plan.input_names[index(first.channel)], first.level, first.alternates, stability});
       report_progress();
     };
     constexpr std::size_t kMostInputs = 8;
@@ -462,7 +491,8 @@ class Analysis {
     judged_.clear();
     for (const auto& reached : reached_values(scene->journal, verdict_.rate)) judge_reached(reached);
     const auto way = moving_states(scene->journal, verdict_.rate);
-    const bool stable = std::ranges::all_of(verdict_.gestures, [](const auto& g) { return g.stability == Stability::Stable; });
+    const bool stable = std::ranges::all_of(verdict_.gestures,
+                                            [](const auto& g) { return g.stability == Stability::Stable; });
     if (stable && way.size() > 2) search_between(way);
     return {};
   }
@@ -479,7 +509,8 @@ class Analysis {
     if (is_new) judged->second = stability_with(subject_, at_state(reached.state), options_.push);
     report_progress();
     const auto& control = (*controls_)[index(reached.control)].control;
-    verdict_.gestures.push_back({control.name, control.unit, reached.value(), reached.state.seconds, judged->second});
+    verdict_.gestures.push_back(
+        {control.name, control.unit, reached.value(), reached.state.seconds, judged->second});
   }
 
   /// The growth of what decays least along the way, evenly and then closer around its highest place.
@@ -488,7 +519,8 @@ class Analysis {
     const auto last = way.size() - 1;
     std::map<std::size_t, double> growth;
     const auto look = [&](std::size_t i) {
-      if (!growth.contains(i)) growth[i] = growth_with(subject_, at_state(way[i]), options_.push), report_progress();
+      if (!growth.contains(i))
+        growth[i] = growth_with(subject_, at_state(way[i]), options_.push), report_progress();
     };
     for (std::size_t i = 0; i <= kEvenly; ++i) look(i * last / kEvenly);
     std::size_t best = 0;
@@ -501,8 +533,7 @@ class Analysis {
       best = std::ranges::max_element(growth, {}, [](const auto& g) { return g.second; })->first;
       if (growth[best] > kSlowestGrowth) break;
     }
-    if (growth[best] > kSlowestGrowth)
-      judge_reached({way[best].values.begin()->first, way[best]});
+    if (growth[best] > kSlowestGrowth) judge_reached({way[best].values.begin()->first, way[best]});
   }
 
   static constexpr int kMostHalvings = 40;

@@ -32,8 +32,8 @@ struct NetworkVerdict {
   double contact_steps = std::numeric_limits<double>::infinity();
   double needed_contact_steps = kFewestContactSteps;
   bool too_deep = false;  ///< its initial state presses an explicit contact too stiff for the rate
-  /// Where its contacts are the sides of cubic springs and have too few steps: found by throwing its masses, at
-  /// 1 m/s, and at 1.2 times that and the start. Stable, if neither grows.
+  /// Where its contacts are the sides of cubic springs and have too few steps: found by throwing its masses,
+  /// at 1 m/s, and at 1.2 times that and the start. Stable, if neither grows.
   std::optional<Stability> thrown = {};
   bool within_steps() const { return contact_steps >= needed_contact_steps && !too_deep; }
   bool grows = false;  ///< its linear part
@@ -65,7 +65,7 @@ struct RegimeVerdict {
   std::string name;
   bool certain = true;  ///< false: its nonlinearities may never be where they are taken together
   bool held = false;    ///< by a fingertip
-  int growing = 0;    ///< roots that grow
+  int growing = 0;      ///< roots that grow
   std::vector<LoopRoot> roots = {};
   std::vector<LoopVerdict> loops = {};
   std::vector<StiffVerdict> stiff = {};

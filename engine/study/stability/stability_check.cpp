@@ -12,8 +12,8 @@ namespace tactus {
 namespace {
 
 /// At rest. What inputs and gestures do is in the verdict already.
-Stability predicted(const StabilitySubject& subject, const StabilityOptions& options, const StabilityVerdict& verdict,
-                    const ExtremePlan& plan) {
+Stability predicted(const StabilitySubject& subject, const StabilityOptions& options,
+                    const StabilityVerdict& verdict, const ExtremePlan& plan) {
   for (const auto& control : verdict.controls)
     for (const bool low : {true, false})
       if (const auto set = plan.world.set.find(control.control.name);
@@ -31,7 +31,8 @@ Checked<std::vector<ExtremeRun>> run_all(const StabilitySubject& subject, const 
   if (!world) return tl::unexpected(world.error());
   auto plans = border_runs(options.world, verdict);
   for (auto& plan : extremes_of(options.world, world->instrument())) plans.push_back(std::move(plan));
-  // A quarter of a run lasts a whole turn of the slowest oscillation, whose energy comes and goes twice in it.
+  // A quarter of a run lasts a whole turn of the slowest oscillation, whose energy comes and goes twice in
+  // it.
   constexpr double kShortest = 0.5, kLongest = 4;
   double slowest = std::numeric_limits<double>::infinity();
   for (const auto& root : verdict.regimes.front().roots)

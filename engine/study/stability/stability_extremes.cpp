@@ -229,18 +229,21 @@ std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityV
     loop = &other;
   }
   if (loop == nullptr || loop->growth_below >= 0 || loop->growth_above <= 0) return plans;
+  // What creeps away is hidden by what still swings.
+  if (loop->margin.border_hz == 0) return plans;
   constexpr double kShortest = 0.5, kLongest = 20;
   for (const bool above : {false, true}) {
     const double growth = std::abs(above ? loop->growth_above : loop->growth_below);
-    const double cycles = loop->margin.border_hz > 0 ? 12 / loop->margin.border_hz : 0;
+    const double cycles = 12 / loop->margin.border_hz;
     plans.push_back(
         {.what = fmt::format("{} at {} of its stability limit", loop->at, above ? "1.02" : "0.98"),
          .world = world,
          .seconds = std::clamp(std::max(1 / growth, cycles), kShortest, kLongest),
          .drive_gain = (above ? 1.02 : 0.98) * loop->margin.border,
          .linear = true,
-         .push_s = loop->margin.border_hz > 0 ? 0.1 / loop->margin.border_hz : 0.0,
-         .expected = !above});
+         .push_s = 0.1 / loop->margin.border_hz,
+         .expected = !above,
+         .elsewhere = true});
   }
   // Dry friction would hide the growth: the border is that of the system without it, before gestures begin.
   for (auto& plan : plans) {

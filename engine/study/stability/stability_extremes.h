@@ -26,12 +26,12 @@ struct ExtremePlan {
   WorldOptions world = {};
   const Disturbance* disturbance = &kDisturbances.front();
   double seconds = 0.5;
-  double drive_gain = 1;  ///< on every drive
-  bool linear = false;    ///< one push at the start, no guard, no converters: to see which side it is on
-  double push_s = 0;      ///< of linear runs: how long the push lasts, a frame at least
-  bool expected = true;   ///< false: predicted to grow
+  double drive_gain = 1;     ///< on every drive
+  bool linear = false;       ///< one push at the start, no guard, no converters: to see which side it is on
+  double push_s = 0;         ///< of linear runs: how long the push lasts, a frame at least
+  bool expected = true;      ///< false: predicted to grow
   std::string control = {};  ///< which one is at the end of its range
-  bool elsewhere = false;  ///< at another rate, delay or control than requested
+  bool elsewhere = false;    ///< at another rate, delay or control than requested
 };
 
 /// [full scale] No instrument makes that of signals of full scale, unless a loop of it grows.
@@ -57,7 +57,8 @@ struct ExtremeRun : ExtremePlan {
 /// [control] Extreme conditions: rates, delays, controls at both ends, disturbances.
 std::vector<ExtremePlan> extremes_of(const WorldOptions& world, const Plan& instrument);
 /// [control] 2 % below and above the border of the loop at rest that one drive closes, long enough for the
-/// root to grow or decay; none if no such loop can grow, or with nonlinearities or events in it.
+/// root to grow or decay; none if no such loop can grow, if it only creeps away, or with nonlinearities or
+/// events in it.
 std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityVerdict& verdict);
 /// [any] The same world before gestures begin: they leave the controls alone.
 WorldOptions without_gestures(WorldOptions world, const StabilityVerdict& verdict);

@@ -96,7 +96,8 @@ LoopGroup LoopGroup::sampled(const LinearGraph& graph, std::vector<int> signals,
   for (const auto& edge : graph.edges)
     if (edge.kind != LinearEdge::Kind::Event && std::ranges::binary_search(signals, edge.from) &&
         std::ranges::binary_search(signals, edge.to) &&
-        graph.divisors[static_cast<std::size_t>(edge.from)] < graph.divisors[static_cast<std::size_t>(edge.to)])
+        graph.divisors[static_cast<std::size_t>(edge.from)] <
+            graph.divisors[static_cast<std::size_t>(edge.to)])
       samples.push_back(edge.to);
   LoopGroup group(graph, std::move(signals), samples);
   group.frames_ = frames;
@@ -144,7 +145,9 @@ void LoopGroup::choose_cuts(const std::vector<int>& wanted) {
 /// Without the cuts there is no loop: every component is one signal, behind all that it reads.
 void LoopGroup::put_in_order() {
   order_.clear();
-  const auto is_cut = [&](int signal) { return cut(signal) >= 0 || std::ranges::count(inner_cuts_, signal) > 0; };
+  const auto is_cut = [&](int signal) {
+    return cut(signal) >= 0 || std::ranges::count(inner_cuts_, signal) > 0;
+  };
   std::vector<std::vector<int>> reads(signals_.size());
   for (const auto e : edges_) {
     const auto& edge = graph_->edges[e];
@@ -163,7 +166,8 @@ bool LoopGroup::holds(std::size_t edge) const {
 
 Eigen::MatrixXcd LoopGroup::returned(std::complex<double> z) const {
   if (frames_ == 1) return returned_each_frame(z);
-  const auto slow = static_cast<Eigen::Index>(cuts_.size()), fast = static_cast<Eigen::Index>(inner_cuts_.size());
+  const auto slow = static_cast<Eigen::Index>(cuts_.size()),
+             fast = static_cast<Eigen::Index>(inner_cuts_.size());
   const auto root = std::exp(std::log(z) / static_cast<double>(frames_));
   held_only_ = true;
   const Eigen::MatrixXcd among_samples = returned_each_frame(root).topLeftCorner(slow, slow);
@@ -174,7 +178,8 @@ Eigen::MatrixXcd LoopGroup::returned(std::complex<double> z) const {
     folded += all.topLeftCorner(slow, slow) - among_samples;
     if (fast == 0) continue;
     const Eigen::MatrixXcd one = Eigen::MatrixXcd::Identity(fast, fast);
-    folded += all.topRightCorner(slow, fast) * Eigen::MatrixXcd(one - all.bottomRightCorner(fast, fast)).inverse() *
+    folded += all.topRightCorner(slow, fast) *
+              Eigen::MatrixXcd(one - all.bottomRightCorner(fast, fast)).inverse() *
               all.bottomLeftCorner(fast, slow);
   }
   return folded;

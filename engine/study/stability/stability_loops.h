@@ -17,9 +17,9 @@ namespace tactus {
 /// closed loops. As every loop has a delay, R goes to what is smaller than 1 where z goes to infinity, and f
 /// has no poles outside the unit circle but those that the nodes have there.
 ///
-/// Sampled once in S frames (a part with a rate of its own, a `sample_hold`), the cuts are what is sampled and
-/// R is that from sample to sample. With Z = z^S, h the response of what holds, and F what lies between it and
-/// the sampler, other loops closed, everything that the sampler folds together is in
+/// Sampled once in S frames (a part with a rate of its own, a `sample_hold`), the cuts are what is sampled
+/// and R is that from sample to sample. With Z = z^S, h the response of what holds, and F what lies between
+/// it and the sampler, other loops closed, everything that the sampler folds together is in
 ///     R(Z) = sum_k F(z_k) h(z_k),    z_k = Z^(1/S) e^(j 2 pi k / S),
 /// with h = (1 + z^-1 + ... + z^-(S - 1)) / S for what is held.
 class LoopGroup {
@@ -69,8 +69,8 @@ class LoopGroup {
   mutable bool held_only_ = false;  ///< nothing goes from samples to frames
 };
 
-/// [any] How many frames lie between two samples of what is sampled in these loops: 1: nothing is; 0: there are
-/// several numbers.
+/// [any] How many frames lie between two samples of what is sampled in these loops: 1: nothing is; 0: there
+/// are several numbers.
 int frames_between_samples(const LinearGraph& graph, const std::vector<int>& signals);
 
 /// [any] Strongly connected parts with a loop in them, each as a list of signals. With `events`, edges of

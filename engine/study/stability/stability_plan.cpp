@@ -111,8 +111,9 @@ class PlanReader {
         if (auto law = corner(path, operation.op, operands, k, derived_.of(source(wire))))
           graph_.laws.push_back(std::move(*law));
         if (k == 0 && has_two_sides(operation.op) && operands.moves[1]) {
-          graph_.laws.push_back(corner_of_two(path, {&plan_, operation.vertex, 0}, operation.op, operands,
-                                              {derived_.of(source(wire)), derived_.of(source(operand(operation.vertex, 1)))}));
+          graph_.laws.push_back(
+              corner_of_two(path, {&plan_, operation.vertex, 0}, operation.op, operands,
+                            {derived_.of(source(wire)), derived_.of(source(operand(operation.vertex, 1)))}));
           graph_.has_touched = true;
         }
         using enum Expression::Op;
@@ -128,7 +129,9 @@ class PlanReader {
     }
   }
 
-  static bool has_two_sides(Expression::Op op) { return op == Expression::Op::Min || op == Expression::Op::Max; }
+  static bool has_two_sides(Expression::Op op) {
+    return op == Expression::Op::Min || op == Expression::Op::Max;
+  }
 
   Operands operands_of_vertex(const MicroOperation& operation) const {
     const auto moves = [&](int k) { return signal(operand(operation.vertex, k)) >= 0; };
@@ -137,7 +140,8 @@ class PlanReader {
 
   double touched_slope(const MicroOperation& operation, int which) const {
     auto operands = operands_of_vertex(operation);
-    if (const auto choice = regime_.moved.find(choice_at({&plan_, operation.vertex, 0})); choice != regime_.moved.end())
+    if (const auto choice = regime_.moved.find(choice_at({&plan_, operation.vertex, 0}));
+        choice != regime_.moved.end())
       return choice->second == which ? 1 : 0;
     bool taken = false;
     for (int k = 0; k < operands_of(operation.op); ++k)
@@ -209,7 +213,8 @@ class PlanReader {
         for (std::size_t i = 0; i < there.size(); ++i) there[i] += slopes[i] * moved;
         double sum = 0;
         for (std::size_t i = 0; i < there.size(); ++i)
-          if (moves[i]) sum += slopes[i] * node->response(static_cast<int>(i), 0, 1.0, there).value_or(0.0).real();
+          if (moves[i])
+            sum += slopes[i] * node->response(static_cast<int>(i), 0, 1.0, there).value_or(0.0).real();
         return sum;
       };
       std::vector<double> middles{0.0};

@@ -135,7 +135,8 @@ class Report {
           network.path, network.contact_steps, network.needed_contact_steps,
           std::ceil(network.needed_contact_steps / network.contact_steps));
     else
-      add("network '{}': its initial state or a strike at 1 m/s compresses a contact that is too stiff for explicit "
+      add("network '{}': its initial state or a strike at 1 m/s compresses a contact that is too stiff for "
+          "explicit "
           "steps, which then add energy; use more steps, or solver = \"passive\"",
           network.path);
     if (network.stability() == Stability::Undecided)

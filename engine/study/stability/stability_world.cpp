@@ -32,7 +32,8 @@ class Disconnected final : public BlockProcessor {
     for (int c = 0; c < sensors_.size(); ++c) std::copy_n(io.in[c], io.frames, sensors_[c]);
     for (const auto& held : held_)
       for (int n = 0; n < io.frames; ++n)
-        sensors_[held.channel][n] += held.alternates && (frame_ + n) / half_period_ % 2 == 1 ? -held.level : held.level;
+        sensors_[held.channel][n] +=
+            held.alternates && (frame_ + n) / half_period_ % 2 == 1 ? -held.level : held.level;
     inner_.process({sensors_.data(), io.out, io.frames});
     for (int c = 0; c < outputs_; ++c) std::fill_n(io.out[c], io.frames, 0.0);
     frame_ += io.frames;
@@ -51,7 +52,8 @@ class ClockWatch {
  public:
   explicit ClockWatch(const Plan& plan) {
     for (const auto& step : plan.steps) {
-      const auto* type = step.kind == Step::Kind::Process ? plan.vertices[index(step.vertex)].type.get() : nullptr;
+      const auto* type =
+          step.kind == Step::Kind::Process ? plan.vertices[index(step.vertex)].type.get() : nullptr;
       if (type == nullptr || sampling_trigger(*type) < 0) continue;
       watched_.push_back({plan.nodes[index(step.node)].get(),
                           plan.inputs[index(step.first_in + sampling_trigger(*type))].data});

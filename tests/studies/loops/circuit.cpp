@@ -179,7 +179,8 @@ std::vector<Circuit::Signal> Circuit::masses(const Masses& of, Method method, do
     Eigen::Map<Eigen::VectorXd> x(f.state + moving->state, size);
     Eigen::Map<Eigen::VectorXd> before(f.state + moving->state + size, count);
     Eigen::VectorXd force = Eigen::VectorXd::Zero(count);
-    for (const auto& [where, newtons] : moving->pushes) force[where.first] += newtons * f.signal[where.second];
+    for (const auto& [where, newtons] : moving->pushes)
+      force[where.first] += newtons * f.signal[where.second];
     // A force that is held from frame to frame: its mean around the frame.
     const Eigen::VectorXd acts = method == Method::Exact ? force : Eigen::VectorXd(0.5 * (force + before));
     x = Eigen::VectorXd(moving->step * x + moving->force * acts);

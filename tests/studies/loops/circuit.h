@@ -40,8 +40,8 @@ enum class Method { Explicit, Passive, Implicit, Exact };
 constexpr bool pushed(long frame) { return frame >= 40 && frame < 140; }
 
 /// A linear system, stepped frame by frame as docs/graph_files.md, docs/networks.md and the equations of the
-/// nodes say. Shares nothing with the engine. Blocks run in the order in which they are added, after delays and
-/// masses, which give what they have from the frames before.
+/// nodes say. Shares nothing with the engine. Blocks run in the order in which they are added, after delays
+/// and masses, which give what they have from the frames before.
 class Circuit {
  public:
   using Signal = int;

@@ -16,10 +16,11 @@
 #include "tests/studies/loops/random_loops.h"
 #include "tests/support/temporary_folder.h"
 
-// Is `tactus check` right? `loops_study LOOPS [FIRST] [KIND]` writes random closed loops as files, decides by equations of
-// its own whether they grow, and asks `check_stability`, with the runs and without. Prints a table, and on stderr
-// each loop of which the answer is wrong or missing. `loops_study --write NUMBER FOLDER` writes the files of one.
-// Exit code 1: a loop that grows was passed, or more was refused or left undecided than may be.
+// Is `tactus check` right? `loops_study LOOPS [FIRST] [KIND]` writes random closed loops as files, decides by
+// equations of its own whether they grow, and asks `check_stability`, with the runs and without. Prints a
+// table, and on stderr each loop of which the answer is wrong or missing. `loops_study --write NUMBER FOLDER`
+// writes the files of one. Exit code 1: a loop that grows was passed, or more was refused or left undecided
+// than may be.
 
 using namespace tactus;
 using namespace tactus::study;
@@ -102,7 +103,8 @@ double distance_from_engine(const Subject& subject, const std::vector<double>& e
   auto built = build_world(subject.subject(), subject.options.world);
   if (!built) return INFINITY;
   Pushed pushed{*built->instrument};
-  ClosedLoop loop{pushed, *built->plant, built->instrument->out_channels(), built->delay_frames, {.on = false}};
+  ClosedLoop loop{
+      pushed, *built->plant, built->instrument->out_channels(), built->delay_frames, {.on = false}};
   if (!loop.prepare(*subject.options.world.rate, 32)) return INFINITY;
   loop.run(static_cast<int>(expected.size()));
   double most = 1e-300, apart = 0;
@@ -121,7 +123,8 @@ class Study {
     const Subject subject(loop.loop, folder);
     if (!loop.response.empty())
       if (const double apart = distance_from_engine(subject, loop.response); !(apart < 1e-6))
-        note(number, loop, fmt::format("the study's equations are {:.1e} off what the engine plays", apart), true);
+        note(number, loop, fmt::format("the study's equations are {:.1e} off what the engine plays", apart),
+             true);
     for (const bool quick : {false, true}) {
       const auto report = check_stability(subject.subject(), subject.options, quick, {}, 1);
       if (!report) {
@@ -134,7 +137,8 @@ class Study {
 
   int print() const {
     fmt::print(
-        "| kind | mode | stable / said stable | growing / said growing | false pass | false refusal | undecided |\n"
+        "| kind | mode | stable / said stable | growing / said growing | false pass | false refusal | "
+        "undecided |\n"
         "|---|---|---|---|---|---|---|\n");
     bool good = true;
     for (const bool quick : {false, true}) {
@@ -171,15 +175,16 @@ class Study {
       if (!run.as_expected()) why += "; not as predicted: " + run.what;
     const char* what = said == Stability::Undecided ? "undecided" : grows ? "FALSE PASS" : "false refusal";
     note(number, loop,
-         fmt::format("{} ({}), grows by {:.3g} per second: {}", what, quick ? "quick" : "full", loop.truth.growth, why),
+         fmt::format("{} ({}), grows by {:.3g} per second: {}", what, quick ? "quick" : "full",
+                     loop.truth.growth, why),
          false);
   }
 
   void note(long number, const RandomLoop& loop, const std::string& text, bool broken) {
     const std::lock_guard lock(mutex_);
     broken_ += broken;
-    fmt::print(stderr, "loop {} ({}, {:g} kHz, {:.4g} of its border): {}\n", number, loop.kind, loop.loop.rate / 1e3,
-               loop.of_border, text);
+    fmt::print(stderr, "loop {} ({}, {:g} kHz, {:.4g} of its border): {}\n", number, loop.kind,
+               loop.loop.rate / 1e3, loop.of_border, text);
   }
 
   std::mutex mutex_;
@@ -191,12 +196,15 @@ int write_files(long number, const std::filesystem::path& folder) {
   const auto made = random_loop(number);
   std::filesystem::create_directories(folder);
   for (const auto& [name, text] : made.loop.files) std::ofstream{folder / name} << text;
-  fmt::print("{}, {:.4g} of its border, grows by {:.4g} per second\n", made.kind, made.of_border, made.truth.growth);
+  fmt::print("{}, {:.4g} of its border, grows by {:.4g} per second\n", made.kind, made.of_border,
+             made.truth.growth);
   const bool alone = !made.loop.files.contains("scene.toml");
   fmt::print("tactus check {}", (folder / (alone ? "i.toml" : "scene.toml")).string());
   if (alone)
-    fmt::print(" --rate '{:.17g} Hz' --delay '{:.17g} s' --device-mass '{:.17g} kg' --device-damping '{:.17g} N s/m'",
-               made.loop.rate, made.loop.delay_s, made.loop.device_mass, made.loop.device_damping);
+    fmt::print(
+        " --rate '{:.17g} Hz' --delay '{:.17g} s' --device-mass '{:.17g} kg' --device-damping '{:.17g} N "
+        "s/m'",
+        made.loop.rate, made.loop.delay_s, made.loop.device_mass, made.loop.device_damping);
   fmt::print("\n");
   return 0;
 }
@@ -206,17 +214,20 @@ int write_files(long number, const std::filesystem::path& folder) {
 int main(int count, char** arguments) {
   const std::vector<std::string> words(arguments + 1, arguments + count);
   if (words.size() == 3 && words[0] == "--write") return write_files(std::stol(words[1]), words[2]);
-  const long loops = words.empty() ? 1000 : std::stol(words[0]), first = words.size() > 1 ? std::stol(words[1]) : 1;
+  const long loops = words.empty() ? 1000 : std::stol(words[0]),
+             first = words.size() > 1 ? std::stol(words[1]) : 1;
   const auto kinds = static_cast<long>(loop_kinds().size());
   std::vector<long> numbers;
   for (long number = first; number < first + loops; ++number)
-    if (words.size() < 3 || loop_kinds()[static_cast<std::size_t>(number % kinds)] == words[2]) numbers.push_back(number);
+    if (words.size() < 3 || loop_kinds()[static_cast<std::size_t>(number % kinds)] == words[2])
+      numbers.push_back(number);
   Study study;
   int shown = 0;
   parallel_for(
       static_cast<int>(numbers.size()), [&](int i) { study.add(numbers[static_cast<std::size_t>(i)]); },
       [&](double share) {
-        if (const int percent = static_cast<int>(10 * share); percent > std::exchange(shown, std::max(shown, percent)))
+        if (const int percent = static_cast<int>(10 * share);
+            percent > std::exchange(shown, std::max(shown, percent)))
           fmt::print(stderr, "{} %\n", 10 * percent);
       },
       2);

@@ -37,8 +37,8 @@ class Random {
 /// How a loop is written and what it is, at a gain.
 struct Written {
   LoopFiles loop;
-  std::vector<Circuit> pieces;  ///< of each region in which it is linear; the first: at rest
-  Signal output = -1;           ///< of the first piece: the instrument's first output
+  std::vector<Circuit> pieces;        ///< of each region in which it is linear; the first: at rest
+  Signal output = -1;                 ///< of the first piece: the instrument's first output
   std::optional<double> growth = {};  ///< where there are no pieces
 };
 using Write = std::function<Written(double gain)>;
@@ -55,7 +55,8 @@ struct Filter {
 };
 
 double any_rate(Random& random) {
-  return random.among({8000.0, 11025.0, 16000.0, 22050.0, 32000.0, 44100.0, 48000.0, 88200.0, 96000.0, 192000.0});
+  return random.among(
+      {8000.0, 11025.0, 16000.0, 22050.0, 32000.0, 44100.0, 48000.0, 88200.0, 96000.0, 192000.0});
 }
 
 Filter any_filter(Random& random, double rate, double low, double high) {
@@ -106,8 +107,8 @@ DelayText any_delay(Random& random, double rate, double least, double most) {
   if (order == 0 || random.chance(0.2)) frames = std::floor(frames);
   const double time = frames / rate;
   const char* words[] = {"none", "linear", "", "lagrange3", "", "lagrange5"};
-  return {fmt::format("type = \"delay\", time = {}, interpolation = \"{}\"", seconds(time), words[order]), frames,
-          order};
+  return {fmt::format("type = \"delay\", time = {}, interpolation = \"{}\"", seconds(time), words[order]),
+          frames, order};
 }
 
 /// The assumed device: a mass on a damper, whose place and speed come first.
@@ -146,7 +147,8 @@ std::string node(const std::string& name, const std::string& in, const std::stri
   return fmt::format("{} = {{ in = \"{}\", {} }}\n", name, in, fields);
 }
 
-const char* const kDeviceInputs = "format = 1\n[inputs]\nplace = { unit = \"m\" }\nspeed = { unit = \"m/s\" }\n[nodes]\n";
+const char* const kDeviceInputs =
+    "format = 1\n[inputs]\nplace = { unit = \"m\" }\nspeed = { unit = \"m/s\" }\n[nodes]\n";
 
 // ---- kinds
 
@@ -185,7 +187,8 @@ Write device(Random& random) {
       speed = c.filter(place, velocity(cutoff, rate));
       text += node("rate", "place", "type = \"velocity\", cutoff = " + hertz(cutoff));
     }
-    text += node("drag", own_speed ? "rate" : "speed", fmt::format("type = \"damper\", damping = {}", number(damping)));
+    text += node("drag", own_speed ? "rate" : "speed",
+                 fmt::format("type = \"damper\", damping = {}", number(damping)));
     const auto force = c.sum({{-stiffness, sensed}, {-damping, speed}});
     close(c, loop, device[0], 0, force);
     made.output = force;
@@ -202,7 +205,8 @@ Write signals(Random& random) {
   const auto first = any_filter(random, rate, 50, 8000), second = any_filter(random, rate, 50, 8000);
   const auto far = any_delay(random, rate, 1, 60), near = any_delay(random, rate, 1, 20),
              inner = any_delay(random, rate, 1, 6);
-  const double far_gain = random.sign() * random.uniform(0.3, 1), near_gain = random.sign() * random.uniform(0.3, 1),
+  const double far_gain = random.sign() * random.uniform(0.3, 1),
+               near_gain = random.sign() * random.uniform(0.3, 1),
                inner_gain = random.sign() * random.uniform(0.1, 0.85);
   return [=](double gain) {
     Written made{loop, std::vector<Circuit>(1), -1};
@@ -222,7 +226,8 @@ Write signals(Random& random) {
     if (nested) {
       const auto x = c.sum({{1, at}, {inner_gain, within}});
       c.feed(within, x);
-      text += fmt::format("ringing = \"sum + {} * within\"\n", number(inner_gain)) + node("within", "ringing", inner.fields);
+      text += fmt::format("ringing = \"sum + {} * within\"\n", number(inner_gain)) +
+              node("within", "ringing", inner.fields);
       at = x;
       name = "ringing";
     }
@@ -262,9 +267,11 @@ Write scenes(Random& random) {
     const double stiffness = masses.m[i] * w * w, damping = masses.m[i] * w * random.decades(0.01, 0.3);
     masses.join(i, i - 1, stiffness, damping);
     plant += fmt::format(
-        "m{0} = {{ type = \"mass\", mass = {1} }}\ns{0} = {{ type = \"spring\", between = [\"{2}\", \"m{0}\"], "
+        "m{0} = {{ type = \"mass\", mass = {1} }}\ns{0} = {{ type = \"spring\", between = [\"{2}\", "
+        "\"m{0}\"], "
         "stiffness = {3}, damping = {4} }}\n",
-        i, number(masses.m[i]), i == 0 ? "ground" : fmt::format("m{}", i - 1), number(stiffness), number(damping));
+        i, number(masses.m[i]), i == 0 ? "ground" : fmt::format("m{}", i - 1), number(stiffness),
+        number(damping));
   }
   std::vector<int> on, of;
   std::vector<double> springs, dampers;
@@ -272,9 +279,11 @@ Write scenes(Random& random) {
   for (int d = 0; d < drives; ++d) {
     on.push_back(random.below(count));
     of.push_back(random.below(count));
-    springs.push_back(random.sign() * masses.k(on[static_cast<std::size_t>(d)], on[static_cast<std::size_t>(d)]) *
+    springs.push_back(random.sign() *
+                      masses.k(on[static_cast<std::size_t>(d)], on[static_cast<std::size_t>(d)]) *
                       random.uniform(0.2, 1));
-    dampers.push_back(random.sign() * masses.c(on[static_cast<std::size_t>(d)], on[static_cast<std::size_t>(d)]) *
+    dampers.push_back(random.sign() *
+                      masses.c(on[static_cast<std::size_t>(d)], on[static_cast<std::size_t>(d)]) *
                       random.uniform(0, 1));
     filters.push_back(any_smoother(random, rate, 100, 4000));
   }
@@ -289,31 +298,35 @@ Write scenes(Random& random) {
       const double stiffness = gain * springs[i], damping = gain * dampers[i];
       inputs += fmt::format("x{0} = {{ unit = \"m\" }}\nv{0} = {{ unit = \"m/s\" }}\n", d);
       nodes += node(fmt::format("f{}", d), fmt::format("x{}", d), filters[i].fields) +
-               fmt::format("u{0} = \"{1} N/m * f{0}{2} + {3} N s/m * v{0}\"\n", d, number(stiffness), filters[i].output,
-                           number(damping));
+               fmt::format("u{0} = \"{1} N/m * f{0}{2} + {3} N s/m * v{0}\"\n", d, number(stiffness),
+                           filters[i].output, number(damping));
       outputs += fmt::format("motor{0} = {{ from = \"u{0} / 1 N\" }}\n", d);
       plant_inputs += fmt::format("d{} = {{ unit = \"full scale\" }}\n", d);
       plant_outputs += fmt::format(
-          "x{0} = {{ from = \"n.m{1}.position\", unit = \"m\" }}\nv{0} = {{ from = \"n.m{1}.velocity\", unit = \"m/s\" "
+          "x{0} = {{ from = \"n.m{1}.position\", unit = \"m\" }}\nv{0} = {{ from = \"n.m{1}.velocity\", unit "
+          "= \"m/s\" "
           "}}\n",
           d, of[i]);
-      forces += fmt::format("p{0} = {{ type = \"force\", on = \"m{1}\", force = \"1 N * d{0}\" }}\n", d, on[i]);
+      forces +=
+          fmt::format("p{0} = {{ type = \"force\", on = \"m{1}\", force = \"1 N * d{0}\" }}\n", d, on[i]);
       parts += fmt::format(", x{0} = \"plant.x{0}\", v{0} = \"plant.v{0}\"", d);
       wires += fmt::format(", d{0} = \"instrument.motor{0}\"", d);
       auto place = moving[static_cast<std::size_t>(2 * of[i])];
       if (d == 0) place = c.sum({{1, place}, {1, kick}});
       const auto smooth = c.filter(place, filters[i].taps[0]);
-      const auto force = c.sum({{stiffness, smooth}, {damping, moving[static_cast<std::size_t>(2 * of[i] + 1)]}});
+      const auto force =
+          c.sum({{stiffness, smooth}, {damping, moving[static_cast<std::size_t>(2 * of[i] + 1)]}});
       close(c, loop, moving[0], on[i], force);
       if (d == 0) made.output = force;
     }
-    made.loop.files["i.toml"] = "format = 1\n[inputs]\n" + inputs + "[nodes]\n" + nodes + "[outputs]\n" + outputs;
+    made.loop.files["i.toml"] =
+        "format = 1\n[inputs]\n" + inputs + "[nodes]\n" + nodes + "[outputs]\n" + outputs;
     made.loop.files["p.toml"] =
         "format = 1\n[inputs]\n" + plant_inputs + plant + forces + "[outputs]\n" + plant_outputs;
-    made.loop.files["scene.toml"] =
-        fmt::format("format = 1\nrate = {}\ndelay = {}\nduration = \"1 s\"\n[parts]\ninstrument = {{ use = \"i.toml\"{} "
-                    "}}\nplant = {{ use = \"p.toml\"{} }}\n[converters]\noff = true\n",
-                    hertz(rate), seconds(loop.delay_s), parts, wires);
+    made.loop.files["scene.toml"] = fmt::format(
+        "format = 1\nrate = {}\ndelay = {}\nduration = \"1 s\"\n[parts]\ninstrument = {{ use = \"i.toml\"{} "
+        "}}\nplant = {{ use = \"p.toml\"{} }}\n[converters]\noff = true\n",
+        hertz(rate), seconds(loop.delay_s), parts, wires);
     return made;
   };
 }
@@ -332,7 +345,8 @@ Write networks(Random& random) {
   for (int i = 0; i < count; ++i) {
     masses.m[i] = random.decades(0.001, 0.1);
     const double stiffness = masses.m[i] * rate * rate * random.uniform(0.2, 1);
-    links.push_back({i, i - 1, stiffness, stiffness / rate * (random.chance(0.5) ? random.decades(1e-4, 0.1) : 1e-4)});
+    links.push_back(
+        {i, i - 1, stiffness, stiffness / rate * (random.chance(0.5) ? random.decades(1e-4, 0.1) : 1e-4)});
     if (i > 1 && random.chance(0.4)) links.push_back({i, random.below(i - 1), 0.3 * stiffness, 0.0});
   }
   return [=](double gain) {
@@ -340,14 +354,15 @@ Write networks(Random& random) {
     std::string text = "format = 1\n[networks.n]\nsolver = \"explicit\"\nground = { type = \"ground\" }\n";
     auto m = masses;
     for (int i = 0; i < count; ++i)
-      text += fmt::format("m{} = {{ type = \"mass\", mass = {}, at = \"{} mm\" }}\n", i, number(m.m[i]), 1 + i % 3);
+      text += fmt::format("m{} = {{ type = \"mass\", mass = {}, at = \"{} mm\" }}\n", i, number(m.m[i]),
+                          1 + i % 3);
     int named = 0;
     for (const auto& link : links) {
       m.join(link.one, link.other, gain * link.stiffness, gain * link.damping);
       text += fmt::format(
-          "s{} = {{ type = \"spring\", between = [\"{}\", \"m{}\"], stiffness = {}, damping = {} }}\n", named++,
-          link.other < 0 ? "ground" : fmt::format("m{}", link.other), link.one, number(gain * link.stiffness),
-          number(gain * link.damping));
+          "s{} = {{ type = \"spring\", between = [\"{}\", \"m{}\"], stiffness = {}, damping = {} }}\n",
+          named++, link.other < 0 ? "ground" : fmt::format("m{}", link.other), link.one,
+          number(gain * link.stiffness), number(gain * link.damping));
     }
     made.pieces[0].masses(m, Method::Explicit, rate);
     made.loop.files["i.toml"] = text + "[outputs]\nx = { from = \"n.m0.position\", unit = \"m\" }\n";
@@ -373,8 +388,10 @@ Write cubic(Random& random) {
     now.cubic = gain * scale;
     made.growth = now.grows() ? 1.0 : -1.0;
     made.loop.files["i.toml"] = fmt::format(
-        "format = 1\n[networks.n]\nsolver = \"explicit\"\nground = {{ type = \"ground\" }}\nball = {{ type = \"mass\", mass "
-        "= {}, at = {}, velocity = {} }}\nhold = {{ type = \"spring\", between = [\"ground\", \"ball\"], stiffness = {}, "
+        "format = 1\n[networks.n]\nsolver = \"explicit\"\nground = {{ type = \"ground\" }}\nball = {{ type = "
+        "\"mass\", mass "
+        "= {}, at = {}, velocity = {} }}\nhold = {{ type = \"spring\", between = [\"ground\", \"ball\"], "
+        "stiffness = {}, "
         "damping = {}, cubic = {} }}\n[outputs]\nx = {{ from = \"n.ball.position\", unit = \"m\" }}\n",
         number(now.mass), number(now.place), number(now.speed), number(now.stiffness), number(now.damping),
         number(now.cubic));
@@ -407,7 +424,9 @@ Write divided(Random& random) {
       const auto to = c.delay(slow_frames, 0);
       c.feed(to, sensed);
       sensed = to;
-      part += node("late", from, fmt::format("type = \"delay\", time = \"{} / system.rate\", interpolation = \"none\"", slow_frames));
+      part += node("late", from,
+                   fmt::format("type = \"delay\", time = \"{} / system.rate\", interpolation = \"none\"",
+                               slow_frames));
       from = "late";
     }
     if (filtered) {
@@ -425,8 +444,10 @@ Write divided(Random& random) {
     made.loop.files["part.toml"] = part + "[outputs]\nforce = { from = \"pull\", unit = \"N\" }\n";
     made.loop.files["i.toml"] =
         std::string{kDeviceInputs} +
-        fmt::format("felt = {{ use = \"part.toml\", place = \"place\", rate = \"1/{}\", take = \"{}\", between = \"{}\" }}\n",
-                    divisor, mean ? "mean" : "last", line ? "line" : "hold") +
+        fmt::format(
+            "felt = {{ use = \"part.toml\", place = \"place\", rate = \"1/{}\", take = \"{}\", between = "
+            "\"{}\" }}\n",
+            divisor, mean ? "mean" : "last", line ? "line" : "hold") +
         (outside ? node("drag", "speed", fmt::format("type = \"damper\", damping = {}", number(drag))) : "") +
         "[outputs]\npush = { from = \"felt" + (outside ? " + drag" : "") + "\", unit = \"N\" }\n";
     return made;
@@ -446,7 +467,8 @@ Write bent(Random& random) {
                b = random.uniform(-1, 1);
   switch (random.below(6)) {
     case 0:
-      law = fmt::format("bent = {{ type = \"clip\", in = \"sum\", low = {}, high = {} }}\n", number(low), number(high));
+      law = fmt::format("bent = {{ type = \"clip\", in = \"sum\", low = {}, high = {} }}\n", number(low),
+                        number(high));
       slopes = {1, 0};
       break;
     case 1: {  // a table of four straight lines
@@ -477,7 +499,8 @@ Write bent(Random& random) {
       break;
     default:
       law = fmt::format(
-          "bent = \"{} * sum + first_clip\"\nfirst_clip = {{ type = \"clip\", in = \"{} * sum - 0.3\", low = 0, high = 0.2 }}\n",
+          "bent = \"{} * sum + first_clip\"\nfirst_clip = {{ type = \"clip\", in = \"{} * sum - 0.3\", low = "
+          "0, high = 0.2 }}\n",
           number(a), number(b));
       slopes = {a, a + b};
       break;
@@ -491,11 +514,11 @@ Write bent(Random& random) {
       const auto at = c.filter(c.sum({{slope, sum}}), filter.taps[0]);
       c.feed(back, at);
     }
-    made.loop.files["i.toml"] = fmt::format("format = 1\n[inputs]\nin = {{}}\n[nodes]\nsum = \"in + {} * back\"\n",
-                                            number(sign * gain)) +
-                                law + node("first", "bent", filter.fields) +
-                                node("back", "first" + filter.output, delay.fields) +
-                                "[outputs]\nout = { from = \"sum\" }\n";
+    made.loop.files["i.toml"] =
+        fmt::format("format = 1\n[inputs]\nin = {{}}\n[nodes]\nsum = \"in + {} * back\"\n",
+                    number(sign * gain)) +
+        law + node("first", "bent", filter.fields) + node("back", "first" + filter.output, delay.fields) +
+        "[outputs]\nout = { from = \"sum\" }\n";
     return made;
   };
 }
@@ -522,18 +545,21 @@ Write walls(Random& random) {
     if (kind == 2) add(always + first + second, damping);
     std::string text = kDeviceInputs;
     text += fmt::format(
-        "stop = {{ type = \"wall\", position = \"place\", velocity = \"speed\", stiffness = {}, damping = {}, at = {} }}\n",
+        "stop = {{ type = \"wall\", position = \"place\", velocity = \"speed\", stiffness = {}, damping = "
+        "{}, at = {} }}\n",
         number(first), number(damping), number(at));
     text += fmt::format("back = \"{} N/m * place\"\n", number(-always));
     if (kind == 1)
       text += fmt::format(
-          "other = \"-mirror\"\nmirror = {{ type = \"wall\", position = \"-place\", stiffness = {}, at = {} }}\n", number(second),
-          number(at));
+          "other = \"-mirror\"\nmirror = {{ type = \"wall\", position = \"-place\", stiffness = {}, at = {} "
+          "}}\n",
+          number(second), number(at));
     if (kind == 2)
-      text += fmt::format("other = {{ type = \"wall\", position = \"place\", stiffness = {}, at = {} }}\n", number(second),
-                          number(2 * at));
-    made.loop.files["i.toml"] = text + fmt::format("[outputs]\npush = {{ from = \"stop + back{}\", unit = \"N\" }}\n",
-                                                   kind > 0 ? " + other" : "");
+      text += fmt::format("other = {{ type = \"wall\", position = \"place\", stiffness = {}, at = {} }}\n",
+                          number(second), number(2 * at));
+    made.loop.files["i.toml"] =
+        text + fmt::format("[outputs]\npush = {{ from = \"stop + back{}\", unit = \"N\" }}\n",
+                           kind > 0 ? " + other" : "");
     return made;
   };
 }
@@ -554,18 +580,28 @@ Write gates(Random& random) {
       c.feed(back, c.filter(c.sum({{open * sign * gain, back}}), filter.taps[0]));
     }
     std::string text = "format = 1\n[inputs]\nx = { unit = \"full scale\" }\n[nodes]\n";
-    text += fmt::format("sum = \"x + {} * ({} + {} * open) * back\"\n", number(sign * gain), number(rest), number(1 - rest));
+    text += fmt::format("sum = \"x + {} * ({} + {} * open) * back\"\n", number(sign * gain), number(rest),
+                        number(1 - rest));
     const auto gate = fmt::format("{{ type = \"threshold\", in = \"{}\", level = {}, hysteresis = {} }}\n",
                                   kind == 2 ? "strong" : "x", number(level), number(0.5 * level));
     if (kind == 0) text += "open = \"gate.gate\"\ngate = " + gate;
     if (kind == 1)
-      text += "open = { type = \"adsr\", gate = \"gate.gate\", attack = \"1 ms\", sustain = 1, release = \"20 ms\" }\ngate = " + gate;
+      text +=
+          "open = { type = \"adsr\", gate = \"gate.gate\", attack = \"1 ms\", sustain = 1, release = \"20 "
+          "ms\" }\ngate = " +
+          gate;
     if (kind == 2)
-      text += "open = { type = \"adsr\", gate = \"gate.gate\", attack = \"1 ms\", sustain = 1, release = \"20 ms\" }\ngate = " + gate +
-              "strong = { type = \"envelope\", in = \"ac\", attack = \"0.5 ms\", release = \"20 ms\" }\nac = { type = "
-              "\"dc_blocker\", in = \"x\" }\n";
-    if (kind == 3) text += fmt::format("open = \"max(0, min(1, (abs(x) - {0}) / {1}))\"\n", number(level), number(0.3));
-    made.loop.files["i.toml"] = text + node("late", "sum", filter.fields) + node("back", "late" + filter.output, delay.fields) +
+      text +=
+          "open = { type = \"adsr\", gate = \"gate.gate\", attack = \"1 ms\", sustain = 1, release = \"20 "
+          "ms\" }\ngate = " +
+          gate +
+          "strong = { type = \"envelope\", in = \"ac\", attack = \"0.5 ms\", release = \"20 ms\" }\nac = { "
+          "type = "
+          "\"dc_blocker\", in = \"x\" }\n";
+    if (kind == 3)
+      text += fmt::format("open = \"max(0, min(1, (abs(x) - {0}) / {1}))\"\n", number(level), number(0.3));
+    made.loop.files["i.toml"] = text + node("late", "sum", filter.fields) +
+                                node("back", "late" + filter.output, delay.fields) +
                                 "[outputs]\ny = { from = \"sum\" }\n";
     return made;
   };
@@ -584,7 +620,8 @@ Write products(Random& random) {
       Written made{loop, {}, -1};
       made.loop.delay_s = 0;
       std::vector<double> shares{rest};
-      for (const double x : {-1.0, -0.5, 0.5, 1.0}) shares.push_back(rest + (1 - rest) * (kind == 0 ? x : x * x));
+      for (const double x : {-1.0, -0.5, 0.5, 1.0})
+        shares.push_back(rest + (1 - rest) * (kind == 0 ? x : x * x));
       for (const double open : shares) {
         auto& c = made.pieces.emplace_back();
         const auto back = delay.add(c);
@@ -592,14 +629,15 @@ Write products(Random& random) {
       }
       made.loop.files["i.toml"] =
           "format = 1\n[inputs]\nx = { unit = \"full scale\" }\n[nodes]\n" +
-          fmt::format("sum = \"x + {} * ({} + {} * open) * back\"\nopen = \"{}\"\n", number(sign * gain), number(rest),
-                      number(1 - rest), kind == 0 ? "slow.low" : "slow.low * slow.low") +
-          node("slow", "x", "type = \"one_pole\", cutoff = " + hertz(cutoff)) + node("late", "sum", filter.fields) +
-          node("back", "late" + filter.output, delay.fields) + "[outputs]\ny = { from = \"sum\" }\n";
+          fmt::format("sum = \"x + {} * ({} + {} * open) * back\"\nopen = \"{}\"\n", number(sign * gain),
+                      number(rest), number(1 - rest), kind == 0 ? "slow.low" : "slow.low * slow.low") +
+          node("slow", "x", "type = \"one_pole\", cutoff = " + hertz(cutoff)) +
+          node("late", "sum", filter.fields) + node("back", "late" + filter.output, delay.fields) +
+          "[outputs]\ny = { from = \"sum\" }\n";
       return made;
     };
-  // Damping that grows with the distance from 0; with a sign that feeds energy in it grows, with the other the delay
-  // lets it.
+  // Damping that grows with the distance from 0; with a sign that feeds energy in it grows, with the other
+  // the delay lets it.
   return [=](double gain) {
     Written made{loop, {}, -1};
     const double b = loop.device_damping, spring = 0.3 * b / (loop.delay_s + 1 / rate), c2 = sign * gain * b;
@@ -609,10 +647,11 @@ Write products(Random& random) {
       const double by = c2 * (kind == 2 ? x : x * x);
       close(c, loop, device[0], 0, c.sum({{-spring, device[0]}, {by, device[1]}}));
     }
-    made.loop.files["i.toml"] = std::string{kDeviceInputs} +
-                                fmt::format("far = \"{}\"\nfed = \"{} N s/m * speed * far\"\nback = \"{} N/m * place\"\n",
-                                            kind == 2 ? "abs(place) / 1 m" : "place * place / 1 m^2", number(c2), number(-spring)) +
-                                "[outputs]\npush = { from = \"fed + back\", unit = \"N\" }\n";
+    made.loop.files["i.toml"] =
+        std::string{kDeviceInputs} +
+        fmt::format("far = \"{}\"\nfed = \"{} N s/m * speed * far\"\nback = \"{} N/m * place\"\n",
+                    kind == 2 ? "abs(place) / 1 m" : "place * place / 1 m^2", number(c2), number(-spring)) +
+        "[outputs]\npush = { from = \"fed + back\", unit = \"N\" }\n";
     return made;
   };
 }
@@ -635,11 +674,12 @@ Write held(Random& random) {
     const auto force = c.sum({{-stiffness, now}});
     close(c, loop, device[0], 0, force);
     made.output = force;
-    made.loop.files["i.toml"] = std::string{kDeviceInputs} +
-                                fmt::format("tick = {{ type = \"sine\", frequency = {} }}\n", hertz(rate / period)) +
-                                "now = { type = \"sample_hold\", in = \"place\", trigger = \"tick\" }\n" +
-                                node("pull", "now", fmt::format("type = \"spring\", stiffness = {}", number(stiffness))) +
-                                "[outputs]\npush = { from = \"pull\", unit = \"N\" }\n";
+    made.loop.files["i.toml"] =
+        std::string{kDeviceInputs} +
+        fmt::format("tick = {{ type = \"sine\", frequency = {} }}\n", hertz(rate / period)) +
+        "now = { type = \"sample_hold\", in = \"place\", trigger = \"tick\" }\n" +
+        node("pull", "now", fmt::format("type = \"spring\", stiffness = {}", number(stiffness))) +
+        "[outputs]\npush = { from = \"pull\", unit = \"N\" }\n";
     return made;
   };
 }
@@ -674,7 +714,8 @@ Write gestures(Random& random) {
   const auto text_of = [](const std::vector<Point>& points, double scale, const char* unit) {
     std::string text;
     for (const auto& p : points)
-      text += fmt::format("{}[\"{} s\", \"{}{}\"]", text.empty() ? "" : ", ", number(p.time), number(p.value * scale), unit);
+      text += fmt::format("{}[\"{} s\", \"{}{}\"]", text.empty() ? "" : ", ", number(p.time),
+                          number(p.value * scale), unit);
     return text;
   };
   return [=](double gain) {
@@ -684,18 +725,25 @@ Write gestures(Random& random) {
     const auto device = Device{loop.device_mass, damping}.add(c, rate);
     close(c, loop, device[0], 0, c.sum({{-stiffness * most, device[0]}}));
     made.loop.files["i.toml"] = fmt::format(
-        "format = 1\n[inputs]\nx = {{ unit = \"m\" }}\n[controls]\nk = {{ value = \"0 N/m\", range = [\"0 N/m\", \"{0} N/m\"] }}\n"
-        "share = {{ value = 0, range = [0, 1] }}\n[nodes]\npull = {{ type = \"spring\", in = \"x\", stiffness = \"k * share\" "
+        "format = 1\n[inputs]\nx = {{ unit = \"m\" }}\n[controls]\nk = {{ value = \"0 N/m\", range = [\"0 "
+        "N/m\", \"{0} N/m\"] }}\n"
+        "share = {{ value = 0, range = [0, 1] }}\n[nodes]\npull = {{ type = \"spring\", in = \"x\", "
+        "stiffness = \"k * share\" "
         "}}\n[outputs]\nmotor = {{ from = \"pull / 1 N\" }}\n",
         number(stiffness));
     made.loop.files["p.toml"] = fmt::format(
-        "format = 1\n[inputs]\nf = {{ unit = \"full scale\" }}\n[networks.n]\nground = {{ type = \"ground\" }}\na = {{ type = "
-        "\"mass\", mass = {} }}\nb = {{ type = \"damper\", between = [\"ground\", \"a\"], damping = {} }}\np = {{ type = "
-        "\"force\", on = \"a\", force = \"1 N * f\" }}\n[outputs]\nx = {{ from = \"n.a.position\", unit = \"m\" }}\n",
+        "format = 1\n[inputs]\nf = {{ unit = \"full scale\" }}\n[networks.n]\nground = {{ type = \"ground\" "
+        "}}\na = {{ type = "
+        "\"mass\", mass = {} }}\nb = {{ type = \"damper\", between = [\"ground\", \"a\"], damping = {} }}\np "
+        "= {{ type = "
+        "\"force\", on = \"a\", force = \"1 N * f\" }}\n[outputs]\nx = {{ from = \"n.a.position\", unit = "
+        "\"m\" }}\n",
         number(loop.device_mass), number(damping));
     made.loop.files["scene.toml"] = fmt::format(
-        "format = 1\nrate = {}\ndelay = {}\nduration = \"1 s\"\n[parts]\ninstrument = {{ use = \"i.toml\", x = \"plant.x\", k "
-        "= \"harder\", share = \"more\" }}\nplant = {{ use = \"p.toml\", f = \"instrument.motor\" }}\n[gestures]\nharder = {{ "
+        "format = 1\nrate = {}\ndelay = {}\nduration = \"1 s\"\n[parts]\ninstrument = {{ use = \"i.toml\", x "
+        "= \"plant.x\", k "
+        "= \"harder\", share = \"more\" }}\nplant = {{ use = \"p.toml\", f = \"instrument.motor\" "
+        "}}\n[gestures]\nharder = {{ "
         "points = [{}] }}\nmore = {{ points = [{}] }}\n[converters]\noff = true\n",
         hertz(rate), seconds(loop.delay_s), text_of(harder, stiffness, " N/m"), text_of(more, 1, ""));
     return made;
@@ -707,10 +755,10 @@ struct Kind {
   Write (*make)(Random&);
 };
 const std::vector<Kind>& kinds() {
-  static const std::vector<Kind> all{
-      {"device", device},   {"signals", signals}, {"scenes", scenes},     {"networks", networks},
-      {"cubic", cubic},     {"divided", divided}, {"bent", bent},         {"walls", walls},
-      {"gates", gates},     {"products", products}, {"held", held},       {"gestures", gestures}};
+  static const std::vector<Kind> all{{"device", device},     {"signals", signals}, {"scenes", scenes},
+                                     {"networks", networks}, {"cubic", cubic},     {"divided", divided},
+                                     {"bent", bent},         {"walls", walls},     {"gates", gates},
+                                     {"products", products}, {"held", held},       {"gestures", gestures}};
   return all;
 }
 
@@ -724,12 +772,12 @@ double growth_of(const Written& made) {
   return most;
 }
 
-// Per second. Roots at z = 1 (the place of a device that nothing holds) are off by rounding; what is between the two
-// has no clear truth.
+// Per second. Roots at z = 1 (the place of a device that nothing holds) are off by rounding; what is between
+// the two has no clear truth.
 constexpr double kRounding = 2e-5, kClear = 1e-3;
 
-/// The least gain at which it grows, to a part in 10^5, from the side where it decays; nullopt: there is none, or it
-/// grows at every gain. Regula falsi, with the halved weights of the Illinois method.
+/// The least gain at which it grows, to a part in 10^5, from the side where it decays; nullopt: there is
+/// none, or it grows at every gain. Regula falsi, with the halved weights of the Illinois method.
 std::optional<double> border_of(const Write& write) {
   constexpr double kLowest = 1e-4, kHighest = 1e5, kStep = 3;
   const auto growth = [&](double gain) { return growth_of(write(gain)) - kRounding; };

@@ -193,7 +193,8 @@ std::vector<double> places_of_slopes(const std::function<double(double)>& slope,
     for (int step = -6 * kPerDecade; step <= 3 * kPerDecade; ++step)
       for (const double side : {-1.0, 1.0})
         note(middle + side * std::pow(10.0, step / static_cast<double>(kPerDecade)));
-  std::vector<std::pair<double, double>> others(found.begin() + static_cast<std::ptrdiff_t>(known), found.end());
+  std::vector<std::pair<double, double>> others(found.begin() + static_cast<std::ptrdiff_t>(known),
+                                                found.end());
   if (found.size() > kMostLines) others = {std::ranges::min(others), std::ranges::max(others)};
   std::vector<double> places{0.0};
   for (const auto& [value, at] : others) places.push_back(at);
@@ -296,8 +297,8 @@ std::optional<Nonlinearity> corner(const std::string& path, Expression::Op op, c
   return law;
 }
 
-Nonlinearity corner_of_two(const std::string& path, const PlanSignal& out, Expression::Op op, const Operands& operands,
-                           const std::array<Derived, 2>& from) {
+Nonlinearity corner_of_two(const std::string& path, const PlanSignal& out, Expression::Op op,
+                           const Operands& operands, const std::array<Derived, 2>& from) {
   if (from[0].source != from[1].source) {
     const auto always = [](double) { return 1.0; };
     Nonlinearity law{path, choice_at(out), 0.0, always, [](double choice) { return choice; }};
@@ -305,13 +306,15 @@ Nonlinearity corner_of_two(const std::string& path, const PlanSignal& out, Expre
     return law;
   }
   const auto slope = [=](double moved) {
-    const Operands there{operands.a + from[0].slope * moved, operands.b + from[1].slope * moved, operands.moves};
+    const Operands there{operands.a + from[0].slope * moved, operands.b + from[1].slope * moved,
+                         operands.moves};
     return slope_of(op, there, 0, false) != 0 ? from[0].slope : from[1].slope;
   };
   const double apart = from[0].slope - from[1].slope;
   const double edge = apart == 0.0 ? 0.0 : (operands.b - operands.a) / apart;
   const double little = std::max(1e-6 * std::abs(edge), 1e-9);
-  Nonlinearity law{path, from[0].source, edge + little, [slope](double moved) { return std::abs(slope(moved)); }, slope};
+  Nonlinearity law{path, from[0].source, edge + little,
+                   [slope](double moved) { return std::abs(slope(moved)); }, slope};
   law.elsewhere = {0.0, edge - little, edge + little};
   return law;
 }

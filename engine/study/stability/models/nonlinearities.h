@@ -93,14 +93,15 @@ class AffineMaps {
 struct Nonlinearity {
   std::string path;
   PlanSignal source;
-  double to = 0;                         ///< displacement of the source at the steepest point
-  std::function<double(double)> answer;  ///< sum of its slopes at a displacement of the source
+  double to = 0;                             ///< displacement of the source at the steepest point
+  std::function<double(double)> answer;      ///< sum of its slopes at a displacement of the source
   std::function<double(double)> slope = {};  ///< the same with its sign
   /// Displacements at which its slope is another one: of straight lines all, else the lowest and highest.
   std::vector<double> elsewhere = {};
 };
 
-/// Where a slope is another than at 0 and at `but`, found from 1e-6 to 1e3 to both sides of each of the middles.
+/// Where a slope is another than at 0 and at `but`, found from 1e-6 to 1e3 to both sides of each of the
+/// middles.
 std::vector<double> places_of_slopes(const std::function<double(double)>& slope, double but,
                                      const std::vector<double>& middles);
 
@@ -112,8 +113,8 @@ PlanSignal choice_at(PlanSignal out);
 std::optional<Nonlinearity> corner(const std::string& path, Expression::Op op, const Operands& operands,
                                    int which, const Derived& from);
 /// Of a minimum or maximum of two that move, `out`.
-Nonlinearity corner_of_two(const std::string& path, const PlanSignal& out, Expression::Op op, const Operands& operands,
-                           const std::array<Derived, 2>& from);
+Nonlinearity corner_of_two(const std::string& path, const PlanSignal& out, Expression::Op op,
+                           const Operands& operands, const std::array<Derived, 2>& from);
 
 struct OperatingPoint {
   std::string name;
@@ -122,10 +123,10 @@ struct OperatingPoint {
 };
 
 /// The operating points at which nonlinearities are linearised. Those of one signal are displaced together:
-/// once to the steepest point of each, once to that of their sum, and to where their slopes are others. Two walls
-/// at the ends of a range are never touched at once. Nonlinearities of different signals are combined in every
-/// way, up to `kMostPlaces`; beyond that those of each signal are displaced alone, and a last point without
-/// displacements, where each is linearised at its own steepest point, is not certain ever to be met.
+/// once to the steepest point of each, once to that of their sum, and to where their slopes are others. Two
+/// walls at the ends of a range are never touched at once. Nonlinearities of different signals are combined
+/// in every way, up to `kMostPlaces`; beyond that those of each signal are displaced alone, and a last point
+/// without displacements, where each is linearised at its own steepest point, is not certain ever to be met.
 std::vector<OperatingPoint> operating_points(const std::vector<Nonlinearity>& laws);
 
 constexpr std::size_t kMostPlaces = 16;

@@ -100,7 +100,7 @@ struct EventPlace {
 /// Which operating point is analysed: contacts open or closed, free or held.
 struct Regime {
   std::string name = "at rest";
-  bool certain = true;    ///< false: its laws may never be where they are taken together
+  bool certain = true;   ///< false: its laws may never be where they are taken together
   bool touched = false;  ///< nonlinearities at their steepest point: behind the wall, on the slope
   Displaced moved = {};  ///< touched: the displacements that lead there; others are displaced one by one
   std::map<std::string, Touching> contacts = {};  ///< [path of the network]
@@ -117,14 +117,15 @@ struct LinearGraph {
   std::vector<std::string> skipped;  ///< networks that are too large to analyse
   std::vector<StiffPlace> stiff;
   std::vector<EventPlace> events;
-  std::vector<std::pair<int, std::string>> unclocked;  ///< inputs of nodes that sample without a regular clock
+  std::vector<std::pair<int, std::string>>
+      unclocked;                                 ///< inputs of nodes that sample without a regular clock
   std::vector<std::string> unstable_equilibria;  ///< nonlinearities whose force pushes away at the operating
                                                  ///< point and restores elsewhere: left out
   std::vector<int> wave_ports;                   ///< waves that leave a network
   std::vector<Nonlinearity> laws;                ///< whose slope depends on the operating point
   bool nonlinear = false;                        ///< the stiffness of some force depends on the position
   bool has_touched = false;                      ///< some law is steeper elsewhere than at rest
-  bool varies = false;  ///< some gain depends on a signal: a product, a parameter that moves, an event
+  bool varies = false;       ///< some gain depends on a signal: a product, a parameter that moves, an event
   bool all_combined = true;  ///< false: there are more combinations of laws than are analysed
 
   int add_signal(std::string name, int divisor = 1) {

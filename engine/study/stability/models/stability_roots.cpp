@@ -35,7 +35,10 @@ void sort_by_growth(std::vector<LoopRoot>& roots, std::size_t most) {
 }
 
 LoopScan::LoopScan(const LoopGroup& group, Hertz rate, For what)
-    : group_(group), rate_(rate / group.frames()), what_(what), radius_(std::exp(kSlowestGrowth / rate_.value)) {
+    : group_(group),
+      rate_(rate / group.frames()),
+      what_(what),
+      radius_(std::exp(kSlowestGrowth / rate_.value)) {
   constexpr double kQuick = 0.5;  // what is gone within a few frames is no mode
   const auto& graph = group.graph();
   for (std::size_t n = 0; n < graph.networks.size(); ++n)

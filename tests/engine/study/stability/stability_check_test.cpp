@@ -26,17 +26,19 @@ Stability answer(const std::string& text) { return checked(text).stability(); }
 /// A loop of 5 ms with a gain of `gain`, around whatever `nodes` makes of it.
 std::string signal_loop(const std::string& sum, const std::string& nodes = "") {
   return "format = 1\n[inputs]\nx = { unit = \"full scale\" }\n[nodes]\nsum = \"" + sum +
-         "\"\nback = { type = \"delay\", in = \"sum\", time = \"5 ms\", interpolation = \"none\" }\n" + nodes +
-         "[outputs]\ny = { from = \"sum\" }\n";
+         "\"\nback = { type = \"delay\", in = \"sum\", time = \"5 ms\", interpolation = \"none\" }\n" +
+         nodes + "[outputs]\ny = { from = \"sum\" }\n";
 }
 
-const auto kDevice = std::string{"format = 1\n[inputs]\nplace = { unit = \"m\" }\nspeed = { unit = \"m/s\" }\n[nodes]\n"};
+const auto kDevice =
+    std::string{"format = 1\n[inputs]\nplace = { unit = \"m\" }\nspeed = { unit = \"m/s\" }\n[nodes]\n"};
 
 }  // namespace
 
 TEST_CASE("check: a loop behind a gate that an input opens is judged with the gate open", "[analysis]") {
-  const auto* const gate = GENERATE(as<const char*>{}, "open = \"loud.gate\"\n",
-                                    "open = { type = \"adsr\", gate = \"loud.gate\", attack = \"1 ms\", sustain = 1 }\n");
+  const auto* const gate =
+      GENERATE(as<const char*>{}, "open = \"loud.gate\"\n",
+               "open = { type = \"adsr\", gate = \"loud.gate\", attack = \"1 ms\", sustain = 1 }\n");
   const auto with = [&](double gain) {
     return signal_loop(fmt::format("x + {} * open * back", gain),
                        std::string{gate} + "loud = { type = \"threshold\", in = \"x\", level = 0.3 }\n");
@@ -55,9 +57,11 @@ TEST_CASE("check: a product of moving signals is judged with its inputs at full 
   // c v |x| up to 1 m, against b = 0.1 N s/m less what the delay of 1.01 ms makes of 1 N/m.
   const double border = 0.1 - 0.00101;
   const auto fed = [&](double share) {
-    return kDevice + fmt::format("fed = \"{} N s/m^2 * speed * abs(place)\"\n[outputs]\npush = {{ from = \"fed - 1 N/m * "
-                                 "place\", unit = \"N\" }}\n",
-                                 share * border);
+    return kDevice +
+           fmt::format(
+               "fed = \"{} N s/m^2 * speed * abs(place)\"\n[outputs]\npush = {{ from = \"fed - 1 N/m * "
+               "place\", unit = \"N\" }}\n",
+               share * border);
   };
   CHECK(answer(fed(0.97)) == Stability::Stable);
   CHECK(answer(fed(1.03)) == Stability::Unstable);
@@ -65,12 +69,14 @@ TEST_CASE("check: a product of moving signals is judged with its inputs at full 
 
 TEST_CASE("check: every straight line of a table counts, not only the steepest", "[analysis]") {
   const auto table = [](double left, double right) {
-    return signal_loop("x + bent", fmt::format("bent = {{ type = \"map\", in = \"low.low\", points = [[-1, {}], [0, 0], [1, {}]] }}\n"
-                                               "low = {{ type = \"one_pole\", in = \"back\", cutoff = \"20 Hz\" }}\n",
-                                               -left, right));
+    return signal_loop(
+        "x + bent",
+        fmt::format("bent = {{ type = \"map\", in = \"low.low\", points = [[-1, {}], [0, 0], [1, {}]] }}\n"
+                    "low = {{ type = \"one_pole\", in = \"back\", cutoff = \"20 Hz\" }}\n",
+                    -left, right));
   };
-  // A low-pass of 20 Hz after 5 ms: with positive feedback it holds up to 1, with negative up to 3.1, where 60 Hz turn by
-  // half a circle.
+  // A low-pass of 20 Hz after 5 ms: with positive feedback it holds up to 1, with negative up to 3.1, where
+  // 60 Hz turn by half a circle.
   CHECK(answer(table(-1.5, 0.99)) == Stability::Stable);
   CHECK(answer(table(-1.5, 1.01)) == Stability::Unstable);
 }
@@ -81,18 +87,19 @@ TEST_CASE("check: a minimum of two moving signals is either of them", "[analysis
   CHECK(answer(signal_loop("x + max(0.5 * back, 1.01 * back)")) == Stability::Unstable);
 }
 
-// A spring that is sampled once in N frames of T on a free device, m x'' = F - b x': with what is held acting for N T on
-// average half a period late, K = b / (delay + N T / 2) where b N T / m is small (Gil et al. 2009, their sampling period
-// N T).
+// A spring that is sampled once in N frames of T on a free device, m x'' = F - b x': with what is held acting
+// for N T on average half a period late, K = b / (delay + N T / 2) where b N T / m is small (Gil et al. 2009,
+// their sampling period N T).
 TEST_CASE("check: a sampled place delays a spring by half of the clock's period", "[analysis]") {
   const int period = 49;
   const double late = 0.001 + 0.5 * period / 48000;
   const auto with = [&](double share) {
-    return kDevice + fmt::format("tick = {{ type = \"sine\", frequency = \"{:.17g} Hz\" }}\n"
-                                 "now = {{ type = \"sample_hold\", in = \"place\", trigger = \"tick\" }}\n"
-                                 "pull = {{ type = \"spring\", in = \"now\", stiffness = {:.17g} }}\n"
-                                 "[outputs]\npush = {{ from = \"pull\", unit = \"N\" }}\n",
-                                 48000.0 / period, share * 0.1 / late);
+    return kDevice + fmt::format(
+                         "tick = {{ type = \"sine\", frequency = \"{:.17g} Hz\" }}\n"
+                         "now = {{ type = \"sample_hold\", in = \"place\", trigger = \"tick\" }}\n"
+                         "pull = {{ type = \"spring\", in = \"now\", stiffness = {:.17g} }}\n"
+                         "[outputs]\npush = {{ from = \"pull\", unit = \"N\" }}\n",
+                         48000.0 / period, share * 0.1 / late);
   };
   CHECK(answer(with(0.98)) == Stability::Stable);
   CHECK(answer(with(1.02)) == Stability::Unstable);
@@ -106,7 +113,8 @@ TEST_CASE("check: what it cannot decide is undecided, with what to do", "[analys
       "now = { type = \"sample_hold\", in = \"place\", trigger = \"once\" }\n"
       "pull = { type = \"spring\", in = \"now\", stiffness = 5 }\n",
       // two clocks
-      "tick = { type = \"sine\", frequency = \"4800 Hz\" }\ntack = { type = \"sine\", frequency = \"3000 Hz\" }\n"
+      "tick = { type = \"sine\", frequency = \"4800 Hz\" }\ntack = { type = \"sine\", frequency = \"3000 "
+      "Hz\" }\n"
       "now = { type = \"sample_hold\", in = \"place\", trigger = \"tick\" }\n"
       "then = { type = \"sample_hold\", in = \"now\", trigger = \"tack\" }\n"
       "pull = { type = \"spring\", in = \"then\", stiffness = 5 }\n",
@@ -121,13 +129,15 @@ TEST_CASE("check: what it cannot decide is undecided, with what to do", "[analys
 }
 
 TEST_CASE("check: an explicit network with a cubic spring is thrown where its steps are few", "[analysis]") {
-  // At 1 m/s the spring turns a gram around in 2.62 (2 m / K v^2)^(1/4): 47 steps for 1e11 N/m^3, 0.8 for 1e18.
+  // At 1 m/s the spring turns a gram around in 2.62 (2 m / K v^2)^(1/4): 47 steps for 1e11 N/m^3, 0.8 for
+  // 1e18.
   const auto with = [](double cubic) {
-    return answer(fmt::format("format = 1\n[networks.n]\nsolver = \"explicit\"\nground = {{ type = \"ground\" }}\n"
-                              "ball = {{ type = \"mass\", mass = \"1 g\", velocity = \"1 m/s\" }}\n"
-                              "hold = {{ type = \"spring\", between = [\"ground\", \"ball\"], stiffness = 0, cubic = {} }}\n"
-                              "[outputs]\nx = {{ from = \"n.ball.position\", unit = \"m\" }}\n",
-                              cubic));
+    return answer(fmt::format(
+        "format = 1\n[networks.n]\nsolver = \"explicit\"\nground = {{ type = \"ground\" }}\n"
+        "ball = {{ type = \"mass\", mass = \"1 g\", velocity = \"1 m/s\" }}\n"
+        "hold = {{ type = \"spring\", between = [\"ground\", \"ball\"], stiffness = 0, cubic = {} }}\n"
+        "[outputs]\nx = {{ from = \"n.ball.position\", unit = \"m\" }}\n",
+        cubic));
   };
   CHECK(with(1e11) == Stability::Stable);
   CHECK(with(1e18) == Stability::Unstable);
@@ -135,16 +145,18 @@ TEST_CASE("check: an explicit network with a cubic spring is thrown where its st
 
 // At another rate the loop would be shorter than a frame.
 TEST_CASE("check: runs at rates at which a graph cannot be made are left out", "[analysis]") {
-  const auto report = checked("format = 1\n[inputs]\nx = { unit = \"full scale\" }\n[nodes]\nsum = \"x + 0.5 * back\"\nback = { type = "
-                              "\"delay\", in = \"sum\", time = \"0.1 ms\" }\n[outputs]\ny = { from = \"sum\" }\n",
-                              0, false);
+  const auto report = checked(
+      "format = 1\n[inputs]\nx = { unit = \"full scale\" }\n[nodes]\nsum = \"x + 0.5 * back\"\nback = { type "
+      "= "
+      "\"delay\", in = \"sum\", time = \"0.1 ms\" }\n[outputs]\ny = { from = \"sum\" }\n",
+      0, false);
   CHECK(report.stability() == Stability::Stable);
   CHECK(std::ranges::none_of(report.runs, [](const ExtremeRun& run) { return run.rate.value == 8000; }));
   CHECK(std::ranges::any_of(report.runs, [](const ExtremeRun& run) { return run.rate.value == 96000; }));
 }
 
-// Where one gesture is highest the other one is at half, so that their product is 8/9 of what it is half-way between:
-// 1.5 * 0.75 against 2 * 0.5.
+// Where one gesture is highest the other one is at half, so that their product is 8/9 of what it is half-way
+// between: 1.5 * 0.75 against 2 * 0.5.
 TEST_CASE("check: gestures are judged between their extremes, too", "[analysis]") {
   const test::TemporaryFolder folder;
   const double border = 0.1 / (0.005 + 0.5 / 48000);

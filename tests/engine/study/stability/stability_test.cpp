@@ -159,8 +159,8 @@ mirror = { type = "wall", position = "-place", stiffness = "80 N/m", at = "5 mm"
   CHECK(ends.stable());
   CHECK(regime(ends, "'instrument.high' at its largest slope", false).stiff.at(0).stable_up_to ==
         Approx(border).epsilon(0.01));
-  CHECK_FALSE(
-      two_walls(R"(low = { type = "wall", position = "place", stiffness = "80 N/m", at = "4 mm" })").stable());
+  CHECK_FALSE(two_walls(R"(low = { type = "wall", position = "place", stiffness = "80 N/m", at = "4 mm" })")
+                  .stable());
 }
 
 TEST_CASE("stability: at an unstable equilibrium a law is analysed where it restores", "[analysis]") {
