@@ -340,10 +340,11 @@ class Analysis {
       check_contacts(model, verdict);
       verdict.grows = model.grows();
       if (!model.whole() && !verdict.grows && !surely_stable(recipe))
-        add_doubt(verdict_.doubts,
-                  {"explicit network '" + verdict.path +
-                       "' has more than 300 numbers in its state: it did not grow in 4000 frames, and may later",
-                   "use solver = \"passive\", or a larger 'oversample'"});
+        add_doubt(
+            verdict_.doubts,
+            {"explicit network '" + verdict.path +
+                 "' has more than 300 numbers in its state: it did not grow in 4000 frames, and may later",
+             "use solver = \"passive\", or a larger 'oversample'"});
       verdict_.networks.push_back(std::move(verdict));
     }
   }
@@ -382,8 +383,20 @@ class Analysis {
     const auto graph = world.closed({}).graph;
     verdict_.events = graph.events;
     for (auto& event : verdict_.events) event.on_loop = event_loop_through(graph, event.path);
+    doubt_unlimited_events(graph);
+  }
+
+  /// Loops on which no event has to wait.
+  void doubt_unlimited_events(LinearGraph graph) {
+    const auto limited = [&](const LinearEdge& edge) {
+      return edge.kind == LinearEdge::Kind::Event &&
+             std::ranges::any_of(verdict_.events, [&](const EventPlace& event) {
+               return event.path == edge.path && event.hold_s.value_or(0) > 0;
+             });
+    };
+    std::erase_if(graph.edges, limited);
     for (const auto& event : verdict_.events)
-      if (event.on_loop && !event.hold_s.value_or(0))
+      if (event_loop_through(graph, event.path))
         add_doubt(verdict_.doubts, {"the loop through " + event.type + " '" + event.path +
                                         "' is event-driven, and nothing limits its events",
                                     "give it a 'hold' time, or check it with the runs", true});
