@@ -1,16 +1,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 
 #include "apps/cli/console.h"
 #include "apps/cli/json.h"
-#include "engine/core/channels.h"
+#include "apps/play/play_report.h"
 #include "engine/graph/file/load.h"
 #include "engine/graph/plan/compile.h"
 #include "engine/nodes/table.h"
 #include "engine/runtime/player.h"
+#include "engine/runtime/step_times.h"
 #include "engine/scene/build_scene.h"
+#include "engine/scene/network_report.h"
 
 namespace tactus::app {
 namespace {
@@ -21,29 +22,6 @@ struct ExplainOptions {
   int block = 64;
   bool json = false;
 };
-
-/// What each step costs: the least of several runs on silence, for other programs only ever make it longer.
-/// What is slow is run for a moment only.
-std::vector<double> measure_steps(Player& engine, int block) {
-  constexpr int kRounds = 7;
-  constexpr int kBlocks = 400;
-  constexpr std::chrono::milliseconds kRound{50};
-  const NoDenormals no_denormals;
-  const ChannelBuffers in{engine.in_channels(), block}, out{engine.out_channels(), block};
-  for (double* channel : in) std::fill_n(channel, block, 1e-3);
-  std::vector<double> least(engine.plan().steps.size(), 1e300);
-  std::vector<double> before = engine.step_nanoseconds();
-  for (int round = 0; round < kRounds; ++round) {
-    const auto end = std::chrono::steady_clock::now() + kRound;
-    int blocks = 0;
-    do engine.process_timed({in.data(), out.data(), block});
-    while (++blocks < kBlocks && std::chrono::steady_clock::now() < end);
-    for (std::size_t s = 0; s < least.size(); ++s)
-      least[s] = std::min(least[s], (engine.step_nanoseconds()[s] - before[s]) / (blocks * block));
-    before = engine.step_nanoseconds();
-  }
-  return least;
-}
 
 Json step_json(const Plan& plan, const Step& step, double cost) {
   static constexpr const char* kKinds[] = {"process", "emit", "absorb", "operations", "outside"};
@@ -74,7 +52,7 @@ Json left_out_json(const LeftOut& left) { return {{"name", left.path}, {"why", l
 
 Json explain_engine(Player& engine, const std::string& title, int block) {
   const auto& plan = engine.plan();
-  const auto costs = measure_steps(engine, block);
+  const auto costs = time_steps(engine, block, 300_ms);
   const auto cut_loop_json = [](const LoopReport& loop) -> Json {
     return {
         {"through", loop.paths}, {"delay_frames", loop.delay_frames}, {"sub_block_frames", loop.sub_block}};
@@ -82,6 +60,7 @@ Json explain_engine(Player& engine, const std::string& title, int block) {
   Json json{{"graph", title},
             {"sample_rate_hz", plan.sample_rate.value},
             {"signal_memory_bytes", memory_of(plan)},
+            {"network_solvers", networks_json(report_networks(plan, costs))},
             {"about", Json::array()},
             {"sections", Json::array()},
             {"loops", list_of(plan.loops, cut_loop_json)},
@@ -117,11 +96,12 @@ void print(const Json& json) {
                  text_of(step, "what"), text_of(step, "how"), cost);
     }
   }
-  fmt::print("  {:59} {:12.2f}   (including the time of the clock calls)\n\n", "all", total);
+  fmt::print("  {:59} {:12.2f}\n\n", "all", total);
   for (const auto& loop : json["loops"])
     fmt::print("loop {}: delay at least {} frames, sub-blocks of {} frames\n",
                fmt::join(loop["through"].get<std::vector<std::string>>(), " -> "),
                frames_of(loop, "delay_frames"), frames_of(loop, "sub_block_frames"));
+  for (const auto& network : json["network_solvers"]) fmt::print("{}\n", text_of(network, "words"));
   for (const auto& about : json["about"])
     fmt::print("{}: {}\n", text_of(about, "name"), text_of(about, "what"));
   for (const auto& left : json["left_out"])

@@ -49,12 +49,13 @@ Json report_json(const Report& report) {
                {"bad_input_samples", recording.bad_inputs},
                {"guard", guard_json(recording.guard, recording.sample_rate)},
                {"ports", ports_json(recording.ports)},
+               {"network_solvers", networks_json(report.played.networks)},
                {"expected", list_of(report.outcomes, outcome_json)}});
   return json;
 }
 
 void print(const Report& report) {
-  const auto& [scene, recording] = report.played;
+  const auto& [scene, recording, networks] = report.played;
   fmt::print("{}\n{}\n\n", scene.name, scene.about);
   fmt::print(
       "  played              {:g} s at {:g} Hz with {:g} ms of delay, in {:.2f} s: {:.0f} times real time\n",
@@ -63,6 +64,7 @@ void print(const Report& report) {
   for (const auto& section : report.sections) fmt::print("{}", section.text);
   print_guard(recording.guard, recording.sample_rate);
   print_ports(recording.ports);
+  print_networks(networks);
   fmt::print("  faults              {}\n",
              recording.faults.empty() && recording.bad_inputs == 0 ? "none" : "");
   for (const auto& fault : recording.faults)

@@ -11,6 +11,7 @@
 #include "apps/cli/rig_files.h"
 #include "engine/core/decibels.h"
 #include "engine/core/index.h"
+#include "engine/nodes/networks/solver_names.h"
 #include "engine/nodes/table.h"
 #include "engine/scene/measures/events.h"
 #include "engine/scene/measures/notes/pitch_track.h"
@@ -200,9 +201,10 @@ PlayedScene play_file(const std::filesystem::path& file, const PlayerOptions& op
   if (first && changes.delay && instrument != nullptr && instrument->graph != nullptr)
     announce_delay(*instrument->graph, changes.delay->value);
   Progress progress{"playing " + scene.name};
-  auto recording =
-      or_exit(play_scene(scene, built, options.block.value_or(64), [&](double share) { progress(share); }));
-  return {std::move(scene), std::move(recording)};
+  SceneTimes times{built, frames_in(scene.duration, built.plant->plan().sample_rate)};
+  auto recording = or_exit(play_scene(
+      scene, built, options.block.value_or(64), [&](double share) { progress(share); }, &times));
+  return {std::move(scene), std::move(recording), times.networks()};
 }
 
 Json faults_json(const std::vector<FaultCount>& faults) {
@@ -232,6 +234,23 @@ Json ports_json(const std::vector<PortEnergy>& ports) {
 void print_ports(const std::vector<PortEnergy>& ports) {
   const char* title = "energy";
   for (const auto& port : ports) fmt::print("  {:<20}{}\n", std::exchange(title, ""), describe(port));
+}
+
+Json networks_json(const std::vector<NetworkReport>& networks) {
+  return list_of(networks, [](const NetworkReport& network) -> Json {
+    return {{"network", network.name},
+            {"file", network.file},
+            {"solver", name_of(network.solver)},
+            {"oversample", network.oversample},
+            {"error_bound", known(network.error_bound())},
+            {"error", describe_bound(network)},
+            {"ns_per_frame", known(network.ns_per_frame)},
+            {"words", describe(network)}};
+  });
+}
+
+void print_networks(const std::vector<NetworkReport>& networks) {
+  for (const auto& network : networks) fmt::print("  {}\n", describe(network));
 }
 
 std::string base_of(const std::string& folder, const PlayedScene& played) {

@@ -14,6 +14,7 @@
 #include "engine/core/error.h"
 #include "engine/plot/plot.h"
 #include "engine/scene/guard_report.h"
+#include "engine/scene/network_report.h"
 #include "engine/scene/play_scene.h"
 
 namespace tactus::app {
@@ -52,6 +53,7 @@ void add_player_options(CLI::App& command, PlayerOptions& options);
 struct PlayedScene {
   SceneSpec scene;
   SceneRecording recording;
+  std::vector<NetworkReport> networks;  ///< of all parts, then of the instrument
 };
 
 /// Loads, builds and plays a scene. `compared`: control values [SI] on top of the options, for a second run,
@@ -66,6 +68,10 @@ Json gaps_json(const Health& health);
 /// The energy that passed the ports of a scene, for machines and for people.
 Json ports_json(const std::vector<PortEnergy>& ports);
 void print_ports(const std::vector<PortEnergy>& ports);
+
+/// A line for each network, for machines and for people.
+Json networks_json(const std::vector<NetworkReport>& networks);
+void print_networks(const std::vector<NetworkReport>& networks);
 
 /// A section of the report of a played scene: what the signal with one role did, for machines and for people.
 struct ReportSection {

@@ -54,7 +54,7 @@ void write_signals(RenderFiles& files, const SceneRecording& recording) {
 }
 
 int render_scene(const RenderOptions& options, const std::filesystem::path& file) {
-  const auto [scene, recording] = play_file(file, options);
+  const auto [scene, recording, networks] = play_file(file, options);
   const auto rate = recording.sample_rate;
   RenderFiles files{options, recording.outputs, recording.sounds, rate};
   write_signals(files, recording);
@@ -66,13 +66,15 @@ int render_scene(const RenderOptions& options, const std::filesystem::path& file
                 {"events", count_of(events)},
                 {"run_seconds", recording.run_seconds},
                 {"guard", guard_json(recording.guard, rate)},
-                {"ports", ports_json(recording.ports)}});
+                {"ports", ports_json(recording.ports)},
+                {"network_solvers", networks_json(networks)}});
     return exit_code;
   }
   fmt::print("{}: {:.3f} s, {} events, {:.0f} times real time\n", scene.name, recording.seconds(),
              count_of(events), recording.seconds() / recording.run_seconds);
   print_guard(recording.guard, rate);
   print_ports(recording.ports);
+  print_networks(networks);
   return exit_code;
 }
 

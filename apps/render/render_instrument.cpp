@@ -98,6 +98,7 @@ struct Rendered {
   std::vector<std::string> outputs, sounds;  ///< names; of the monitor output
   Json events;
   GuardReport guard;
+  std::vector<NetworkReport> networks;
 };
 
 /// Nothing of the signals is kept: the memory needed does not grow with the duration.
@@ -105,12 +106,14 @@ Rendered run(Player& engine, const OfflineInput& input, const std::vector<std::s
              const LimitBook& limits, const RenderOptions& options) {
   const auto& plan = engine.plan();
   Guarded guarded{engine, guarded_channels(plan, limits)};
-  Rendered rendered{output_names(plan), sound_names(plan), {}, {}};
+  Rendered rendered{output_names(plan), sound_names(plan), {}, {}, {}};
   RenderFiles files{options, rendered.outputs, rendered.sounds, input.sample_rate};
   EventCollector events{taps, input.sample_rate};
   std::vector<const double*> tapped(taps.size());
   Progress progress{"rendering"};
+  StepTimes times{engine, timed_every(static_cast<double>(input.frames))};
   const auto take = [&, done = 0.0](const double* const* channels, int count) mutable {
+    times.add(count);
     for (std::size_t t = 0; t < tapped.size(); ++t) tapped[t] = engine.tap(static_cast<int>(t));
     events.add(tapped, count);
     progress((done += count) / static_cast<double>(input.frames));
@@ -121,6 +124,7 @@ Rendered run(Player& engine, const OfflineInput& input, const std::vector<std::s
   rendered.events = events.json();
   files.close(rendered.events);
   rendered.guard = report_of(guarded, plan, limits);
+  rendered.networks = report_networks(plan, times.ns_per_frame());
   return rendered;
 }
 
@@ -142,6 +146,7 @@ void print(const RenderOptions& options, const std::string& name, const OfflineI
   for (const auto& fault : engine.faults())
     fmt::print("fault: {} produced non-finite values {} times\n", fault.path, fault.count);
   if (!rendered.guard.idle() || rendered.guard.any_raised()) print_guard(rendered.guard, rate);
+  print_networks(rendered.networks);
 }
 
 }  // namespace
@@ -170,7 +175,8 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
               {"events", count_of(rendered.events)},
               {"bad_input_samples", engine.bad_input_samples()},
               {"faults", faults_json(engine.faults())},
-              {"guard", guard_json(rendered.guard, input.sample_rate)}});
+              {"guard", guard_json(rendered.guard, input.sample_rate)},
+              {"network_solvers", networks_json(rendered.networks)}});
   return exit_code;
 }
 

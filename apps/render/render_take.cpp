@@ -112,7 +112,7 @@ struct OpenTake {
   WavReader wav;
 };
 
-Replayed play_into(const RenderOptions& options, OpenTake& open, const ReplayHost& host) {
+Replayed play_into(const RenderOptions& options, OpenTake& open, const ReplayHost& host, StepTimes& times) {
   std::optional<WavWriter> writer;
   if (!options.out.empty())
     writer.emplace(or_exit(
@@ -122,6 +122,7 @@ Replayed play_into(const RenderOptions& options, OpenTake& open, const ReplayHos
   double done = 0;
   auto replayed = or_exit(replay(open.take, open.wav, host, {options.block.value_or(256)},
                                  [&](const double* const* out, int count) {
+                                   times.add(count);
                                    progress((done += count) / frames);
                                    return writer ? writer->write(out, count) : Status{};
                                  }));
@@ -129,15 +130,19 @@ Replayed play_into(const RenderOptions& options, OpenTake& open, const ReplayHos
   return replayed;
 }
 
+int timed_every(const OpenTake& open) {
+  return tactus::timed_every(static_cast<double>(frames_to_replay(open.take, open.wav)));
+}
+
 /// The replay as JSON, with `more`, or as text.
-void report(const RenderOptions& options, const OpenTake& open, const std::string& instrument,
+void report(const RenderOptions& options, const OpenTake& open, const Player& engine, const StepTimes& times,
             const Replayed& replayed, const Json& more, const std::string& text) {
   const auto& take = open.take;
-  Json json{{"instrument", instrument},
-            {"sample_rate_hz", take.header.sample_rate.value},
-            {"frames", replayed.frames},
-            {"finished", take.finished},
-            {"ended", take.ended}};
+  const auto& instrument = engine.plan().name;
+  const auto networks = report_networks(engine.plan(), times.ns_per_frame());
+  Json json{{"instrument", instrument},  {"sample_rate_hz", take.header.sample_rate.value},
+            {"frames", replayed.frames}, {"finished", take.finished},
+            {"ended", take.ended},       {"network_solvers", networks_json(networks)}};
   json.update(more);
   if (options.json) return print_json(json);
   fmt::print("{}: {}\n", instrument, text);
@@ -146,6 +151,7 @@ void report(const RenderOptions& options, const OpenTake& open, const std::strin
                static_cast<double>(frames_to_replay(take, open.wav)) / take.header.sample_rate.value);
   if (!take.ended.empty()) fmt::print("it ended early: {}\n", take.ended);
   if (!options.out.empty()) fmt::print("{}: the drives\n", options.out);
+  print_networks(networks);
 }
 
 int render_recorded(const RenderOptions& options, OpenTake& open) {
@@ -159,14 +165,16 @@ int render_recorded(const RenderOptions& options, OpenTake& open) {
     if (!plan) return tl::unexpected(plan.error().front());
     return engine.replace(std::move(*plan));
   };
-  const auto replayed = play_into(
-      options, open, {guarded, sensors_for(header, header.inputs), engine.out_channels(), replace, true});
+  StepTimes times{engine, timed_every(open)};
+  const auto replayed =
+      play_into(options, open,
+                {guarded, sensors_for(header, header.inputs), engine.out_channels(), replace, true}, times);
   const auto result = verdict(open.take, replayed);
   const bool same = is_same(open.take, replayed);
   Json json{{"same", same}, {"verdict", result}};
   if (const auto& first = replayed.first_difference)
     json["first_difference"] = {{"frame", first->frame}, {"output", first->channel}};
-  report(options, open, engine.plan().name, replayed, json, result);
+  report(options, open, engine, times, replayed, json, result);
   return same ? kDone : kNo;
 }
 
@@ -199,14 +207,15 @@ int render_other(const RenderOptions& options, OpenTake& open) {
   const auto sensors = sensors_for(header, inputs);
   RigInputs rig{engine, scales_for(header, sensors), header.padding_frames};
   Guarded guarded{rig, guarded_channels(engine.plan(), limits), header.armed};
-  const auto replayed = play_into(options, open, {guarded, sensors, engine.out_channels(), {}, false});
+  StepTimes times{engine, timed_every(open)};
+  const auto replayed = play_into(options, open, {guarded, sensors, engine.out_channels(), {}, false}, times);
   auto text = fmt::format("rendered with the sensor signals of the take, {:.3f} s",
                           static_cast<double>(replayed.frames) / header.sample_rate.value);
   for (std::size_t i = 0; i < inputs.size(); ++i)
     if (sensors[i] < 0) text += fmt::format("\nthe take has no sensor '{}': it was silent", inputs[i]);
   if (!open.take.edits.empty()) text += "\nedits made during the recording are ignored";
   const auto guard = report_of(guarded, engine.plan(), limits);
-  report(options, open, loaded.spec->name, replayed,
+  report(options, open, engine, times, replayed,
          {{"outputs", output_names(engine.plan())}, {"guard", guard_json(guard, header.sample_rate)}}, text);
   if (!options.json && !guard.idle()) print_guard(guard, header.sample_rate);
   return guard.faded() ? kNo : kDone;

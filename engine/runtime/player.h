@@ -27,13 +27,9 @@ class Player final : public BlockProcessor, private Outside {
   [[nodiscard]] Status prepare(const StreamFormat& format) override;
   /// [realtime & prepared] The thread must flush denormals to zero, as it does inside Guarded and ClosedLoop.
   void process(const BlockIo& io) noexcept TACTUS_NONBLOCKING override;
-  /// [control & stopped] Runs like `process` and adds up what each step took. For `tactus explain`.
-  void process_timed(const BlockIo& io) noexcept {
-    timed_ = true;
-    process(io);
-    timed_ = false;
-  }
-  /// [control & stopped]
+  /// [control & stopped] From now on `process` adds up what each step takes (see StepTimes), or no longer.
+  void time_steps(bool on) noexcept { timed_ = on; }
+  /// [control & stopped] Of the newest version, without the time that the clock itself takes.
   const std::vector<double>& step_nanoseconds() const { return versions_.newest().step_ns; }
 
   /// [control & stopped] Entries known beforehand (rendering, replay), sorted by frame. Applies from the next

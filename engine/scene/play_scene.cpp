@@ -54,7 +54,7 @@ std::vector<std::string> drive_names(const SceneRecording& recording) {
 }
 
 Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int block,
-                                  const std::function<void(double)>& progress) {
+                                  const std::function<void(double)>& progress, SceneTimes* times) {
   SceneRecording recording;
   recording.sample_rate = built.instrument->plan().sample_rate;
   recording.delay_frames = built.delay_frames;
@@ -78,6 +78,7 @@ Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int
     loop.run(std::min(part, frames - done), [&](const ClosedLoop::Block& io) {
       record(recording, built, io);
       ports.take(*built.plant, io.frames);
+      if (times != nullptr) times->add(io.frames);
     });
     if (progress) progress(std::min(1.0, static_cast<double>(done + part) / frames));
   }

@@ -10,6 +10,7 @@
 #include "engine/scene/energy_watch.h"
 #include "engine/scene/file/scene_spec.h"
 #include "engine/scene/guard_report.h"
+#include "engine/scene/network_report.h"
 
 namespace tactus {
 
@@ -44,8 +45,9 @@ struct SceneRecording {
 std::vector<std::string> drive_names(const SceneRecording& recording);
 
 /// [control] Plays a built scene from start to end in blocks of `block` frames. `progress` receives the share
-/// done.
+/// done, `times` each block.
 Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int block,
-                                  const std::function<void(double)>& progress = {});
+                                  const std::function<void(double)>& progress = {},
+                                  SceneTimes* times = nullptr);
 
 }  // namespace tactus

@@ -6,9 +6,10 @@ import re
 
 from signals import wav_chunks
 
-# Times and sizes of the program itself, and what follows from them.
+# Times, operations and sizes of the program itself, and what follows from them; how networks are stepped.
 VOLATILE = re.compile(r"^ns_|_ns$|^ns_per_frame$|^of_real_time$|^nothing_cheaper|^run_s$|^run_seconds$|"
-                      r"real_time_factor|memory_bytes$|^when$|^written$|^root$|^program$")
+                      r"^network_solvers$|^multiplications|^error_bound$|real_time_factor|memory_bytes$|^when$|^written$|"
+                      r"^root$|^program$")
 # Strings that are codes rather than prose.
 CODES = {"verdict", "at_0.98", "at_1.02"}
 PLACE = re.compile(r"^(?:[^\s:]*/)?([^\s:/]+\.(?:toml|wav|jsonl)):(\d+):(\d+):|^(--[a-z-]+):", re.M)

@@ -84,6 +84,9 @@ class LiveInstrument final : public Performer {
     return *engine_;
   }
   Player& instrument() override { return *engine_; }
+  std::vector<NetworkReport> networks(int block) override {
+    return report_networks(engine_->plan(), time_steps(*engine_, block, kTimingDuration));
+  }
   void describe(TakeHeader& header) const override {
     header.files = take_files(loaded_, standard_nodes(), setup_.root);
     header.input_scales = wiring_.input_scales;
@@ -205,6 +208,12 @@ class LiveWorld final : public Performer, private BlockProcessor {
   }
 
   std::vector<PortEnergy> ports() const override { return ports_.energies(setup_.rate); }
+  std::vector<NetworkReport> networks(int block) override {
+    SceneTimes times{built_, 0};
+    repeat_block(kTimingDuration,
+                 [&] { loop_.run(block, [&](const ClosedLoop::Block& part) { times.add(part.frames); }); });
+    return times.networks();
+  }
 
   bool strike() override {
     auto& plant = *built_.plant;

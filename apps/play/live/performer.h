@@ -16,6 +16,7 @@
 #include "engine/rig/rig.h"
 #include "engine/runtime/player.h"
 #include "engine/scene/energy_watch.h"
+#include "engine/scene/network_report.h"
 
 namespace tactus::app {
 
@@ -29,6 +30,9 @@ struct Edit {
   /// version then keeps playing.
   std::function<void(Guarded&)> take_over;
 };
+
+/// How long networks are timed after a session.
+inline constexpr Seconds kTimingDuration = 50_ms;
 
 /// What a live session plays: an instrument, or an instrument in its simulated world.
 class Performer {
@@ -51,6 +55,9 @@ class Performer {
   virtual void describe(TakeHeader&) const {}
   /// [control & stopped] The energy that passed the ports of a scene.
   virtual std::vector<PortEnergy> ports() const { return {}; }
+  /// [control & stopped, after it has played] The networks; runs for a moment, in blocks of `block` frames,
+  /// to time them.
+  virtual std::vector<NetworkReport> networks(int /*block*/) { return {}; }
   /// [control, while it plays] Strikes once, where the scene can be played by hand.
   virtual bool strike() { return false; }
 };

@@ -40,7 +40,12 @@ Json levels_json(const std::vector<SessionView::Level>& levels) {
   return json;
 }
 
-Json report_json(Session& session, const SessionView& view, const Performer& performer) {
+/// Timed on what has played, which has stopped.
+std::vector<NetworkReport> networks_of(const Session& session, Performer& performer) {
+  return performer.networks(std::min(kMaxSubBlock, session.granted().format.max_frames));
+}
+
+Json report_json(Session& session, const SessionView& view, Performer& performer) {
   const auto& granted = session.granted();
   const auto guard = session.guard_report();
   Json json{{"instrument", performer.name},
@@ -54,6 +59,7 @@ Json report_json(Session& session, const SessionView& view, const Performer& per
             {"limits", limits_json(guard)},
             {"guard", guard_json(guard, granted.format.sample_rate)}};
   if (const auto ports = performer.ports(); !ports.empty()) json["ports"] = ports_json(ports);
+  json["network_solvers"] = networks_json(networks_of(session, performer));
   return json;
 }
 
@@ -242,7 +248,7 @@ GuardReport Session::guard_report() {
   return report;
 }
 
-void print_report(Session& session, const SessionView& view, const Performer& performer, bool as_json) {
+void print_report(Session& session, const SessionView& view, Performer& performer, bool as_json) {
   if (as_json) return print_json(report_json(session, view, performer));
   for (const auto* levels : {&view.inputs, &view.outputs})
     for (const auto& level : *levels)
@@ -253,6 +259,7 @@ void print_report(Session& session, const SessionView& view, const Performer& pe
     fmt::print("  bad input           {} non-finite samples replaced by zero\n", view.health.bad_input);
   print_guard(session.guard_report(), session.granted().format.sample_rate);
   print_ports(performer.ports());
+  print_networks(networks_of(session, performer));
   for (const auto& take : session.takes()) fmt::print("  take                {}\n", take.string());
 }
 

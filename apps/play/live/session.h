@@ -199,6 +199,6 @@ class Session {
 };
 
 /// Prints what a session that has stopped did; `view`: its last one. For people, or all of it as one object.
-void print_report(Session& session, const SessionView& view, const Performer& performer, bool as_json);
+void print_report(Session& session, const SessionView& view, Performer& performer, bool as_json);
 
 }  // namespace tactus::app

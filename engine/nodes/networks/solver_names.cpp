@@ -116,6 +116,15 @@ const SectionType& network_options() {
   return section;
 }
 
+std::string describe_bound(const SolverBounds& bounds) {
+  if (!bounds.stable) return "error not bounded: " + against(bounds);
+  if (!bounds.bounded) return "error not bounded: friction";
+  if (bounds.error >= 1.0)
+    return "error not bounded: a step is too long for the stiffest spring, damper or contact";
+  return bounds.error == 0.0 && bounds.contact_frames == 0.0 ? "no error beyond rounding"
+                                                             : error_text(bounds);
+}
+
 std::string explain_choice(const SolverChoice& choice) {
   const auto is_best = [&](const SolverBounds& b) {
     return b.solver == choice.solver && b.oversample == choice.oversample;
@@ -128,7 +137,8 @@ std::string explain_choice(const SolverChoice& choice) {
   else
     text += error_text(*best);
   for (const auto* other : cheaper(choice, *best))
-    text += fmt::format("\n  not {}: {}", described(*other), against(*other));
+    text += fmt::format("\n  not {}: {:.0f} multiplications per frame, {}", described(*other),
+                        other->multiplications, against(*other));
   return text;
 }
 

@@ -21,6 +21,9 @@ const char* source_of(Solver solver);
 /// [any] The keys of `[networks.x]` beside its elements.
 const SectionType& network_options();
 
+/// [any] "error at most 0.4 %", or why the error is not bounded.
+std::string describe_bound(const SolverBounds& bounds);
+
 /// [any] Which solver was taken, a warning if even that one is not accurate, and why none of the cheaper
 /// ones: a line for each solver at most.
 std::string explain_choice(const SolverChoice& choice);

@@ -84,3 +84,27 @@ TEST_CASE("live instrument: an edit that leads an input to an output has it watc
   run(guarded, 1);
   CHECK(guarded.state() == std::vector<JournalEntry>{{0, JournalEntry::Kind::FeedbackPath, 0, 1.0}});
 }
+
+TEST_CASE("live instrument: its networks are reported, and timed after it has played", "[live]") {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("test.toml", R"(format = 1
+name = "test"
+[networks.drum]
+solver = "exact"
+skin = { type = "chain", masses = 20, mass = "1 g", stiffness = "1 kN/m" }
+ear = { type = "probe", on = "skin.3" }
+push = { type = "force", on = "skin.5", force = "x * 1 N" }
+[inputs]
+x = {}
+[outputs]
+y = { from = "drum.ear.position / 1 m" }
+)");
+  const auto instrument = make_instrument({file, folder.path()});
+  Guarded guarded{instrument->processor(), instrument->guards, false};
+  REQUIRE(guarded.prepare({48_kHz, 1, 1, 64}));
+  run(guarded, 64);
+  const auto networks = instrument->networks(64);
+  REQUIRE(networks.size() == 1);
+  CHECK(networks[0].name == "drum");
+  CHECK(networks[0].ns_per_frame.value_or(0) > 0);
+}

@@ -96,3 +96,13 @@ TEST_CASE("live world: the watch at a port finds the same energy as when the sce
   CHECK(live[0].given == rendered->ports[0].given);
   CHECK(live[0].active_at_s == rendered->ports[0].active_at_s);
 }
+
+TEST_CASE("live world: its networks are reported, and timed after it has played", "[live]") {
+  const auto world = single_strike();
+  Guarded guarded{world->processor(), world->guards, false};
+  REQUIRE(guarded.prepare({48_kHz, 0, 2, 256}));
+  loudest(guarded, 0.1);
+  const auto networks = world->networks(64);
+  REQUIRE_FALSE(networks.empty());
+  for (const auto& network : networks) CHECK(network.ns_per_frame.value_or(0) > 0);
+}
