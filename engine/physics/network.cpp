@@ -51,6 +51,16 @@ Result<Network> Network::make(const NetworkElements& elements, int signals, Hert
   return network;
 }
 
+Network Network::make(const NetworkElements& elements, int signals, Hertz rate, int oversample,
+                      const MakeSolver& make_solver) {
+  Network network;
+  network.choice_ = {Solver::Reference, oversample, {}};
+  const double step_s = 1.0 / (rate.value * oversample);
+  network.model_ = std::make_shared<const NetworkModel>(elements, signals, step_s);
+  network.network_solver_ = make_solver(*network.model_);
+  return network;
+}
+
 NetworkState Network::initial_state() const {
   const auto& m = *model_;
   NetworkState state;

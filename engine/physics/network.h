@@ -1,6 +1,7 @@
 #pragma once
 
 // Thread: [any], except where a function says otherwise
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -34,6 +35,11 @@ class Network {
   /// points exist (asserted: the graph file was checked before). Errors: those of the solver.
   static Result<Network> make(const NetworkElements& elements, int signals, Hertz rate, Solver solver,
                               int oversample);
+  /// [control] The same, stepped by what `make_solver` makes: for studies of other methods. Outputs are read
+  /// as those of the reference.
+  using MakeSolver = std::function<std::unique_ptr<NetworkSolver>(const NetworkModel&)>;
+  static Network make(const NetworkElements& elements, int signals, Hertz rate, int oversample,
+                      const MakeSolver& make_solver);
 
   /// [control] Allocates; at the start of the network.
   NetworkState initial_state() const;
