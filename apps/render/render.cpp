@@ -78,20 +78,31 @@ int render_scene(const RenderOptions& options, const std::filesystem::path& file
   return exit_code;
 }
 
+/// The measured errors beside the bound.
+Table error_table(const WorkPrecision& result) {
+  const auto& point = result.points.front();
+  const auto bound = point.error_bound();
+  Table table{{{"compared", "error", "bound", "own error of the reference", "reference"}}};
+  for (std::size_t a = 0; a < point.errors.size(); ++a) {
+    const auto& used = result.references[a];
+    table.rows.push_back({fmt::format("{}: {} of {}", used.accuracy, used.measure, used.of),
+                          fmt::format("{:.2e}", point.errors[a]),
+                          bound ? fmt::format("{:.2e}", *bound) : "none",
+                          used.own_error > 0 ? fmt::format("{:.1e}", used.own_error) : "", used.what});
+  }
+  return table;
+}
+
 std::string error_text(const WorkPrecision& result) {
   const auto& point = result.points.front();
   auto text = fmt::format("{}\n\n", result.scene);
   if (!point.known()) return text + (point.refused ? to_string(*point.refused) : "  unstable") + "\n";
   text += fmt::format("  {:.1f} ns per frame, {:.2g} % of real time at {:g} kHz\n", point.ns_per_frame,
                       100 * point.load(), point.variant.rate.value / 1e3);
-  for (std::size_t a = 0; a < point.errors.size(); ++a) {
-    const auto& used = result.references[a];
-    text += fmt::format(
-        "  {:.2e}  relative error of {}: {} of {}, against {}{}\n", point.errors[a], used.accuracy,
-        used.measure, used.of, used.what,
-        used.own_error > 0 ? fmt::format(", whose own error is at most {:.1e}", used.own_error) : "");
-  }
-  return text;
+  for (const auto& network : point.networks) text += "  " + describe(network) + "\n";
+  return text + "\n" + error_table(result).text() +
+         "\nErrors are relative. The bound is that of each resonance, decay and contact; the error of a path "
+         "adds them up over its duration.\n";
 }
 
 /// Errors of one run and its time a frame.
@@ -151,8 +162,8 @@ void add_render(CLI::App& app, int& exit_code) {
   add_player_options(command, options);
   command
       .add_flag("--error", options.error,
-                "report the numerical error and the computing time per frame of a scene that has an "
-                "[accuracy] section")
+                "report the numerical error of a scene's networks beside its bound, and the computing time "
+                "per frame")
       ->excludes("--in", "--out", "--sound", "--events", "--replay", "--set");
   for (const auto* option : {"--in", "--sound", "--events", "--rate", "--duration"})
     command.get_option("--replay")->excludes(option);

@@ -51,6 +51,8 @@ std::vector<Plot> plots_of(const WallMap& map);
 std::string text_of(const WorkPrecision& study);
 /// The variants as a table of Markdown.
 std::string markdown_of(const WorkPrecision& study);
+/// A line for each rate: what `auto` chose there, and its cost beside that of the cheapest.
+std::string describe_choices(const WorkPrecision& study);
 Json json_of(const WorkPrecision& study);
 
 /// The values of a sweep, equally spaced in the unit that they are written in (decibels in decibels). A bare

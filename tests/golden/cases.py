@@ -230,8 +230,8 @@ def all_cases():
         add(f"explain/graph_{seed:03}", seed % 50 == 0, explained, seed)
     for file in scenes:
         if "accuracy" in tomllib.loads((ROOT / file).read_text()):
-            add(f"study/work-precision/{plain(file)}", False, study, "work-precision", file, "--rates", "24kHz,48kHz",
-                "--oversample", "1,4", "--repeat", "1")
+            add(f"study/work-precision/{plain(file)}", False, study, "work-precision", file, "--solvers",
+                "explicit,exact,implicit,passive", "--rates", "24kHz,48kHz", "--oversample", "1,4", "--repeat", "1")
             add(f"error/{plain(file)}", False, lambda run, file: run.answer("render", file, "--error", "--json"), file)
     for name, arguments in STUDIES.items():
         add(f"study/{name}", False, study, *arguments)

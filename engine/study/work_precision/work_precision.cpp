@@ -13,10 +13,13 @@
 
 #include "engine/core/decibels.h"
 #include "engine/core/median.h"
+#include "engine/graph/file/quantity.h"
+#include "engine/nodes/networks/network.h"
 #include "engine/scene/closed_loop.h"
 #include "engine/scene/measures/measure.h"
 #include "engine/study/sweep/scene_variants.h"
 #include "engine/study/sweep/sweep.h"
+#include "engine/study/work_precision/methods/methods.h"
 
 namespace tactus {
 namespace {
@@ -50,7 +53,7 @@ class Replay final : public BlockProcessor {
 /// recorded and is played back to it, and nothing is recorded, converted or guarded.
 class PlantTimer {
  public:
-  /// `recording` of the same scene, built in the same way; it may go.
+  /// `recording` of the same scene; it may go.
   PlantTimer(BuiltScene built, const SceneSpec& scene, const SceneRecording& recording)
       : built_(std::move(built)),
         replay_(recording),
@@ -75,6 +78,15 @@ class PlantTimer {
     return 1e9 * taken_s / frames;
   }
 
+  const Plan& plan() const { return built_.plant->plan(); }
+  /// Its networks, each timed in one more run.
+  std::vector<NetworkReport> networks() {
+    StepTimes times{*built_.plant};
+    if (loop_.prepare(rate_, kTimedBlock))
+      loop_.run(frames_, [&](const ClosedLoop::Block& block) { times.add(block.frames); });
+    return report_networks(built_.plant->plan(), times.ns_per_frame());
+  }
+
  private:
   static constexpr int kTimedBlock = 64;
   static constexpr double kMaxTimingDuration_s = 0.3;
@@ -92,20 +104,88 @@ std::string describe_reference(const SceneSpec& scene) {
                           : "integration from event to event";
 }
 
-/// Rates, solvers and oversampling to try.
-std::vector<SweptValue> swept_by(const WorkPrecisionOptions& options, Hertz rate) {
-  std::vector<SweptValue> over{
-      {"rate", {}, SweptValue::What::Rate},
-      {"solver",
-       {},
-       SweptValue::What::Solver,
-       options.solvers.empty() ? stepping_solvers() : options.solvers},
-      {"oversample", {options.oversamples.begin(), options.oversamples.end()}, SweptValue::What::Oversample}};
-  for (const auto tried : options.rates) over[0].values.emplace_back(tried.value);
-  if (options.rates.empty()) over[0].values = {0.5 * rate.value, rate.value, 2 * rate.value};
-  for (std::size_t i = 0; i < over[1].names.size(); ++i) over[1].values.emplace_back(static_cast<double>(i));
-  if (options.oversamples.empty()) over[2].values = {1, 2, 4, 8, 16};
-  return over;
+constexpr auto kAuto = "auto";
+
+/// Rates, solvers and oversampling to try. `auto` decides on its oversampling itself.
+std::vector<SolverVariant> variants_of(const WorkPrecisionOptions& options, Hertz rate) {
+  auto rates = options.rates;
+  if (rates.empty()) rates = {Hertz{0.5 * rate.value}, rate, Hertz{2 * rate.value}};
+  const auto solvers = options.solvers.empty() ? studied_solvers() : options.solvers;
+  auto oversamples = options.oversamples;
+  if (oversamples.empty()) oversamples = {1, 2, 4, 8, 16};
+  std::vector<SolverVariant> variants;
+  for (const auto tried : rates)
+    for (const auto& solver : solvers)
+      if (solver == kAuto)
+        variants.push_back({solver, 0, tried});
+      else
+        for (const int oversample : oversamples) variants.push_back({solver, oversample, tried});
+  return variants;
+}
+
+template <class Plan>
+auto views_of(Plan& plan) {
+  std::vector<NetworkView*> views;
+  for (const auto& node : plan.nodes)
+    if (auto* view = dynamic_cast<NetworkView*>(node.get())) views.push_back(view);
+  return views;
+}
+
+/// Multiplications of a frame, as `SolverBounds` counts them.
+double multiplications_of(const Plan& plan) {
+  double sum = 0;
+  for (const auto* view : views_of(plan)) {
+    const auto cost = view->network.network_solver().cost();
+    const double contact = view->recipe.elements.contacts.empty() ? 0.0 : cost.contact;
+    sum += view->network.oversample() * (cost.step + contact);
+  }
+  return sum;
+}
+
+/// Multiplications of the cheapest solvers whose bounds are at most `error`; nothing: a network has none.
+std::optional<double> cheapest_bounded(const Plan& plan, double error) {
+  double sum = 0;
+  for (const auto* view : views_of(plan)) {
+    double least = std::numeric_limits<double>::infinity();
+    for (int steps = 1; steps <= kMostOversample; steps *= 2)
+      for (const auto& bounds : choose_solver(view->recipe.elements, view->recipe.rate, steps).candidates)
+        if (bounds.stable && bounds.bounded && bounds.error <= error)
+          least = std::min(least, bounds.multiplications);
+    sum += least;
+  }
+  return std::isfinite(sum) ? std::optional{sum} : std::nullopt;
+}
+
+/// Puts a published method in the place of every solver. Errors: BadArgument, where it does not apply.
+Status use_method(const Plan& plan, const PublishedMethod& method, int oversample) {
+  for (auto* view : views_of(plan)) {
+    const auto& recipe = view->recipe;
+    if (auto why = why_not_applicable(recipe.elements); !why.empty())
+      return fail(Errc::BadArgument, method.name, "not applicable: " + why, "compare other solvers");
+    view->network = Network::make(recipe.elements, recipe.signals, recipe.rate, oversample, method.make);
+    view->state = view->network.initial_state();
+  }
+  return {};
+}
+
+/// What is compared where a scene does not say so: the paths of positions, or of everything that its parts
+/// with networks give.
+std::vector<Accuracy> default_accuracy(const SceneSpec& scene, const std::vector<SceneTap>& taps) {
+  static const auto metre = parse_unit("m")->dimension;
+  std::vector<Accuracy> positions, all;
+  for (const auto& tap : taps) {
+    const auto part = tap.name.substr(0, tap.name.find('.'));
+    auto alone = scene;
+    std::erase_if(alone.parts, [&](const ScenePart& other) { return other.name != part; });
+    if (!has_network(alone)) continue;
+    Accuracy path;
+    path.name = tap.name.substr(part.size() + 1);
+    path.measure = "position";
+    path.of = tap.name;
+    all.push_back(path);
+    if (tap.dimension == metre) positions.push_back(path);
+  }
+  return positions.empty() ? all : positions;
 }
 
 /// Non-finite values, or ten times the size that they may have.
@@ -122,36 +202,37 @@ bool exploded(const Accuracy& accuracy, const SceneRecording& run, const SceneRe
 /// The outcome of a run.
 constexpr double kStable = 0, kUnstable = 1, kRefused = 2;
 
-/// Finds the errors of all variants, then takes their times. A run is its outcome, how far the reference may
-/// be off at its rate, and its errors.
+/// Finds the errors of all variants, then takes their times. A run is its outcome, its multiplications, how
+/// far the reference may be off at its rate, and its errors.
 class Study {
  public:
-  /// Nothing in `over`: the scene as it is written.
-  Study(const SceneSpec& scene, const NodeTable& table, const RunPlan& runs, std::vector<SweptValue> over,
-        int repeats)
-      : scene_(scene), table_(table), repeats_(repeats), key_("work precision") {
-    static_cast<RunPlan&>(plan_) = runs;
-    plan_.over = std::move(over);
-    for (const auto& accuracy : scene.accuracy)
-      key_ += measure_key(accuracy) + fmt::format(" {} {}", accuracy.exact.value_or(QuantityValue{}).si,
-                                                  accuracy.scale.value_or(QuantityValue{}).si);
+  Study(SceneSpec scene, const NodeTable& table, const WorkPrecisionOptions& options,
+        std::vector<SolverVariant> variants)
+      : scene_(std::move(scene)),
+        table_(table),
+        plan_(options),
+        repeats_(options.repeats),
+        variants_(std::move(variants)) {
+    result_.scene = scene_.name;
+    result_.rate = scene_.rate;
+    result_.tolerance = options.tolerance;
   }
 
   Checked<WorkPrecision> run() {
-    result_.scene = scene_.name;
-    for (const auto& accuracy : scene_.accuracy)
-      result_.references.push_back({accuracy.name, accuracy.measure, accuracy.of,
-                                    accuracy.exact ? "closed form" : describe_reference(scene_)});
+    if (auto begun = begin(); !begun) return tl::unexpected(begun.error());
     const auto progress = std::exchange(plan_.progress, {});
     if (progress) plan_.progress = [&](double share) { progress(0.5 * share); };
-    auto evaluated = sweep().evaluate([this](const Sweep::Run& run) { return find_errors(run); }, key_);
+    const auto count = static_cast<int>(variants_.size());
+    auto evaluated = evaluate_runs(
+        plan_, count, [&](int i) { return key_of(index(i)); }, [&](int i) { return find_errors(index(i)); });
     if (!evaluated) return tl::unexpected(evaluated.error());
-    result_.runs = std::ssize(*evaluated) + repeats_;
-    result_.finished = finished(*evaluated);
-    if (plan_.parts > 1 || result_.finished < std::ssize(*evaluated)) return std::move(result_);
-    for (std::size_t i = 0; i < evaluated->size(); ++i) add_point(i, (*evaluated)[i]);
+    result_.runs = count + repeats_;
+    result_.finished = std::ranges::count_if(*evaluated, [](const auto& run) { return run.has_value(); });
+    if (plan_.parts > 1 || result_.finished < count) return std::move(result_);
+    for (std::size_t i = 0; i < evaluated->size(); ++i) add_point(i, *(*evaluated)[i]);
     if (progress) plan_.progress = [&](double share) { progress(0.5 + 0.5 * share); };
     if (auto status = take_times(); !status) return tl::unexpected(status.error());
+    for (std::size_t i = 0; i < variants_.size(); ++i) report_networks_of(i);
     for (std::size_t a = 0; a < scene_.accuracy.size(); ++a) find_front(a);
     return std::move(result_);
   }
@@ -162,7 +243,52 @@ class Study {
     std::vector<double> floors;  ///< how far two references are apart; 0 where theory gives the number
   };
 
-  Sweep sweep() const { return {scene_, table_, plan_}; }
+  /// Finds what is compared. Errors: those of the scene.
+  Checked<void> begin() {
+    const auto built = build_scene(scene_, table_);
+    if (!built) return tl::unexpected(built.error());
+    if (scene_.accuracy.empty()) {
+      scene_.accuracy = default_accuracy(scene_, built->plant_taps);
+      const auto reference = refer(scene_);
+      if (!reference) return tl::unexpected(reference.error());
+      std::erase_if(scene_.accuracy, [&](const Accuracy& path) {
+        return peak_of((*reference)->recording.find(path.of)->samples) == 0.0;
+      });
+      references_.clear();
+    }
+    if (scene_.accuracy.empty())
+      return tl::unexpected(std::vector{
+          Error{Errc::Missing, scene_.file.text(), "no output of a part with a network moves in the scene",
+                "add [accuracy] with an entry such as path = { measure = \"position\", of = "
+                "\"plant.stick\" }"}});
+    key_ = "work precision";
+    for (const auto& accuracy : scene_.accuracy) {
+      key_ += measure_key(accuracy) + fmt::format(" {} {}", accuracy.exact.value_or(QuantityValue{}).si,
+                                                  accuracy.scale.value_or(QuantityValue{}).si);
+      result_.references.push_back({accuracy.name, accuracy.measure, accuracy.of,
+                                    accuracy.exact ? "closed form" : describe_reference(scene_)});
+    }
+    return {};
+  }
+
+  /// Published methods take the place of explicit steps, which every network can be made with.
+  SceneSpec scene_of(const SolverVariant& variant) const {
+    auto scene = scene_;
+    scene.rate = variant.rate;
+    if (variant.solver == kAsWritten) return scene;
+    const bool published = find_method(variant.solver) != nullptr;
+    scene = with_network_option(std::move(scene), "solver", published ? "explicit" : variant.solver);
+    const auto remove = [](NetworkSpec& network, const std::string&) {
+      std::erase_if(network.fields, [](const Field& field) { return field.key == "oversample"; });
+    };
+    if (variant.oversample == 0) return with_networks_changed(std::move(scene), remove, false);
+    return with_network_option(std::move(scene), "oversample", static_cast<double>(variant.oversample));
+  }
+
+  std::uint64_t key_of(std::size_t number) const {
+    const auto& variant = variants_[number];
+    return run_key(key_ + variant.solver, {{}, scene_of(variant), {}, number});
+  }
 
   /// The reference solution at the rate of a scene. Its own error is its difference from one of three steps a
   /// frame: with two, the parts into which the exponential of a step is divided would be the same, and so
@@ -183,52 +309,80 @@ class Study {
     return &*reference;
   }
 
+  struct Played {
+    SceneRecording recording;
+    double multiplications;
+  };
   /// Plays a variant and keeps its timer. Errors: its network cannot be stepped so.
-  Checked<SceneRecording> play(const Sweep::Run& run) {
-    auto built = build_scene(run.scene, table_);
+  Checked<Played> play(std::size_t number) {
+    constexpr int kBlock = 64;
+    const auto& variant = variants_[number];
+    const auto scene = scene_of(variant);
+    auto built = build_scene(scene, table_);
     if (!built) return tl::unexpected(built.error());
-    auto recording = play_run(run, table_);
-    if (!recording) return recording;
-    auto timer = std::make_unique<PlantTimer>(std::move(*built), run.scene, *recording);
+    const auto& plan = built->plant->plan();
+    if (const auto* method = find_method(variant.solver))
+      if (const auto used = use_method(plan, *method, variant.oversample); !used)
+        return tl::unexpected(std::vector{used.error()});
+    auto recording = play_scene(scene, *built, kBlock);
+    if (!recording) return tl::unexpected(std::vector{recording.error()});
+    const double multiplications = multiplications_of(plan);
+    auto timer = std::make_unique<PlantTimer>(std::move(*built), scene, *recording);
     const std::lock_guard lock{keeping_};
-    timers_[run.number] = std::move(timer);
-    return recording;
+    timers_[number] = std::move(timer);
+    return Played{std::move(*recording), multiplications};
   }
 
-  Checked<RunResult> find_errors(const Sweep::Run& run) {
-    const auto reference = refer(run.scene);
+  Checked<RunResult> find_errors(std::size_t number) {
+    const auto reference = refer(scene_of(variants_[number]));
     if (!reference) return tl::unexpected(reference.error());
     const auto& [expected, floors] = **reference;
-    RunResult numbers{kRefused};
+    RunResult numbers{kRefused, 0.0};
     numbers.insert(numbers.end(), floors.begin(), floors.end());
-    const auto recording = play(run);
-    if (!recording) return numbers;
+    const auto played = play(number);
+    if (!played) return numbers;
+    const auto& recording = played->recording;
     const bool unstable = std::ranges::any_of(
-        scene_.accuracy, [&](const auto& accuracy) { return exploded(accuracy, *recording, expected); });
+        scene_.accuracy, [&](const auto& accuracy) { return exploded(accuracy, recording, expected); });
     numbers[0] = unstable ? kUnstable : kStable;
+    numbers[1] = played->multiplications;
     for (const auto& accuracy : scene_.accuracy)
-      if (!unstable) numbers.push_back(accuracy_error(accuracy, *recording, expected).value_or(1));
+      if (!unstable) numbers.push_back(accuracy_error(accuracy, recording, expected).value_or(1));
     return numbers;
   }
 
-  void add_point(std::size_t number, const SweepPoint& swept) {
+  void add_point(std::size_t number, const RunResult& numbers) {
     auto& point = result_.points.emplace_back();
-    point.variant = {"as written", 0, scene_.rate};
-    if (!swept.at.empty())
-      point.variant = {plan_.over[1].names[static_cast<std::size_t>(swept.at[1])],
-                       static_cast<int>(swept.at[2]), Hertz{swept.at[0]}};
-    const auto& numbers = *swept.result;
+    point.variant = variants_[number];
+    point.multiplications = numbers[1];
     const auto count = scene_.accuracy.size();
-    for (std::size_t a = 0; a < count && a + 1 < numbers.size(); ++a)
-      result_.references[a].own_error = std::max(result_.references[a].own_error, numbers[a + 1]);
-    const double outcome = numbers.empty() ? kRefused : numbers.front();
-    point.unstable = outcome == kUnstable;
-    if (outcome == kRefused)
-      if (const auto again = play(sweep().run_of(number)); !again) point.refused = again.error().front();
-    if (outcome != kStable || numbers.size() != 1 + 2 * count) return;
+    for (std::size_t a = 0; a < count; ++a)
+      result_.references[a].own_error = std::max(result_.references[a].own_error, numbers[a + 2]);
+    point.unstable = numbers[0] == kUnstable;
+    if (numbers[0] == kRefused)
+      if (const auto again = play(number); !again) point.refused = again.error().front();
+    if (numbers[0] != kStable || numbers.size() != 2 + 2 * count) return;
     const auto errors = numbers.end() - static_cast<std::ptrdiff_t>(count);
-    point.floors.assign(numbers.begin() + 1, errors);
+    point.floors.assign(numbers.begin() + 2, errors);
     point.errors.assign(errors, numbers.end());
+  }
+
+  /// The timer of a variant whose errors may have been cached.
+  Checked<PlantTimer*> timer_of(std::size_t number) {
+    if (!timers_.contains(number))
+      if (const auto played = play(number); !played) return tl::unexpected(played.error());
+    return timers_[number].get();
+  }
+
+  /// Choices and bounds, of those variants that do not name a solver themselves.
+  void report_networks_of(std::size_t number) {
+    auto& point = result_.points[number];
+    if (!point.is_auto() && point.variant.solver != kAsWritten) return;
+    if (point.refused) return;
+    const auto timer = timer_of(number);
+    if (!timer) return;
+    point.networks = (*timer)->networks();
+    if (point.is_auto()) point.cheapest_bounded = cheapest_bounded((*timer)->plan(), result_.tolerance);
   }
 
   /// Every repeat takes all variants, so that a disturbance of the machine affects all of them.
@@ -240,9 +394,9 @@ class Study {
     const auto time_all = [&](int) -> Checked<RunResult> {
       RunResult times_ns;
       for (const auto i : timed) {
-        if (!timers_.contains(i))  // its errors were cached
-          if (const auto played = play(sweep().run_of(i)); !played) return tl::unexpected(played.error());
-        times_ns.push_back(timers_[i]->ns_per_frame());
+        const auto timer = timer_of(i);
+        if (!timer) return tl::unexpected(timer.error());
+        times_ns.push_back((*timer)->ns_per_frame());
       }
       return times_ns;
     };
@@ -261,7 +415,7 @@ class Study {
 
   std::uint64_t time_key(int repeat) const {
     Fingerprint print;
-    for (std::size_t i = 0; i < result_.points.size(); ++i) print.add(run_key(key_, sweep().run_of(i)));
+    for (std::size_t i = 0; i < result_.points.size(); ++i) print.add(key_of(i));
     return print.add("times").add(static_cast<std::uint64_t>(repeat)).value();
   }
 
@@ -275,10 +429,11 @@ class Study {
     }
   }
 
-  const SceneSpec& scene_;
+  SceneSpec scene_;
   const NodeTable& table_;
-  SweepPlan plan_;
+  RunPlan plan_;
   int repeats_;
+  std::vector<SolverVariant> variants_;
   std::string key_;
   std::mutex referring_, keeping_;
   std::map<double, std::optional<Reference>> references_;  ///< by rate
@@ -286,17 +441,11 @@ class Study {
   WorkPrecision result_;
 };
 
-/// Without a network there is no solver, and without [accuracy] no error.
-std::optional<Error> missing_section(const SceneSpec& scene) {
-  if (scene.accuracy.empty())
-    return Error{
-        Errc::Missing, scene.file.text(), "the scene does not list the measures to compare",
-        "add [accuracy] with an entry such as path = { measure = \"position\", of = \"plant.stick\" }"};
-  if (!has_network(scene))
-    return Error{Errc::Missing, scene.file.text(),
-                 "no part of the scene has a network, so there is no solver to choose",
-                 "study another scene"};
-  return std::nullopt;
+/// Without a network there is no solver.
+std::optional<Error> missing_network(const SceneSpec& scene) {
+  if (has_network(scene)) return std::nullopt;
+  return Error{Errc::Missing, scene.file.text(),
+               "no part of the scene has a network, so there is no solver to choose", "study another scene"};
 }
 
 }  // namespace
@@ -306,25 +455,62 @@ std::string to_string(const SolverVariant& variant) {
   return fmt::format("{}{} at {:g} kHz", variant.solver, steps, variant.rate.value / 1e3);
 }
 
+std::vector<std::string> studied_solvers() {
+  auto names = stepping_solvers();
+  names.emplace_back(kAuto);
+  for (const auto& method : published_methods()) names.emplace_back(method.name);
+  return names;
+}
+
+double WorkPoint::largest_error() const { return *std::ranges::max_element(errors); }
+
+bool WorkPoint::is_published() const { return find_method(variant.solver) != nullptr; }
+
+std::optional<double> WorkPoint::error_bound() const {
+  if (networks.empty()) return std::nullopt;
+  double most = 0;
+  for (const auto& network : networks) {
+    const auto bound = network.error_bound();
+    if (!bound) return std::nullopt;
+    most = std::max(most, *bound);
+  }
+  return most;
+}
+
 const WorkPoint* WorkPrecision::cheapest(double error) const {
   const WorkPoint* best = nullptr;
   for (const auto& point : points) {
-    if (!point.known() || point.load() >= 1) continue;
-    if (*std::ranges::max_element(point.errors) > error) continue;
+    if (!point.known() || point.is_published() || point.is_auto() || point.load() >= 1) continue;
+    if (point.largest_error() > error) continue;
     if (best == nullptr || point.load() < best->load()) best = &point;
   }
   return best;
 }
 
+std::vector<AutoCost> WorkPrecision::auto_costs() const {
+  std::vector<AutoCost> costs;
+  for (const auto& chosen : points) {
+    if (!chosen.is_auto() || !chosen.known()) continue;
+    auto& cost = costs.emplace_back(AutoCost{&chosen, nullptr, nullptr});
+    for (const auto& other : points) {
+      if (other.variant.rate != chosen.variant.rate || other.is_auto()) continue;
+      if (!other.known() || other.largest_error() > tolerance) continue;
+      auto& best = other.is_published() ? cost.published : cost.cheapest;
+      if (best == nullptr || other.multiplications < best->multiplications) best = &other;
+    }
+  }
+  return costs;
+}
+
 Checked<WorkPrecision> study_work_precision(const SceneSpec& scene, const NodeTable& table,
                                             const WorkPrecisionOptions& options) {
-  if (auto missing = missing_section(scene)) return tl::unexpected(std::vector{*missing});
-  return Study{scene, table, options, swept_by(options, scene.rate), options.repeats}.run();
+  if (auto missing = missing_network(scene)) return tl::unexpected(std::vector{*missing});
+  return Study{scene, table, options, variants_of(options, scene.rate)}.run();
 }
 
 Checked<WorkPrecision> evaluate_as_written(const SceneSpec& scene, const NodeTable& table) {
-  if (auto missing = missing_section(scene)) return tl::unexpected(std::vector{*missing});
-  return Study{scene, table, {}, {}, WorkPrecisionOptions{}.repeats}.run();
+  if (auto missing = missing_network(scene)) return tl::unexpected(std::vector{*missing});
+  return Study{scene, table, {}, {{kAsWritten, 0, scene.rate}}}.run();
 }
 
 }  // namespace tactus

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/study/work_precision/methods/methods.h"
 #include "engine/study/work_precision/work_precision.h"
 
 namespace tactus {
@@ -9,55 +10,75 @@ namespace {
 
 // Smaller errors are rounding.
 constexpr double kLeastError = 1e-16;
-// Computing time is shown for this time of the scene, so that rates can be compared.
-constexpr double kShownSpan_s = 1.0 / 48000;
 
-double time_of(const WorkPoint& point) { return point.load() * kShownSpan_s; }
+double time_of(const WorkPoint& point) { return 1e-9 * point.ns_per_frame; }
 double shown(double error) { return std::max(kLeastError, error); }
 
+/// A published method has the colour of the solver that is most like it.
 PlotColor color_of(const std::string& solver) {
-  if (solver == "explicit") return PlotColor::Vermillion;
-  if (solver == "exact") return PlotColor::Blue;
-  if (solver == "implicit") return PlotColor::Purple;
-  return solver == "passive" ? PlotColor::Green : PlotColor::Orange;
+  if (solver == "explicit" || solver == "verlet") return PlotColor::Vermillion;
+  if (solver == "implicit" || solver == "newmark") return PlotColor::Purple;
+  if (solver == "passive" || solver == "sav") return PlotColor::Green;
+  return solver == "exact" ? PlotColor::Blue : PlotColor::Orange;
 }
 
-/// A curve for each solver and rate, over its oversampling.
+std::string label_of(const std::string& solver) {
+  const auto* method = find_method(solver);
+  return method == nullptr ? solver : method->title;
+}
+
+/// The rate that is shown: that of the scene, if it was tried.
+Hertz shown_rate(const WorkPrecision& study) {
+  const auto is_own = [&](const WorkPoint& point) { return point.variant.rate == study.rate; };
+  if (study.points.empty() || std::ranges::any_of(study.points, is_own)) return study.rate;
+  return study.points.front().variant.rate;
+}
+
+std::vector<const WorkPoint*> shown_points(const WorkPrecision& study) {
+  std::vector<const WorkPoint*> points;
+  for (const auto& point : study.points)
+    if (point.known() && point.ns_per_frame > 0 && point.variant.rate == shown_rate(study))
+      points.push_back(&point);
+  return points;
+}
+
+/// A curve for each solver, over its oversampling.
 std::vector<PlotSeries> curves(const WorkPrecision& study, std::size_t a) {
   std::vector<PlotSeries> curves;
-  for (const auto& point : study.points) {
-    if (!point.known()) continue;
-    const auto& variant = point.variant;
-    const auto label = fmt::format("{}, {:g} kHz", variant.solver, variant.rate.value / 1e3);
+  for (const auto* point : shown_points(study)) {
+    if (point->is_auto()) continue;
+    const auto& solver = point->variant.solver;
+    const auto label = label_of(solver);
     auto curve = std::ranges::find(curves, label, &PlotSeries::label);
     if (curve == curves.end())
-      curve = curves.insert(
-          curve, {.label = label, .mark = PlotMark::LineAndPoints, .color = color_of(variant.solver)});
-    curve->add(time_of(point), shown(point.errors[a]));
+      curve = curves.insert(curve, {.label = label,
+                                    .mark = PlotMark::LineAndPoints,
+                                    .color = color_of(solver),
+                                    .dashed = point->is_published()});
+    curve->add(time_of(*point), shown(point->errors[a]));
   }
   return curves;
 }
 
-/// The Pareto front, as steps: no variant is both cheaper and more accurate.
-PlotSeries front(const WorkPrecision& study, std::size_t a) {
-  std::vector<std::pair<double, double>> corners;
-  for (const auto& point : study.points)
-    if (point.known() && point.front[a]) corners.emplace_back(time_of(point), shown(point.errors[a]));
-  std::ranges::sort(corners);
-  PlotSeries series{.label = "Pareto front", .color = PlotColor::Black};
-  for (const auto& [x, y] : corners) {
-    if (!series.y.empty()) series.add(x, series.y.back());
-    series.add(x, y);
+/// What `auto` chose: a point, with "auto: passive x2" in the legend, under a mark.
+void mark_choices(const WorkPrecision& study, std::size_t a, Subplot& plot) {
+  for (const auto* point : shown_points(study)) {
+    if (!point->is_auto()) continue;
+    PlotSeries choice{.label = "auto", .mark = PlotMark::Points, .color = PlotColor::Black};
+    for (const auto& network : point->networks)
+      choice.label += (choice.label == "auto" ? ": " : ", ") + describe_solver(network);
+    choice.add(time_of(*point), shown(point->errors[a]));
+    plot.pins.push_back({choice.x[0], choice.y[0]});
+    plot.series.push_back(std::move(choice));
   }
-  return series;
 }
 
-PlotSeries real_time(const Subplot& plot) {
+PlotSeries real_time(const Subplot& plot, double frame_s) {
   double low = 1, high = kLeastError;
   for (const auto& series : plot.series)
     for (const double y : series.y) low = std::min(low, y), high = std::max(high, y);
   return {.label = "limit of real time",
-          .x = {kShownSpan_s, kShownSpan_s},
+          .x = {frame_s, frame_s},
           .y = {low, high},
           .color = PlotColor::Grey,
           .dashed = true};
@@ -65,20 +86,18 @@ PlotSeries real_time(const Subplot& plot) {
 
 Plot plot_of(const WorkPrecision& study, std::size_t a) {
   const auto& used = study.references[a];
+  const auto rate = shown_rate(study);
   Plot plot;
-  plot.title = fmt::format("{}: {} ({} of {})", study.scene, used.accuracy, used.measure, used.of);
-  plot.subtitle = "reference: " + used.what;
+  plot.title = fmt::format("{} at {:g} kHz: {} ({} of {})", study.scene, rate.value / 1e3, used.accuracy,
+                           used.measure, used.of);
+  plot.subtitle = "reference: " + used.what + "; dashed: published methods";
   plot.subplot_height = 420;
-  plot.x = {.label = "computing time for 1/48000 s of the scene",
-            .unit = "s",
-            .high = 2 * kShownSpan_s,
-            .log = true};
+  plot.x = {.label = "computing time per frame", .unit = "s", .high = 2 / rate.value, .log = true};
   auto& errors = plot.subplots.emplace_back();
   errors.y = {.label = "relative error", .log = true};
   errors.series = curves(study, a);
-  auto edge = front(study, a);
-  if (!edge.x.empty()) errors.series.push_back(std::move(edge));
-  errors.series.push_back(real_time(errors));
+  mark_choices(study, a, errors);
+  errors.series.push_back(real_time(errors, 1 / rate.value));
   return plot;
 }
 

@@ -89,4 +89,13 @@ TEST_CASE("networks: play, render and explain report each of them in one line an
   CHECK(text.find(model) != std::string::npos);
 }
 
+TEST_CASE("networks: the error of a scene without [accuracy] stands beside its bound", "[apps]") {
+  const auto text = Networks{}.run("render scene.toml --error");
+  INFO(text);
+  CHECK(text.find("network 'plant.drum' in plant.toml: exact x2, no error beyond rounding, ") !=
+        std::string::npos);
+  CHECK(text.find("tip: position of plant.tip") != std::string::npos);
+  CHECK(text.find("bound") != std::string::npos);
+}
+
 #endif
