@@ -145,7 +145,7 @@ void Couplings::store_energy(NetworkState& state) const noexcept {
   for (std::size_t c = 0; c < contacts; ++c) {
     const auto& contact = model_->contacts[c];
     const double n = apart(c) + contact.offset;
-    state.root[c] = n > 0.0 ? contact.law.root(n) : 0.0;
+    state.root[c] = method_ != Method::Gradient && n > 0.0 ? contact.law.root(n) : 0.0;
   }
   for (std::size_t b = 0; b < model_->bonds.size(); ++b)
     if (state.slipped[b] == 0.0) state.root[contacts + b] = model_->bonds[b].law->root(apart(contacts + b));
@@ -286,7 +286,9 @@ void Couplings::find_contacts(NetworkState& state) const noexcept {
       if (predict(state, link)) state.active.push_back(link);
       continue;
     }
-    const double n = indentation(state, c), w = moved(state, c), before = n - w;
+    const double w = moved(state, c);
+    if (std::max(indentation(state, c), indentation(state, c) - w) <= 0.0) state.root[c] = 0.0;
+    const double n = depth(state, c), before = depth_before(state, c);
     link.free_motion = motion(state, c);
     if (std::max({n, before, before + link.free_motion}) <= 0.0) continue;
     if (n >= 0.0) start_contact(*model_, state, c, n, w);
@@ -491,7 +493,7 @@ void Couplings::follow(const NetworkState& state, ActiveCoupling& link) const no
   const auto& law = model_->contacts[c].law;
   const auto energy = [&](double n) { return n > 0.0 ? law.energy(n) : 0.0; };
   const auto force = [&](double n) { return n > 0.0 ? law.force(n) : 0.0; };
-  const double from = indentation(state, c) - moved(state, c), d = link.motion, to = from + d;
+  const double from = depth_before(state, c), d = link.motion, to = from + d;
   double g, slope;
   if (std::abs(d) <= 1e-7 * std::abs(from)) {
     g = force(from + 0.5 * d);
@@ -534,8 +536,7 @@ bool Couplings::missed_one(NetworkState& state) const noexcept {
     const auto known = [&](const ActiveCoupling& link) { return index(link.coupling) == c; };
     if (std::any_of(state.active.begin(), state.active.end(), known)) continue;
     const ActiveCoupling link{.coupling = static_cast<int>(c), .free_motion = motion(state, c)};
-    if (indentation(state, c) - moved(state, c) + next_motion(state, link) > 0.0)
-      state.active.push_back(link);
+    if (depth_before(state, c) + next_motion(state, link) > 0.0) state.active.push_back(link);
   }
   return state.active.size() > found;
 }

@@ -74,6 +74,13 @@ class Couplings {
 
   /// [realtime] The motion of a coupling for the present `state.change`.
   double motion(const NetworkState& state, std::size_t coupling) const noexcept;
+  /// [realtime] How deep a contact is, and was a step ago, as the discrete gradient counts it.
+  double depth(const NetworkState& state, std::size_t contact) const noexcept {
+    return indentation(state, contact) + state.root[contact];
+  }
+  double depth_before(const NetworkState& state, std::size_t contact) const noexcept {
+    return depth(state, contact) - moved(state, contact);
+  }
 
   bool empty() const { return ends_.empty(); }
   std::size_t count() const { return ends_.size(); }
@@ -83,6 +90,8 @@ class Couplings {
   double mutual(std::size_t c, std::size_t other) const {
     return mutual_[(c - first_row_) * count() + other];
   }
+  /// Of a bond: what a stiff damper adds, over k^2. [N/m]
+  double inertia(std::size_t bond) const { return inertia_[bond]; }
 
  private:
   int steps() const { return method_ == Method::Exact ? 1 : 2; }

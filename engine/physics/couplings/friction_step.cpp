@@ -28,6 +28,13 @@ double sliding_speed(const FrictionLaw& law, double viscous, double normal, doub
 
 double sign_of(double x) noexcept { return x < 0.0 ? -1.0 : 1.0; }
 
+/// The mean velocity of a step, or the nearest one whose force gives no more than `heat`.
+double with_losses(double free, double mean, double mobility, double heat) noexcept {
+  if (!((free - mean) * mean < -mobility * heat)) return mean;
+  const double root = std::sqrt(free * free + 4.0 * mobility * heat);
+  return 0.5 * (free + (mean > 0.0 ? root : -root));
+}
+
 /// A step, seen in the direction of `sign`.
 class Rubbing {
  public:
@@ -145,10 +152,7 @@ class Rubbing {
   /// A force that gives energy gives no more than the slide has lost.
   FrictionForce move(double mean, double before) const noexcept {
     const double y = step_.mobility, heat = step_.memory.heat;
-    if ((free_ - mean) * mean < -y * heat) {
-      const double root = std::sqrt(free_ * free_ + 4.0 * y * heat);
-      mean = 0.5 * (free_ + (mean > 0.0 ? root : -root));
-    }
+    mean = with_losses(free_, mean, y, heat);
     const double force = (free_ - mean) / y;
     return {sign_ * force,
             sign_ * mean,
@@ -183,11 +187,20 @@ FrictionForce solve_friction(const FrictionLaw& law, double viscous, FrictionSte
 FrictionForce start_friction(const FrictionLaw& law, double viscous, const FrictionStep& step,
                              double start) noexcept {
   auto half = step;
-  const double end = 2.0 * step.free - step.before;
+  const double end = 2.0 * step.free - step.before, heat = step.memory.heat;
   half.before = start, half.free = 0.5 * (start + end), half.mobility = 0.5 * step.mobility, half.jump = 0.0;
   half.memory.margin = FrictionMemory::kUnknown;
   auto found = solve_friction(law, viscous, half);
   found.force *= 0.5;
+  if (step.mobility <= 0.0) return found;
+  // The energy that it gives or takes is that of the whole step, as of all other forces.
+  const double mean = step.free - step.mobility * found.force,
+               slower = with_losses(step.free, mean, step.mobility, heat);
+  if (slower != mean) {
+    found.force = (step.free - slower) / step.mobility;
+    found.velocity = slower, found.after = 2.0 * slower - step.before;
+  }
+  found.memory.heat = std::max(0.0, heat + found.force * slower);
   return found;
 }
 

@@ -10,8 +10,8 @@ struct FrictionMemory {
   /// A margin that is not known: at the start of the network; after a slide.
   static constexpr double kStart = -2.0, kUnknown = -1.0;
   double margin = kStart;  ///< what more it could have held with in the last step [N], >= 0
-  double heat = 0.0;       ///< force times velocity, summed over the steps of this slide [W]
-  double owed = 0.0;       ///< how much too large its force has been since it began to slide [N steps]
+  double heat = 0.0;  ///< what it has taken in this slide: force times velocity, summed over its steps [W]
+  double owed = 0.0;  ///< how much too large its force has been since it began to slide [N steps]
 };
 
 /// A step as a friction meets it: two bodies that without it would slide at `free`, and which a force slows
@@ -49,7 +49,8 @@ struct FrictionForce {
 FrictionForce solve_friction(const FrictionLaw& law, double viscous, FrictionStep step) noexcept;
 
 /// [realtime] The first step of a network, for half of which it is there: `start` is the velocity at its
-/// middle.
+/// middle. `step.memory.heat` is what the network lacks in the step before its start: all that the friction
+/// may give.
 FrictionForce start_friction(const FrictionLaw& law, double viscous, const FrictionStep& step,
                              double start) noexcept;
 

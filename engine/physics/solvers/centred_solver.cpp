@@ -32,6 +32,7 @@ class CentredSolver final : public NetworkSolver {
     if (status && kind_ == Solver::Explicit && model_.masses >= kShortestRow && model_.frictions.empty())
       arrange_links(std::move(links.constant));
     if (status) status = couple();
+    if (status) status = bend_bonds();
     return status;
   }
 
@@ -67,17 +68,12 @@ class CentredSolver final : public NetworkSolver {
   void start(NetworkState& state) const noexcept override {
     for (std::size_t i = 0; i < start_velocity_.size(); ++i) state.moved[i] = model_.k * start_velocity_[i];
     state.active.clear();
-    const auto add = [&](std::size_t coupling, double stiffness, double force) {
-      state.active.push_back(
-          {.coupling = static_cast<int>(coupling), .force = softened(coupling, stiffness, force)});
-    };
     for (std::size_t c = 0; c < model_.contacts.size(); ++c) {
-      const auto& contact = model_.contacts[c];
-      const double motion = between(state.moved, contact), n = indentation(state.position, contact);
+      const double motion = between(state.moved, model_.contacts[c]);
       start_loss(model_, state, c, motion);
-      if (n <= 0.0) continue;
-      const double rate = 1.0 + state.loss[c] * motion / model_.k;
-      add(c, contact.law.stiffness(n), std::max(0.0, contact.law.force(n) * rate));
+      const double force = first_push(state, c);
+      if (force == 0.0) continue;
+      state.active.push_back({.coupling = static_cast<int>(c), .force = with_loss(state, c, force, motion)});
     }
     slow(state);
     links_.apply(state.position.data(), state.moved_before.data(), state.change.data());
@@ -86,10 +82,10 @@ class CentredSolver final : public NetworkSolver {
         state.change[index(on)] += state.low_pass[index(input.low_pass)].value;
     for (std::size_t b = 0; b < model_.bonds.size(); ++b) {
       const auto& bond = model_.bonds[b];
-      const double n = between(state.position, bond), speed = between(state.moved, bond) / model_.k;
+      const double n = between(state.position, bond), speed = between(state.moved_before, bond) / model_.k;
       if (state.slipped[b] == 0.0)
-        add(model_.contacts.size() + b, std::max(0.0, bond.law->stiffness(n)),
-            bond.law->force(n) + bond.damping * speed);
+        state.active.push_back({.coupling = static_cast<int>(model_.contacts.size() + b),
+                                .force = bond.law->force(n) + bond.damping * speed});
     }
     push(state);
     bend(state);
@@ -100,7 +96,8 @@ class CentredSolver final : public NetworkSolver {
     }
     state.active.clear();
     store_energy(state);
-    if (kind_ == Solver::Passive) store_pressed(state);
+    if (factored()) store_pressed(state);
+    if (!model_.frictions.empty()) lend(state);
   }
 
   void store_energy(NetworkState& state) const noexcept override { couplings_.store_energy(state); }
@@ -139,7 +136,8 @@ class CentredSolver final : public NetworkSolver {
       if (kind_ == Solver::Passive)
         sum += 0.5 * square(state.root[c]);
       else if (kind_ == Solver::Implicit)
-        sum += 0.5 * (now + contact_energy(contact.law, n - between(state.moved, contact)));
+        sum += 0.5 * (contact_energy(contact.law, couplings_.depth(state, c)) +
+                      contact_energy(contact.law, couplings_.depth_before(state, c)));
       else
         sum += now;
     }
@@ -159,14 +157,15 @@ class CentredSolver final : public NetworkSolver {
 
   bool factored() const { return kind_ != Solver::Explicit; }
 
-  /// Of M/k^2, of springs so much, and of dampers as A has them or nothing.
-  Result<SparseSolver> solver_of(double k_share, bool dampers) const {
+  /// Of M/k^2, of springs so much, of bonds a quarter or nothing, and of dampers as A has them or nothing.
+  Result<SparseSolver> solver_of(double k_share, bool bonds, bool dampers) const {
     std::vector<Eigen::Triplet<double>> entries;
     for (int i = 0; i < model_.masses; ++i) entries.emplace_back(i, i, 1.0 / model_.scale[index(i)]);
     for (const auto& e : links_.entries()) {
       const double a = k_share * e.k + (dampers ? 0.5 * e.b + e.inertia : 0.0);
       if (a != 0.0 && e.column < model_.masses) entries.emplace_back(e.row, e.column, a);
     }
+    if (bonds) add_bonds(entries, dampers);
     Eigen::SparseMatrix<double> matrix(model_.masses, model_.masses);
     matrix.setFromTriplets(entries.begin(), entries.end());
     SparseSolver solver(matrix);
@@ -176,13 +175,28 @@ class CentredSolver final : public NetworkSolver {
                 "look for a value that is much too large or too small");
   }
 
+  /// As they are at the start.
+  void add_bonds(std::vector<Eigen::Triplet<double>>& entries, bool dampers) const {
+    for (std::size_t b = 0; b < model_.bonds.size(); ++b) {
+      const auto& bond = model_.bonds[b];
+      const double n = between(model_.start_position, bond);
+      if (std::abs(bond.law->force(n)) > bond.limit) continue;
+      double a = 0.25 * std::max(0.0, bond.law->stiffness(n));
+      if (dampers) a += 0.5 * bond.damping / model_.k + couplings_.inertia(b);
+      for (const int row : {bond.lower, bond.upper})
+        for (const int column : {bond.lower, bond.upper})
+          if (model_.is_mass(row) && model_.is_mass(column))
+            entries.emplace_back(row, column, row == column ? a : -a);
+    }
+  }
+
   Status factor() {
     const double k_share = averaged_ ? 0.25 : 0.0;
     for (const auto& e : links_.entries()) {
       const double a = k_share * e.k + 0.5 * e.b + e.inertia;
       if (a != 0.0 && e.column >= model_.masses) driven_columns_.push_back({e.row, e.column, a});
     }
-    auto solver = solver_of(k_share, true);
+    auto solver = solver_of(k_share, false, true);
     if (!solver) return tl::unexpected(solver.error());
     solver_ = std::move(*solver);
     return {};
@@ -190,19 +204,31 @@ class CentredSolver final : public NetworkSolver {
 
   /// The trapezoidal rule's mean velocity of the step before the start,
   ///   v = (M/k^2 + K/4)^-1 (M/k^2) v_0,
-  /// where springs are averaged: a mode of w k above 1 would else start with 1 + (w k / 2)^2 times its
-  /// energy.
+  /// where springs are averaged, and bonds: a mode of w k above 1 would else start with 1 + (w k / 2)^2 times
+  /// its energy.
   Status slow_start() {
     start_velocity_ = model_.start_velocity;
     const auto moves = [](double v) { return v != 0.0; };
-    if (!averaged_ || std::none_of(start_velocity_.begin(), start_velocity_.end(), moves)) return {};
-    const auto springs = solver_of(0.25, false);
+    if (!averages() || std::none_of(start_velocity_.begin(), start_velocity_.end(), moves)) return {};
+    const auto springs = solver_of(averaged_ ? 0.25 : 0.0, true, false);
     if (!springs) return tl::unexpected(springs.error());
     std::vector<double> work(model_.mass.size());
     for (std::size_t i = 0; i < model_.mass.size(); ++i) start_velocity_[i] /= model_.scale[i];
     springs->solve({start_velocity_.data(), model_.mass.size()}, work);
     return {};
   }
+
+  bool averages() const { return averaged_ || (factored() && !model_.bonds.empty()); }
+
+  /// A with the bonds, which are springs at the start.
+  Status bend_bonds() {
+    if (!factored() || model_.bonds.empty()) return {};
+    auto solver = solver_of(averaged_ ? 0.25 : 0.0, true, true);
+    if (!solver) return tl::unexpected(solver.error());
+    start_solver_ = std::move(*solver);
+    return {};
+  }
+  const SparseSolver& start_solver() const { return model_.bonds.empty() ? solver_ : start_solver_; }
 
   Status couple() {
     using Method = Couplings::Method;
@@ -246,29 +272,117 @@ class CentredSolver final : public NetworkSolver {
     if (!factored()) return;
     const auto masses = model_.mass.size();
     for (std::size_t i = 0; i < masses; ++i) state.moved_before[i] /= model_.scale[i];
-    solver_.solve({state.moved_before.data(), masses}, state.work);
+    start_solver().solve({state.moved_before.data(), masses}, state.work);
   }
 
   void bend(NetworkState& state) const noexcept {
     const auto masses = model_.mass.size();
     if (!factored()) return multiply(model_.scale.data(), masses, state.change.data());
-    solver_.solve({state.change.data(), masses}, state.work);
+    start_solver().solve({state.change.data(), masses}, state.work);
   }
 
-  /// The root psi of a contact that is pressed at the start. Its energy, together with the kinetic energy
-  /// that the first half step gives to the masses, is the energy stored at the start: with F its force in the
-  /// first step, W the mobility of its points,
-  ///   psi^2 / 2 = phi(n_0) - F k v_0 / 2 - F^2 W / 8.
+  /// What the network holds at its start [J].
+  double start_energy(const NetworkState& state) const noexcept {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < model_.mass.size(); ++i)
+      sum += 0.5 * model_.mass[i] * square(model_.start_velocity[i]);
+    for (const auto& s : model_.springs) sum += 0.5 * s.stiffness * square(extension(state.position, s));
+    for (const auto& contact : model_.contacts)
+      sum += contact_energy(contact.law, indentation(state.position, contact));
+    for (std::size_t b = 0; b < model_.bonds.size(); ++b)
+      if (state.slipped[b] == 0.0)
+        sum += model_.bonds[b].law->energy(between(state.position, model_.bonds[b]));
+    return sum;
+  }
+
+  /// What the step before the start lacks of that, as its forces have not been slowed by friction, is all
+  /// that frictions may give in the first step. They share it.
+  void lend(NetworkState& state) const noexcept {
+    const double lacking = std::max(0.0, start_energy(state) - energy(state));
+    for (auto& friction : state.friction)
+      friction.heat = lacking / (model_.k * static_cast<double>(model_.frictions.size()));
+  }
+
+  /// What the contacts hold half a step before the start. One that is open at the start holds nothing,
+  /// wherever its points would have been. The energy of one that is pressed, together with the kinetic energy
+  /// that the first half step gives to the masses, is the energy stored at the start: with F the forces in
+  /// the first step, W the mobility of their points,
+  ///   stored = phi(n_0) - F (k v_0 / 2 + W F / 8).
   void store_pressed(NetworkState& state) const noexcept {
-    for (std::size_t c = 0; c < model_.contacts.size(); ++c) {
+    const auto contacts = model_.contacts.size();
+    auto& force = state.right;
+    for (std::size_t c = 0; c < contacts; ++c) force[c] = first_push(state, c);
+    for (std::size_t c = 0; c < contacts; ++c) {
       const auto& contact = model_.contacts[c];
-      const double n = indentation(state.position, contact), w = couplings_.mutual(c, c);
-      if (n <= 0.0) continue;
-      const double motion = model_.k * between(start_velocity_, contact);
-      const double force = softened(c, contact.law.stiffness(n), contact.law.force(n));
-      const double stored = contact.law.energy(n) - 0.5 * force * motion - 0.125 * force * force * w;
-      state.root[c] = std::sqrt(2.0 * std::max(0.0, stored));
+      double way = 0.5 * model_.k * between(start_velocity_, contact);
+      for (std::size_t other = 0; other < contacts; ++other)
+        way += 0.125 * couplings_.mutual(c, other) * force[other];
+      const double n = indentation(state.position, contact);
+      const double stored = force[c] == 0.0 ? 0.0 : std::max(0.0, contact.law.energy(n) - force[c] * way);
+      state.root[c] = kind_ == Solver::Passive
+                          ? std::sqrt(2.0 * stored)
+                          : shallower(contact.law, n, n - between(state.moved, contact), stored);
     }
+  }
+
+  /// What to add to two depths for the mean of their energies to be no more than `energy`; <= 0.
+  static double shallower(const ContactLaw& law, double one, double other, double energy) noexcept {
+    const auto holds = [&](double by) {
+      return 0.5 * (contact_energy(law, one + by) + contact_energy(law, other + by)) <= energy;
+    };
+    if (holds(0.0)) return 0.0;
+    double low = -std::max(one, other), high = 0.0;
+    for (int i = 0; i < 60; ++i) {
+      const double middle = 0.5 * (low + high);
+      (holds(middle) ? low : high) = middle;
+    }
+    return low;
+  }
+
+  /// What a contact pushes with in the first step: no more than makes it just closed half a step before.
+  double first_push(const NetworkState& state, std::size_t c) const noexcept {
+    const auto& contact = model_.contacts[c];
+    const double n = indentation(state.position, contact);
+    if (n <= 0.0) return 0.0;
+    const double force = softened(c, contact.law.stiffness(n), contact.law.force(n));
+    if (!factored()) return force;
+    const double motion = model_.k * between(start_velocity_, contact), w = couplings_.mutual(c, c);
+    const double all = 4.0 * contact.law.energy(n);
+    return std::min(force, all / (motion + std::sqrt(square(motion) + 0.5 * w * all)));
+  }
+
+  /// A contact's force at the start with that of its loss, of a motion that the loss has slowed: as a damper
+  /// z = F r in A is, by z k / 2m = W F r / 2k.
+  double with_loss(const NetworkState& state, std::size_t c, double force, double motion) const noexcept {
+    const double loss = state.loss[c] / model_.k;
+    const double own = factored() ? 0.5 * couplings_.mutual(c, c) * force * loss : 0.0;
+    return force * std::max(0.0, 1.0 + loss * motion / square(1.0 + own));
+  }
+
+  /// One contact, with what the others push by now: Newton's method from the free motion up to the zero of a
+  /// concave function.
+  void push_back_in_time(const NetworkState& state, ActiveCoupling& link) const noexcept {
+    constexpr int kMostSteps = 60;
+    const auto c = index(link.coupling);
+    const auto& contact = model_.contacts[c];
+    const double own = 0.5 * couplings_.mutual(c, c), n = indentation(state.position, contact);
+    double free = link.free_motion - own * link.force;
+    for (const auto& other : state.active)
+      free += 0.5 * couplings_.mutual(c, index(other.coupling)) * other.force;
+    const auto force = [&](double depth) { return depth > 0.0 ? contact.law.force(depth) : 0.0; };
+    double d = free;
+    for (int i = 0; i < kMostSteps; ++i) {
+      const double mean = 0.5 * d;
+      const bool close = std::abs(d) <= 1e-7 * std::abs(n);
+      link.force =
+          close ? force(n - mean) : (contact_energy(contact.law, n) - contact_energy(contact.law, n - d)) / d;
+      const double slope =
+          close ? (n > 0.0 ? -0.5 * contact.law.stiffness(n) : 0.0) : (force(n - d) - link.force) / d;
+      const double excess = free + own * link.force - d, by = excess / (1.0 - own * std::min(0.0, slope));
+      d += by;
+      if (!(std::abs(by) > 1e-15 * std::abs(d))) break;
+    }
+    link.motion = d;
   }
 
   /// What is left of a force whose own stiffness the step averages, as A averages that of the springs.
@@ -362,7 +476,7 @@ class CentredSolver final : public NetworkSolver {
   MassRow row_;
   LinkOperator jumps_;
   std::vector<DrivenColumn> driven_columns_;
-  SparseSolver solver_;
+  SparseSolver solver_, start_solver_;
   std::vector<double> start_velocity_;  ///< as the first step sees it
   Couplings couplings_;
 };

@@ -139,6 +139,42 @@ TEST_CASE("energy: a spring too stiff for the rate swings as far as it was drawn
   }
 }
 
+TEST_CASE("energy: a body that starts off an open contact keeps its speed", "[physics]") {
+  // Half a frame before it would have been 10 um deep, with up to 10^6 times its energy.
+  const double stiffness = GENERATE(1e6, 1e9, 1e13);
+  const auto solver = GENERATE(Solver::Passive, Solver::Implicit, Solver::Exact);
+  CAPTURE(static_cast<int>(solver), stiffness);
+  NetworkElements elements;
+  elements.points = {mass(1e-3, -1e-9, -1.0), ground(0.0)};
+  elements.contacts = {contact(0, 1, 0.5)};
+  elements.contacts[0].stiffness = stiffness;
+  const auto network = Network::make(elements, 0, 48_kHz, solver, 1).value();
+  auto state = network.initial_state();
+  CHECK(network.energy(state) == Approx(5e-4).epsilon(1e-12));
+  for (int n = 0; n < 48; ++n) network.step(state, nullptr);
+  CHECK(network.velocity(state, 0) == Approx(-1.0).epsilon(1e-12));
+  CHECK(network.position(state, 0) == Approx(-1e-3 - 1e-9).epsilon(1e-12));
+}
+
+TEST_CASE("energy: bonds that share masses start with what they hold", "[physics]") {
+  // Three masses on two bonds each, and thrown; w k up to 2.
+  const double stiffness = GENERATE(1e5, 2e6, 1e7);
+  const auto solver = GENERATE(Solver::Passive, Solver::Implicit, Solver::Exact);
+  CAPTURE(static_cast<int>(solver), stiffness);
+  NetworkElements elements;
+  elements.points = {mass(0.01, 0.0, 1.0), mass(0.02, 1e-4, -0.5), mass(0.01, -1e-4, 0.5), ground(0.0)};
+  const auto law = std::make_shared<LinearBond>(stiffness);
+  for (const auto& [lower, upper] : {std::pair{0, 1}, {0, 2}, {1, 2}, {0, 3}})
+    elements.bonds.push_back({lower, upper, law, 0.0});
+  const double start = 0.5 * (0.01 + 0.02 * 0.25 + 0.01 * 0.25) + 0.5 * stiffness * (1e-8 + 1e-8 + 4e-8);
+  const auto network = Network::make(elements, 0, 48_kHz, solver, 1).value();
+  auto state = network.initial_state();
+  for (int n = 0; n < 100; ++n) {
+    network.step(state, nullptr);
+    REQUIRE(network.energy(state) <= start * (1.0 + 1e-12));
+  }
+}
+
 TEST_CASE("energy: nothing but losses never gains", "[physics]") {
   NetworkElements elements;
   elements.points = {mass(0.0125, 0.01, -2.0), mass(0.035, 0.0, 0.0), mass(0.1, -0.01, 1.0), ground(-0.02),
