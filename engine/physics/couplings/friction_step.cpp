@@ -192,7 +192,7 @@ FrictionForce start_friction(const FrictionLaw& law, double viscous, const Frict
   half.memory.margin = FrictionMemory::kUnknown;
   auto found = solve_friction(law, viscous, half);
   found.force *= 0.5;
-  if (step.mobility <= 0.0) return found;
+  if (step.mobility <= 0.0 || (step.holds && found.after == 0.0)) return found;
   // The energy that it gives or takes is that of the whole step, as of all other forces.
   const double mean = step.free - step.mobility * found.force,
                slower = with_losses(step.free, mean, step.mobility, heat);
