@@ -45,11 +45,16 @@ std::string percent(double error) {
 }
 
 std::string error_text(const SolverBounds& b) {
-  std::string text = b.error == 0.0 ? std::string{b.bounded ? "exact" : "resonances exact"}
-                                    : "error at most " + percent(b.error);
+  const bool rubs = b.friction_frames > 0.0 || !b.bounded;
+  std::string text =
+      b.error == 0.0 ? std::string{rubs ? "resonances exact" : "exact"} : "error at most " + percent(b.error);
   if (b.contact_frames > 0.0)
     text += fmt::format(", contacts shorter than {:g} frames right within {:g} frames", kShortContact,
                         b.contact_frames);
+  if (b.friction_frames > 0.0)
+    text +=
+        fmt::format(", friction as if its force were at most {} off, each stop and slip within {:g} frames",
+                    percent(b.friction_error), b.friction_frames);
   if (!b.bounded) text += ", not bounded: friction";
   return text;
 }

@@ -236,17 +236,39 @@ double linear_error(const NetworkElements& elements, const NetworkModel& model, 
   return late ? std::max(error, 1.0) : error;
 }
 
+bool is_short(const ContactDemand::Strike& strike, double steps, int oversample) {
+  return steps < kShortContact * oversample && !strike.spring;
+}
+
 void add_contacts(SolverBounds& bounds, const ContactDemand& contacts, double k) {
   for (const auto& strike : contacts.strikes) {
     const double steps = strike.time_s / k;
     bounds.contact_steps = bounds.contact_steps == 0.0 ? steps : std::min(bounds.contact_steps, steps);
-    const bool is_short = steps < kShortContact * bounds.oversample && !strike.spring;
     bounds.error = std::max(bounds.error, restitution_error(bounds.solver, strike, steps));
-    if (!is_short || bounds.solver == Solver::Explicit)
+    if (!is_short(strike, steps, bounds.oversample) || bounds.solver == Solver::Explicit)
       bounds.error = std::max(bounds.error, time_error(bounds.solver, strike, steps));
     else
       bounds.contact_frames = short_contact_steps(bounds.solver) / bounds.oversample;
   }
+}
+
+void add_frictions(SolverBounds& bounds, const NetworkElements& elements, const NetworkModel& model,
+                   const ContactDemand& contacts) {
+  if (elements.frictions.empty()) return;
+  const double k = model.k, squared = k * k;
+  double fastest = std::max(std::sqrt(squared * std::max(model.stiffest(1.0, 0.0), contacts.bond_stiffness)),
+                            squared * model.stiffest(0.0, 1.0));
+  for (const auto& strike : contacts.strikes) {
+    const double steps = strike.time_s / k;
+    if (!is_short(strike, steps, bounds.oversample)) fastest = std::max(fastest, std::numbers::pi / steps);
+  }
+  const bool pressed = std::ranges::any_of(elements.frictions, [&](const Friction& friction) {
+    return friction.normal_contact >= 0 && bounds.contact_frames > 0.0;
+  });
+  bounds.bounded = fastest <= kFastestLoad && !pressed;
+  if (!bounds.bounded) return;
+  bounds.friction_error = square(fastest) / 8.0;
+  bounds.friction_frames = 2.0 / bounds.oversample + bounds.contact_frames;
 }
 
 /// What makes explicit steps unstable.
@@ -276,8 +298,8 @@ SolverBounds bounds_of(const NetworkElements& elements, Hertz rate, Solver solve
   const auto cost = made->network_solver().cost();
   bounds.multiplications = oversample * (cost.step + (elements.contacts.empty() ? 0.0 : cost.contact));
   bounds.error = linear_error(elements, model, *made, contacts);
-  bounds.bounded = elements.frictions.empty();
   add_contacts(bounds, contacts, k);
+  add_frictions(bounds, elements, model, contacts);
   if (solver == Solver::Explicit) bounds.limit = explicit_limit(model, contacts);
   if (bounds.limit == Limit::None && !(bounds.error <= kGoodEnough)) bounds.limit = Limit::Inexact;
   bounds.stable = bounds.limit == Limit::None || bounds.limit == Limit::Inexact;

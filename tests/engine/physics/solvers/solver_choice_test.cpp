@@ -116,13 +116,6 @@ TEST_CASE("solver choice: dampers, ports and coils count", "[physics]") {
         Approx(2 * std::atanh(0.25) / 0.5 - 1).epsilon(1e-6));
 }
 
-TEST_CASE("solver choice: with friction nothing is bounded, and that is said", "[physics]") {
-  auto elements = chain(1, 0.01);
-  CHECK(choose_solver(elements, 48_kHz, 1).candidates.front().bounded);
-  elements.frictions.push_back({.lower = 0, .upper = 1, .law = FrictionLaw{}, .normal = {}});
-  for (const auto& candidate : choose_solver(elements, 48_kHz, 1).candidates) CHECK_FALSE(candidate.bounded);
-}
-
 TEST_CASE("solver choice: one step a frame will do where a contact is over within two", "[physics]") {
   // A gram on 6.6e9 N/m^1.5 touches for a frame; it leaves with the restitution, to rounding.
   NetworkElements elements;
