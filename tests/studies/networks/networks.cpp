@@ -9,7 +9,9 @@
 
 #include "engine/core/median.h"
 #include "engine/physics/network.h"
+#include "engine/physics/parts.h"
 #include "tests/studies/networks/true_motion.h"
+#include "tests/support/friction_events.h"
 #include "tests/support/random_networks.h"
 
 // How true is the error that is reported? `networks_study NETWORKS [FIRST]` steps random networks by every
@@ -68,37 +70,81 @@ double apart(const Path& path, const Path& expected) {
   return way > 0.0 ? most / way : most;
 }
 
+/// Without what cannot move the watched point, as a network is made of a file.
+RandomNetwork needed(RandomNetwork random) {
+  auto read = marks(random.elements, false);
+  read[PartKind::Point][index(random.watched)] = true;
+  const auto kept = needed_parts(random.elements, read, acting_parts(random.elements, {std::nullopt}));
+  random.watched = keep_parts(random.elements, kept)[PartKind::Point][index(random.watched)];
+  return random;
+}
+
+/// All solvers at all steps a frame, by multiplications; those that can be made.
+std::vector<SolverBounds> all_candidates(const RandomNetwork& random) {
+  std::vector<SolverBounds> all;
+  for (int steps = 1; steps <= kMostOversample; steps *= 2)
+    for (const auto& candidate : choose_solver(random.elements, random.rate, steps).candidates)
+      if (candidate.limit != SolverBounds::Limit::CannotBeMade) all.push_back(candidate);
+  std::ranges::stable_sort(all, {}, &SolverBounds::multiplications);
+  return all;
+}
+
+/// What a network is compared with.
+struct Expected {
+  Path reference;
+  double reference_error;     ///< what its two runs differ by
+  std::optional<Path> truth;  ///< that shares nothing with the engine
+
+  bool solved() const { return std::isfinite(reference_error); }
+  /// The best that there is.
+  const Path& path() const { return truth ? *truth : reference; }
+  /// Whether an error of 1 % can be told from a smaller one.
+  bool clear() const { return solved() && (truth || reference_error < 0.1 * kGoodEnough); }
+};
+
 /// What became of all networks with one solver.
 struct Tally {
   int compared = 0, refused = 0, infinite = 0, gained = 0, doubtful = 0, too_small = 0;
   std::vector<double> ratios, errors;
 };
 
+/// What became of the choices of `auto`.
+struct Choices {
+  int networks = 0, bounded = 0, good = 0, compared = 0, worse = 0;
+  std::vector<double> costs;  ///< of good ones, over that of the cheapest that is right within 1 %
+  std::vector<double> over_passive;
+  int events = 0, early_or_late = 0;  ///< first stops and slips; those outside their bound
+};
+
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  std::ranges::sort(values);
+  return values[std::min(values.size() - 1,
+                         static_cast<std::size_t>(share * static_cast<double>(values.size())))];
+}
+
 class Study {
  public:
   void add(std::uint64_t seed) {
     const auto random = RandomNetworks(seed).make();
-    start_ = start_energy(random);
-    const auto whole = play(random, Solver::Reference, 1, start_),
-               thirds = play(random, Solver::Reference, 3, start_);
-    const auto truth = true_motion(random);
+    const double start = start_energy(random);
+    const auto whole = play(random, Solver::Reference, 1, start),
+               thirds = play(random, Solver::Reference, 3, start);
     ++networks_;
-    const double floor = whole.finite && thirds.finite ? apart(thirds.path, whole.path) : INFINITY;
-    unsolved_ += !std::isfinite(floor);
-    without_truth_ += !truth;
-    if (truth && std::isfinite(floor)) {
-      const double wrong = apart(whole.path, *truth);
+    const Expected expected{whole.path,
+                            whole.finite && thirds.finite ? apart(thirds.path, whole.path) : INFINITY,
+                            true_motion(random)};
+    unsolved_ += !expected.solved();
+    without_truth_ += !expected.truth;
+    if (expected.truth && expected.solved()) {
+      const double wrong = apart(whole.path, *expected.truth), says = expected.reference_error;
       reference_errors_.push_back(wrong);
-      if (wrong > 1e-6 && wrong > 10.0 * floor)
-        complain(seed, fmt::format("the reference is {:.1e} off, and says {:.1e}", wrong, floor), random);
+      if (wrong > 1e-6 && wrong > 10.0 * says)
+        complain(seed, fmt::format("the reference is {:.1e} off, and says {:.1e}", wrong, says), random);
     }
-    const auto choice = choose_solver(random.elements, random.rate, 0);
-    note_choice(choice);
-    add(seed, random, "explicit", Solver::Explicit, 1, whole.path, floor, truth);
-    add(seed, random, "passive", Solver::Passive, 1, whole.path, floor, truth);
-    add(seed, random, "implicit", Solver::Implicit, 1, whole.path, floor, truth);
-    add(seed, random, "exact", Solver::Exact, 1, whole.path, floor, truth);
-    add(seed, random, "auto", choice.solver, choice.oversample, whole.path, floor, truth);
+    for (const auto& [name, solver] : kSteppedAlone)
+      add(seed, random, name, solver, play(random, solver, 1, start), expected);
+    add_choice(seed, needed(random), expected);
   }
 
   int print() const {
@@ -107,42 +153,60 @@ class Study {
         "small | median ratio | median error | 90 % below |\n"
         "|---|---|---|---|---|---|---|---|---|---|\n");
     for (const char* name : {"explicit", "passive", "implicit", "exact", "auto"}) {
-      auto tally = tallies_.at(name);
-      std::ranges::sort(tally.errors);
-      const double ninety = tally.errors.empty() ? 0.0 : tally.errors[tally.errors.size() * 9 / 10];
+      const auto& tally = tallies_.at(name);
       fmt::print("| `{}` | {} | {} | {} | {} | {} | {} | {:.3f} | {:.1e} | {:.1e} |\n", name, tally.compared,
                  tally.refused, tally.infinite, tally.gained, tally.doubtful, tally.too_small,
-                 median(tally.ratios), median(tally.errors), ninety);
+                 median(tally.ratios), median(tally.errors), quantile(tally.errors, 0.9));
     }
-    auto errors = reference_errors_;
-    std::ranges::sort(errors);
     fmt::print(
         "\n{} networks, {} without a solution to compare with, {} that the reference cannot follow; it is "
-        "off by {:.1e} "
-        "(median) and {:.1e} (99 %). `auto` has a bound in {:.1f} % of them, of at most 1 % in {:.1f} %.\n",
-        networks_, without_truth_, unsolved_, median(errors),
-        errors.empty() ? 0.0 : errors[errors.size() * 99 / 100], 100.0 * bounded_ / networks_,
-        100.0 * good_ / networks_);
+        "off by {:.1e} (median) and {:.1e} (99 %).\n",
+        networks_, without_truth_, unsolved_, median(reference_errors_), quantile(reference_errors_, 0.99));
+    print_choices();
     return complaints_ == 0 ? 0 : 1;
   }
 
  private:
+  static constexpr std::pair<const char*, Solver> kSteppedAlone[] = {{"explicit", Solver::Explicit},
+                                                                     {"passive", Solver::Passive},
+                                                                     {"implicit", Solver::Implicit},
+                                                                     {"exact", Solver::Exact}};
+
+  static void print(const char* name, const Choices& c) {
+    const auto share = [&](int count) { return c.networks > 0 ? 100.0 * count / c.networks : 0.0; };
+    fmt::print("| {} | {} | {:.1f} % | {:.1f} % | {} of {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n", name,
+               c.networks, share(c.bounded), share(c.good), c.worse, c.compared, median(c.costs),
+               quantile(c.costs, 0.9), quantile(c.costs, 1.0), median(c.over_passive));
+  }
+
+  void print_choices() const {
+    fmt::print(
+        "\n| `auto` | networks | bounded | by at most 1 % | of these, path off by more | multiplications "
+        "over the "
+        "cheapest's, median | 90 % below | largest | over one step of `passive`, median |\n"
+        "|---|---|---|---|---|---|---|---|---|\n");
+    print("without friction", choices_[0]);
+    print("with friction", choices_[1]);
+    fmt::print("\nOf {} first stops and slips {} are outside of their bound.\n", choices_[1].events,
+               choices_[1].early_or_late);
+  }
+
   void add(std::uint64_t seed, const RandomNetwork& random, const std::string& name, Solver solver,
-           int oversample, const Path& reference, double floor, const std::optional<Path>& truth) {
+           const Played& played, const Expected& expected) {
     auto& tally = tallies_[name];
-    const auto played = play(random, solver, oversample, start_);
     if (played.refused) return void(++tally.refused);
-    const bool may_explode = solver == Solver::Explicit && name == "explicit";
+    const bool may_explode = name == "explicit";
     tally.infinite += !played.finite;
     tally.gained += played.makes_energy();
     if (!may_explode && !played.finite) complain(seed, name + " is not finite", random);
     if (!may_explode && solver != Solver::Explicit && played.makes_energy())
       complain(seed, fmt::format("{} makes energy: {:.1e} more", name, played.gained), random);
-    if (!std::isfinite(floor) || !truth || !played.finite) return;
-    const double reported = apart(played.path, reference), actual = apart(played.path, *truth);
+    if (!expected.solved() || !expected.truth || !played.finite) return;
+    const double reported = apart(played.path, expected.reference),
+                 actual = apart(played.path, *expected.truth);
     ++tally.compared;
     tally.errors.push_back(actual);
-    if (reported < 10.0 * floor) return void(++tally.doubtful);
+    if (reported < 10.0 * expected.reference_error) return void(++tally.doubtful);
     tally.ratios.push_back(reported / std::max(actual, 1e-12));
     // The solution to compare with is right to 1e-9 itself.
     if (actual > 1.05 * reported + 1e-8) {
@@ -151,13 +215,53 @@ class Study {
     }
   }
 
-  void note_choice(const SolverChoice& choice) {
-    for (const auto& candidate : choice.candidates)
-      if (candidate.solver == choice.solver && candidate.oversample == choice.oversample) {
-        bounded_ += candidate.bounded;
-        good_ += candidate.bounded && candidate.error <= kGoodEnough;
-        return;
-      }
+  void add_choice(std::uint64_t seed, const RandomNetwork& random, const Expected& expected) {
+    const auto choice = choose_solver(random.elements, random.rate, 0);
+    const auto played = play(random, choice.solver, choice.oversample, start_energy(random));
+    add(seed, random, "auto", choice.solver, played, expected);
+    const auto chosen = std::ranges::find_if(choice.candidates, [&](const SolverBounds& candidate) {
+      return candidate.solver == choice.solver && candidate.oversample == choice.oversample;
+    });
+    auto& choices = choices_[random.elements.frictions.empty() ? 0 : 1];
+    ++choices.networks;
+    if (chosen == choice.candidates.end() || !chosen->bounded) return;
+    ++choices.bounded;
+    if (chosen->friction_frames > 0.0 && expected.solved()) {
+      const Rubbed rubbed{random.elements, random.rate, random.frames,
+                          [&](int frame) { return random.signal(frame); }};
+      const double late =
+          first_event_error(rubbed, chosen->solver, chosen->oversample, chosen->friction_error);
+      ++choices.events;
+      choices.early_or_late += late > chosen->friction_frames;
+      if (late > chosen->friction_frames)
+        complain(seed,
+                 fmt::format("auto: a friction stops or slips {:.1f} frames off, bound {:.1f}", late,
+                             chosen->friction_frames),
+                 random);
+    }
+    if (!(std::max(chosen->error, chosen->friction_error) <= kGoodEnough)) return;
+    ++choices.good;
+    if (!expected.clear()) return;
+    ++choices.compared;
+    choices.worse += apart(played.path, expected.path()) > kGoodEnough;
+    const auto all = all_candidates(random);
+    choices.costs.push_back(chosen->multiplications / cheapest(random, all, *chosen, expected));
+    const auto passive = std::ranges::find_if(
+        all, [](const SolverBounds& c) { return c.solver == Solver::Passive && c.oversample == 1; });
+    if (passive != all.end())
+      choices.over_passive.push_back(chosen->multiplications / passive->multiplications);
+  }
+
+  /// Multiplications of what is right within 1 %, up to those of the choice.
+  static double cheapest(const RandomNetwork& random, const std::vector<SolverBounds>& all,
+                         const SolverBounds& chosen, const Expected& expected) {
+    for (const auto& candidate : all) {
+      if (candidate.multiplications >= chosen.multiplications) break;
+      const auto played = play(random, candidate.solver, candidate.oversample, 0.0);
+      if (played.finite && apart(played.path, expected.path()) <= kGoodEnough)
+        return candidate.multiplications;
+    }
+    return chosen.multiplications;
   }
 
   void complain(std::uint64_t seed, const std::string& what, const RandomNetwork& random) {
@@ -170,10 +274,10 @@ class Study {
                e.contacts.size(), e.frictions.size(), e.bonds.size(), e.coils.size(), e.ports.size());
   }
 
-  double start_ = 0;
   std::map<std::string, Tally> tallies_;
+  Choices choices_[2];  ///< without, with friction
   std::vector<double> reference_errors_;
-  int networks_ = 0, without_truth_ = 0, unsolved_ = 0, bounded_ = 0, good_ = 0, complaints_ = 0;
+  int networks_ = 0, without_truth_ = 0, unsolved_ = 0, complaints_ = 0;
 };
 
 }  // namespace
