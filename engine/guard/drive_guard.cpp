@@ -82,7 +82,7 @@ void DriveGuard::process(double* samples, int frames, std::int64_t first_frame) 
       std::array<double, kGuardGroup> wanted;
       for (int n = 0; n < length; ++n)
         samples[n] = shape(samples[n], wanted[index(n)], first_frame + n, position + n);
-      dc_.observe(wanted.data(), length, position);
+      dc_.observe(wanted.data(), samples, length, position);
       if (excursion_) excursion_->observe(samples, length, position, sum_of_absolutes(samples, length));
     }
     if (heat_) heat_->observe(samples, length, position);

@@ -55,6 +55,10 @@ class GroupGain {
   }
   bool idle() const noexcept { return ramp_.from == 1.0 && ramp_.to == 1.0; }
   double now() const noexcept { return ramp_.to; }
+  /// Over the frames of the group.
+  double mean() const noexcept {
+    return ramp_.from + (ramp_.to - ramp_.from) * ((kGuardGroup + 1.0) / (2.0 * kGuardGroup));
+  }
 
  private:
   Ramp ramp_ = Ramp::constant(1.0);

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "engine/guard/drive_guard.h"
@@ -15,7 +16,9 @@ constexpr Hertz kRate = 48_kHz;
 /// A drive under a limit on direct current alone, second by second.
 class Drive {
  public:
-  explicit Drive(const DcLimits& limits) : guard_(DriveGuard::Kind::Drive, {.dc = limits}, kRate) {
+  explicit Drive(const DcLimits& limits) : Drive(DriveLimits{.dc = limits}) {}
+  explicit Drive(const DriveLimits& limits)
+      : guard_(DriveGuard::Kind::Drive, limits, kRate, {.from_input = false, .internal_loop = false}) {
     guard_.set_open(true, 0);
   }
   /// The output of one more second of signal(time in seconds).
@@ -31,6 +34,20 @@ class Drive {
  private:
   DriveGuard guard_;
   std::int64_t frame_ = 0;
+};
+
+double mean_of(const std::vector<double>& samples) {
+  return std::accumulate(samples.begin(), samples.end(), 0.0) / static_cast<double>(samples.size());
+}
+
+/// `high` for the first `highs` of `period` frames, and below 0 for the others so that its mean is 0.
+struct Train {
+  double high;
+  int highs, period;
+  double operator()(double t) const {
+    const auto frame = std::llround(t * kRate.value) % period;
+    return frame < highs ? high : -high * highs / (period - highs);
+  }
 };
 
 }  // namespace
@@ -64,4 +81,40 @@ TEST_CASE("direct: a drive that rested has its time again", "[core]") {
   CHECK(drive.held_back() > 0);
   for (int second = 0; second < 4; ++second) drive.second(rest);
   CHECK(drive.second(held) == std::vector<double>(48'000, 1.0));
+}
+
+TEST_CASE("direct: DC that the slew limit makes of a signal without any counts", "[core]") {
+  // Up 3 frames, down 2: with steps of 1/8 it never comes lower than 2/8 below its top of 0.375 g, and its
+  // mean is 0.375 g - (1 + 2 + 1) / 8 / 5, or 0.275 at g = 1 and the level 0.15 at g = 2/3.
+  const Train train{.high = 0.375, .highs = 3, .period = 5};
+  Drive without{DriveLimits{.slew_per_second = kRate.value / 8}};
+  without.second(train);
+  CHECK(mean_of(without.second(train)) == Approx(0.275).epsilon(1e-3));
+  Drive drive{DriveLimits{.slew_per_second = kRate.value / 8, .dc = {.level = 0.15, .time = Seconds{2.0}}}};
+  for (int second = 0; second < 2; ++second) drive.second(train);
+  CHECK(drive.held_back() == 0);
+  for (int second = 0; second < 10; ++second) drive.second(train);
+  for (int second = 0; second < 5; ++second)
+    CHECK(mean_of(drive.second(train)) == Approx(0.15).epsilon(1e-3));
+}
+
+TEST_CASE("direct: so does DC that the excursion limit makes", "[core]") {
+  // Short high pulses are cut, long low ones are not.
+  const Train train{.high = 0.9, .highs = 960, .period = 9600};
+  DriveLimits limits{.excursion = ExcursionLimits{
+                         .metres = 1e-3, .metres_at_full_scale = 5e-3, .resonance = 30_Hz, .q = 0.7}};
+  Drive without{limits};
+  without.second(train);
+  REQUIRE(mean_of(without.second(train)) < -0.04);
+  limits.dc = {.level = 0.02, .time = Seconds{1.0}};
+  Drive drive{limits};
+  for (int second = 0; second < 10; ++second) drive.second(train);
+  for (int second = 0; second < 5; ++second) CHECK(std::abs(mean_of(drive.second(train))) < 0.02 * 1.01);
+}
+
+TEST_CASE("direct: limits that cut both sides alike leave the drive alone", "[core]") {
+  Drive drive{DriveLimits{.slew_per_second = 500.0, .dc = {.level = 0.05, .time = Seconds{1.0}}}};
+  for (int second = 0; second < 10; ++second)
+    drive.second([](double t) { return std::sin(2 * 3.141592653589793 * 400.0 * t); });
+  CHECK(drive.held_back() == 0);
 }
