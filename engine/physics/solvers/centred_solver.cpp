@@ -212,7 +212,7 @@ class CentredSolver final : public NetworkSolver {
     if (!averages() || std::none_of(start_velocity_.begin(), start_velocity_.end(), moves)) return {};
     const auto springs = solver_of(averaged_ ? 0.25 : 0.0, true, false);
     if (!springs) return tl::unexpected(springs.error());
-    std::vector<double> work(model_.mass.size());
+    std::vector<double> work(springs->workspace());
     for (std::size_t i = 0; i < model_.mass.size(); ++i) start_velocity_[i] /= model_.scale[i];
     springs->solve({start_velocity_.data(), model_.mass.size()}, work);
     return {};
@@ -235,7 +235,7 @@ class CentredSolver final : public NetworkSolver {
     const auto method = kind_ == Solver::Explicit  ? Method::Explicit
                         : kind_ == Solver::Passive ? Method::Centred
                                                    : Method::Gradient;
-    std::vector<double> work(model_.mass.size());
+    std::vector<double> work(solver_.workspace());
     auto made = Couplings::make(model_, method, [&](std::span<double> column) {
       if (factored()) return solver_.solve(column, work);
       for (std::size_t i = 0; i < column.size(); ++i) column[i] *= model_.scale[i];

@@ -1,7 +1,7 @@
 #include "engine/physics/solvers/link_operator.h"
 
-#include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <tuple>
@@ -15,10 +15,8 @@ namespace {
 // Below this many entries on a diagonal the loop over it costs more than it saves.
 constexpr std::size_t kShortestDiagonal = 16;
 
-// So many sums stay in the nearest cache while the diagonals pass over them.
-constexpr int kRowsAtOnce = 512;
-
-using Array = Eigen::Map<const Eigen::ArrayXd>;
+// Diagonals of one pass: a grid has five. More need more registers for addresses than there are.
+constexpr std::size_t kMostDiagonals = 5;
 
 }  // namespace
 
@@ -58,7 +56,10 @@ void LinkOperator::split() {
     list.clear();
   }
   chain_ = is_chain();
-  if (chain_) diagonals_[2].k.push_back(0.0), diagonals_[2].b.push_back(0.0);  // none above the last
+  if (chain_)
+    diagonals_[2].k.push_back(0.0), diagonals_[2].b.push_back(0.0);  // none above the last
+  else
+    arrange_bands();
   for (const auto& e : entries_)
     if (!by_offset[e.column - e.row].empty()) scattered_.push_back(e);
 }
@@ -77,7 +78,7 @@ void LinkOperator::apply(const double* q, const double* u, double* y) const noex
   else if (chain_)
     apply_chain<false>(q, u, y);
   else
-    apply_diagonals(q, u, y);
+    apply_bands(q, u, y);
   apply_scattered(q, u, y);
 }
 
@@ -121,18 +122,83 @@ void LinkOperator::apply_chain(const double* q, const double* u, double* y) cons
   for (int i = vectorised; i <= last; ++i) up = pass.apply<BelowFirst>(i, std::min(i + 1, last), up);
 }
 
-void LinkOperator::apply_diagonals(const double* q, const double* u, double* y) const noexcept {
-  const auto rows = static_cast<int>(constant_.size());
-  for (int from = 0; from < rows; from += kRowsAtOnce) {
-    const int to = std::min(rows, from + kRowsAtOnce);
-    copy_samples(constant_.data() + from, to - from, y + from);
-    for (const auto& d : diagonals_) {
-      const int first = std::max(from, d.first), count = std::min(to, d.first + d.count) - first;
-      if (count <= 0) continue;
-      const int column = first + d.offset, entry = first - d.first;
-      Eigen::Map<Eigen::ArrayXd>(y + first, count) -=
-          Array(d.k.data() + entry, count) * Array(q + column, count) +
-          Array(d.b.data() + entry, count) * Array(u + column, count);
+/// From each row at which a diagonal begins or ends to the next.
+void LinkOperator::arrange_bands() {
+  std::vector<int> ends = {0, static_cast<int>(constant_.size())};
+  for (const auto& d : diagonals_) ends.insert(ends.end(), {d.first, d.first + d.count});
+  std::sort(ends.begin(), ends.end());
+  ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+  for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
+    std::vector<const Diagonal*> covering;
+    for (const auto& d : diagonals_)
+      if (d.covers(ends[i])) covering.push_back(&d);
+    std::size_t done = 0;
+    do {
+      const auto now = std::min(kMostDiagonals, covering.size() - done);
+      bands_.push_back(band(ends[i], ends[i + 1], std::span(covering).subspan(done, now)));
+      bands_.back().goes_on = done > 0;
+      done += now;
+    } while (done < covering.size());
+  }
+  diagonals_.clear();
+}
+
+LinkOperator::Band LinkOperator::band(int first, int last, std::span<const Diagonal* const> diagonals) const {
+  Band band{first, last - first, false, {}, {}};
+  for (const auto* d : diagonals) band.offsets.push_back(d->offset);
+  const int vectorised = in_lanes(band.count);
+  for (int row = 0; row < band.count;) {
+    const int rows = row < vectorised ? Lanes::kCount : 1;
+    for (const auto* d : diagonals)
+      for (const auto* values : {&d->k, &d->b})
+        for (int lane = 0; lane < rows; ++lane)
+          band.values.push_back(-(*values)[index(first + row + lane - d->first)]);
+    row += rows;
+  }
+  return band;
+}
+
+template <int Diagonals>
+void LinkOperator::apply_band(const Band& band, const double* q, const double* u, double* y) const noexcept {
+  std::array<std::ptrdiff_t, Diagonals> offsets;
+  std::copy_n(band.offsets.begin(), Diagonals, offsets.begin());
+  const double* start = (band.goes_on ? y : constant_.data()) + band.first;
+  const double* values = band.values.data();
+  q += band.first, u += band.first, y += band.first;
+  for_all(index(band.count), [=]<class Vector>(std::size_t i) {
+    constexpr std::size_t kWidth = sizeof(Vector) / sizeof(double);
+    Vector sum = load<Vector>(start + i);
+    const double* value = values + 2 * Diagonals * i;
+    for (const auto offset : offsets) {
+      sum = fused_multiply_add(load<Vector>(value), load<Vector>(q + i + offset), sum);
+      sum = fused_multiply_add(load<Vector>(value + kWidth), load<Vector>(u + i + offset), sum);
+      value += 2 * kWidth;
+    }
+    store(sum, y + i);
+  });
+}
+
+void LinkOperator::apply_bands(const double* q, const double* u, double* y) const noexcept {
+  static_assert(kMostDiagonals == 5);
+  for (const auto& band : bands_) {
+    switch (band.offsets.size()) {
+      case 0:
+        apply_band<0>(band, q, u, y);
+        break;
+      case 1:
+        apply_band<1>(band, q, u, y);
+        break;
+      case 2:
+        apply_band<2>(band, q, u, y);
+        break;
+      case 3:
+        apply_band<3>(band, q, u, y);
+        break;
+      case 4:
+        apply_band<4>(band, q, u, y);
+        break;
+      default:
+        apply_band<5>(band, q, u, y);
     }
   }
 }
@@ -152,22 +218,23 @@ struct MassRow::Pass {
             load<Vector>(scale + i)};
   }
 
-  /// From the tension below mass i to the one above it; `next` is the mass after the last one of `Vector`.
+  /// From the thrust below mass i to the one above it; `next` is the mass above that of the lowest lane.
   template <bool Pushed, class Vector>
   Vector advance(int i, int next, const Constants<Vector>& c, const Vector& below) const noexcept {
     const Vector here = load<Vector>(q + i), moved = load<Vector>(u + i);
     const Vector above =
-        c.k * (moved_down(here, q + next) - here) + c.b * (moved_down(moved, u + next) - moved);
-    Vector force = (above - moved_up(above, below)) - (c.own_k * here + c.own_b * moved);
+        fused_multiply_add(c.b, moved - load<Vector>(u + next), c.k * (here - load<Vector>(q + next)));
+    Vector force = fused_multiply_add(c.own_k, here, moved_up(above, below) - above);
+    force = fused_multiply_add(c.own_b, moved, force);
     if constexpr (Pushed) force = force + load<Vector>(push + i);
-    const Vector moving = moved + c.scale * force;
+    const Vector moving = fused_multiply_add(c.scale, force, moved);
     store(moving, u_next + i);
     store(here + moving, q + i);
     return above;
   }
 };
 
-/// Goes upwards: masses above are at their old places; those below act by their tension.
+/// Goes upwards: masses above are at their old places; those below act by their thrust.
 template <MassRow::Run::Kind kind>
 Lanes MassRow::step_lanes(const Pass& where, const Run& run, Lanes below) noexcept {
   const Pass pass = where;  // a copy: no store can alias it
@@ -175,7 +242,7 @@ Lanes MassRow::step_lanes(const Pass& where, const Run& run, Lanes below) noexce
   auto constants = pass.constants<Lanes>(run.first);
   for (int i = run.first; i < last; i += Lanes::kCount) {
     if constexpr (kind != Run::Kind::Alike) constants = pass.constants<Lanes>(i);
-    below = pass.advance<kind == Run::Kind::Pushed>(i, i + Lanes::kCount, constants, below);
+    below = pass.advance<kind == Run::Kind::Pushed>(i, i + 1, constants, below);
   }
   return below;
 }
@@ -194,8 +261,8 @@ MassRow::MassRow(std::span<const LinkOperator::Entry> links, std::span<const dou
       continue;
     }
     // A link to a neighbour is on the diagonal too: the remainder goes to the ground.
-    own_k_[row] += e.k;
-    own_b_[row] += e.b;
+    own_k_[row] -= e.k;
+    own_b_[row] -= e.b;
     if (e.column == e.row + 1) k_[row] = -e.k, b_[row] = -e.b;
   }
   let_push(std::vector<bool>(scale.size()));
@@ -244,9 +311,9 @@ void MassRow::step(double* q, const double* u, double* u_next, const double* pus
     below = run.kind == Kind::Alike ? step_lanes<Kind::Alike>(pass, run, below)
             : run.kind == Kind::Own ? step_lanes<Kind::Own>(pass, run, below)
                                     : step_lanes<Kind::Pushed>(pass, run, below);
-  double tension = highest(below);
+  double thrust = highest(below);
   for (int i = vectorised(); i < masses(); ++i)
-    tension = pass.advance<true>(i, std::min(i + 1, masses() - 1), pass.constants<double>(i), tension);
+    thrust = pass.advance<true>(i, std::min(i + 1, masses() - 1), pass.constants<double>(i), thrust);
 }
 
 }  // namespace tactus

@@ -10,8 +10,8 @@ namespace tactus {
 
 /// The linear forces in a network: y = c - K q - B u, where row i belongs to mass i,
 /// K and B are symmetric between masses, and the columns are the
-/// masses and after them the driven points. Entries that lie along diagonals (chains, grids) are stored by
-/// diagonals and run at the speed of the memory; the rest mass by mass.
+/// masses and after them the driven points. Entries that lie along diagonals (chains, grids) are applied to
+/// registers of masses, in one pass over the memory; the rest mass by mass.
 class LinkOperator {
  public:
   struct Entry {
@@ -34,29 +34,42 @@ class LinkOperator {
   struct Diagonal {
     int offset, first, count;  // rows first ... first + count - 1; column = row + offset
     AlignedNumbers k, b;
+
+    bool covers(int row) const { return row >= first && row < first + count; }
+  };
+  /// Rows with numbers on the same diagonals.
+  struct Band {
+    int first, count;
+    bool goes_on;              // adds to what another band leaves in these rows
+    std::vector<int> offsets;  // of each diagonal
+    AlignedNumbers values;     // register by register of rows, and then row by row: -k, -b of each diagonal
   };
   void split();
+  void arrange_bands();
+  Band band(int first, int last, std::span<const Diagonal* const> diagonals) const;
   bool is_chain() const;
   bool few() const;
   struct ChainPass;
   template <bool BelowFirst>
   void apply_chain(const double* q, const double* u, double* y) const noexcept;
-  void apply_diagonals(const double* q, const double* u, double* y) const noexcept;
-
+  template <int Diagonals>
+  void apply_band(const Band& band, const double* q, const double* u, double* y) const noexcept;
+  void apply_bands(const double* q, const double* u, double* y) const noexcept;
   void apply_scattered(const double* q, const double* u, double* y) const noexcept;
 
   std::vector<Entry> entries_;
-  std::vector<Diagonal> diagonals_;
-  std::vector<Entry> scattered_;  ///< on no diagonal, row by row
+  std::vector<Diagonal> diagonals_;  ///< of a chain
+  std::vector<Band> bands_;          ///< of the others
+  std::vector<Entry> scattered_;     ///< on no diagonal, row by row
   AlignedNumbers constant_;
   bool chain_ = false;  ///< diagonals -1, 0 and 1, all complete
 };
 
 /// One explicit step of masses in a row, in one pass over the memory:
-///     f_i = k_i (q_i+1 - q_i) + b_i (u_i+1 - u_i)            tension between neighbours
-///     e_i = s_i (f_i - f_i-1 - K_i q_i - B_i u_i + p_i)      K, B: to whatever is fixed
+///     f_i = k_i (q_i - q_i+1) + b_i (u_i - u_i+1)            thrust between neighbours
+///     e_i = s_i (f_i-1 - f_i - K_i q_i - B_i u_i + p_i)      K, B: to whatever is fixed
 ///     u+ = u + e,   q+ = q + u+
-/// with q [m], u = q - q- [m], s = step^2 / mass [s^2/kg], and p [N] whatever else pushes. Each tension is
+/// with q [m], u = q - q- [m], s = step^2 / mass [s^2/kg], and p [N] whatever else pushes. Each thrust is
 /// worked out once and acts on both of its masses: action equals reaction to the bit. Where neighbours are
 /// alike (chains, rings) their numbers stay in registers: of the memory only q, u and u+ are passed.
 class MassRow {
@@ -91,7 +104,7 @@ class MassRow {
   bool alike(int one, int other) const;
   Run::Kind kind_of(int first, const std::vector<bool>& pushed) const;
 
-  AlignedNumbers k_, b_, own_k_, own_b_, scale_;
+  AlignedNumbers k_, b_, own_k_, own_b_, scale_;  // own: -K, -B
   std::vector<Run> runs_;
 };
 

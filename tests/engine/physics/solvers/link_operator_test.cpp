@@ -48,3 +48,31 @@ TEST_CASE("link_operator: links from anywhere to anywhere add up", "[physics]") 
   CHECK(y[1] == 2);
   CHECK(y[2] == 3 + 1 - 3 * 100 + 4 * 1000);
 }
+
+TEST_CASE("link_operator: what lies along diagonals is what its entries add up to", "[physics]") {
+  // Grids of so many columns, with a diagonal that ends in their middle, and two more than one pass takes.
+  const int columns = GENERATE(3, 8, 20), more = GENERATE(0, 1, 2), masses = 20 * columns;
+  std::mt19937 bits(1);
+  const auto random = [&bits] { return static_cast<double>(bits()) / 4294967296.0; };
+  std::vector<LinkOperator::Entry> links;
+  for (int row = 0; row < masses; ++row) {
+    links.push_back({row, row, random(), random()});
+    for (const int offset : {1, columns, columns + 3, columns + 5})
+      if (row + offset < (offset > columns ? more * masses / 2 : masses)) {
+        const double k = random(), b = random();
+        links.push_back({row, row + offset, k, b}), links.push_back({row + offset, row, k, b});
+      }
+  }
+  links.push_back({2, masses - 1, 1.0, 2.0});
+  std::vector<double> constant(static_cast<std::size_t>(masses)), y(constant.size()), q(constant.size()),
+      u(constant.size());
+  for (auto* list : {&constant, &q, &u})
+    for (auto& x : *list) x = random();
+  auto expected = constant;
+  for (const auto& e : links)
+    expected[static_cast<std::size_t>(e.row)] -=
+        e.k * q[static_cast<std::size_t>(e.column)] + e.b * u[static_cast<std::size_t>(e.column)];
+  LinkOperator(links, constant).apply(q.data(), u.data(), y.data());
+  // Some twenty sums of numbers below 1.
+  for (std::size_t i = 0; i < y.size(); ++i) CHECK(y[i] == Approx(expected[i]).margin(20 * 2.3e-16 * 20));
+}

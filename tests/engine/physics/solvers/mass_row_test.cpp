@@ -39,9 +39,9 @@ TEST_CASE("mass_row: vector registers and masses one by one give the same bits",
     const bool top = i + 1 == n;
     double own_k = i > 0 ? 3.0 - k[i - 1] : 3.0, own_b = i > 0 ? 0.5 - b[i - 1] : 0.5;
     if (!top) own_k -= k[i], own_b -= b[i];
-    const double above = top ? 0.0 : k[i] * (q[i + 1] - q[i]) + b[i] * (u[i + 1] - u[i]);
-    const double force = ((above - below) - (own_k * q[i] + own_b * u[i])) + push[i];
-    expected_u[i] = u[i] + scale[i] * force;
+    const double above = top ? 0.0 : fused_multiply_add(b[i], u[i] - u[i + 1], k[i] * (q[i] - q[i + 1]));
+    const double force = fused_multiply_add(-own_b, u[i], fused_multiply_add(-own_k, q[i], below - above));
+    expected_u[i] = fused_multiply_add(scale[i], force + push[i], u[i]);
     expected_q[i] = q[i] + expected_u[i];
     below = above;
   }

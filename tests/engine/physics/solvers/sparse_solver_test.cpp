@@ -1,16 +1,24 @@
 #include "engine/physics/solvers/sparse_solver.h"
 
+#include <Eigen/Dense>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <vector>
+
+#include "tests/engine/physics/solvers/grid_matrix.h"
 
 using namespace tactus;
 
 namespace {
 
-/// The grid Laplacian plus a diagonal, with random links: positive definite, of no nice order.
-Eigen::SparseMatrix<double> matrix(int n, int links) {
+using Sparse = Eigen::SparseMatrix<double>;
+
+constexpr double kRounding = std::numeric_limits<double>::epsilon();
+
+/// The Laplacian of random links plus a diagonal: positive definite, of no nice order.
+Sparse matrix(int n, int links) {
   std::mt19937 random(3);
   std::uniform_int_distribution<int> any(0, n - 1);
   std::vector<Eigen::Triplet<double>> entries;
@@ -21,39 +29,103 @@ Eigen::SparseMatrix<double> matrix(int n, int links) {
     entries.emplace_back(a, a, 2.0), entries.emplace_back(b, b, 2.0);
     entries.emplace_back(a, b, -2.0), entries.emplace_back(b, a, -2.0);
   }
-  Eigen::SparseMatrix<double> made(n, n);
+  Sparse made(n, n);
   made.setFromTriplets(entries.begin(), entries.end());
   return made;
+}
+
+/// A grid without the masses in its middle, with a few springs across it.
+Sparse grid_with_a_hole(int side, double stiffness) {
+  Sparse made = test::grid_matrix(side, side, stiffness);
+  for (int row = side / 3; row < side / 2; ++row)
+    for (int column = side / 3; column < side / 2; ++column) {
+      const int hole = row * side + column;
+      for (const int next : {hole - 1, hole + 1, hole - side, hole + side})
+        made.coeffRef(hole, next) = made.coeffRef(next, hole) = 0.0;
+    }
+  for (int i = 0; i < 3; ++i) {
+    const int far = side * side - 2 * i - 1;
+    made.coeffRef(i, far) = made.coeffRef(far, i) = -0.1;
+  }
+  return made;
+}
+
+Eigen::VectorXd solved(const SparseSolver& solver, Eigen::VectorXd x) {
+  std::vector<double> work(solver.workspace());
+  solver.solve({x.data(), static_cast<std::size_t>(x.size())}, work);
+  return x;
+}
+
+Eigen::VectorXd sines(Eigen::Index n) {
+  return Eigen::VectorXd::LinSpaced(n, 0.0, static_cast<double>(n - 1)).array().sin();
+}
+
+/// The smallest change of A, relative to its largest row, that makes x exact: a backward error.
+double backward_error(const Sparse& a, const Eigen::VectorXd& x, const Eigen::VectorXd& b) {
+  const double largest = (a.cwiseAbs() * Eigen::VectorXd::Ones(a.cols())).maxCoeff();
+  return (a * x - b).cwiseAbs().maxCoeff() / (largest * x.cwiseAbs().maxCoeff());
 }
 
 }  // namespace
 
 TEST_CASE("sparse solver: what it finds is a solution", "[physics]") {
-  const auto links = GENERATE(0, 1, 40, 200);
+  const auto links = GENERATE(0, 1, 40, 200, 2000);
   const auto a = matrix(60, links);
   const SparseSolver solver(a);
   CHECK(solver.valid());
   CHECK(solver.diagonal() == (links == 0));
-  std::vector<double> x(60), work(60), b(60);
-  for (std::size_t i = 0; i < 60; ++i) x[i] = b[i] = std::sin(static_cast<double>(i));
-  solver.solve(x, work);
-  for (int column = 0; column < 60; ++column)
-    for (Eigen::SparseMatrix<double>::InnerIterator entry(a, column); entry; ++entry)
-      b[static_cast<std::size_t>(entry.row())] -= entry.value() * x[static_cast<std::size_t>(column)];
-  for (const double left : b) CHECK(left == Approx(0.0).margin(1e-13));
+  CHECK(solver.workspace() <= 120);
+  const auto b = sines(60);
+  CHECK(backward_error(a, solved(solver, b), b) < 4 * kRounding);
+}
+
+TEST_CASE("sparse solver: grids are solved as by a dense factor, to rounding", "[physics]") {
+  const int side = GENERATE(3, 7, 13, 32);
+  const double stiffness = GENERATE(0.025, 25.0);
+  const auto a =
+      GENERATE_COPY(test::grid_matrix(side, side, stiffness),
+                    test::grid_matrix(side, 2 * side + 1, stiffness), grid_with_a_hole(side, stiffness));
+  const SparseSolver solver(a);
+  REQUIRE(solver.valid());
+  CHECK(solver.workspace() <= 2 * static_cast<std::size_t>(a.rows()));
+  const auto b = sines(a.rows());
+  const Eigen::VectorXd x = solved(solver, b), dense = Eigen::MatrixXd(a).llt().solve(b);
+  // An error of rounding, as often as a sum is long, times the condition of A, which is below 1 + 8 k.
+  CHECK((x - dense).cwiseAbs().maxCoeff() < 4 * kRounding * (1 + 8 * stiffness) * b.cwiseAbs().maxCoeff());
+}
+
+TEST_CASE("sparse solver: however stiff a grid is, the solution is that of a matrix next to it",
+          "[physics]") {
+  const double stiffness = GENERATE(1.0, 1e4, 1e8, 1e12);
+  const auto a = test::grid_matrix(40, 40, stiffness);
+  const SparseSolver solver(a);
+  REQUIRE(solver.valid());
+  const auto b = GENERATE_COPY(sines(1600), Eigen::VectorXd(Eigen::VectorXd::Unit(1600, 777)),
+                               Eigen::VectorXd(a * sines(1600)));
+  CHECK(backward_error(a, solved(solver, b), b) < 4 * kRounding);
+}
+
+TEST_CASE("sparse solver: a grid of n rows costs no more than 31/4 n log2(n)", "[physics]") {
+  const SparseSolver solver(test::grid_matrix(100, 100, 1.0));
+  CHECK(static_cast<double>(solver.multiplications()) < 7.75 * 1e4 * std::log2(1e4));
+}
+
+TEST_CASE("sparse solver: nothing of a right-hand side remains in the workspace", "[physics]") {
+  const SparseSolver solver(test::grid_matrix(13, 13, 1.0));
+  const auto b = sines(169);
+  std::vector<double> work(solver.workspace(), std::numeric_limits<double>::quiet_NaN());
+  Eigen::VectorXd x = b;
+  solver.solve({x.data(), 169}, work);
+  CHECK(x == solved(solver, b));
 }
 
 TEST_CASE("sparse solver: a chain fills in nothing", "[physics]") {
-  Eigen::SparseMatrix<double> a(1000, 1000);
-  std::vector<Eigen::Triplet<double>> entries;
-  for (int i = 0; i < 1000; ++i) entries.emplace_back(i, i, 3.0);
-  for (int i = 1; i < 1000; ++i) entries.emplace_back(i, i - 1, -1.0), entries.emplace_back(i - 1, i, -1.0);
-  a.setFromTriplets(entries.begin(), entries.end());
-  CHECK(SparseSolver(a).multiplications() == 1000 + 2 * 999);
+  CHECK(SparseSolver(test::grid_matrix(1, 1000, 1.0)).multiplications() == 1000 + 2 * 999);
 }
 
 TEST_CASE("sparse solver: says so when there is nothing to solve", "[physics]") {
-  Eigen::SparseMatrix<double> a(2, 2);
-  a.insert(0, 0) = 1.0, a.insert(0, 1) = 2.0, a.insert(1, 0) = 2.0, a.insert(1, 1) = 1.0;
+  const auto rows = GENERATE(1, 20);
+  auto a = test::grid_matrix(rows, 2, 1.0);
+  a.coeffRef(0, 0) = -1.0;
   CHECK_FALSE(SparseSolver(a).valid());
 }
