@@ -130,7 +130,18 @@ ssize_t read_now(int input, char* bytes, std::size_t most) {
   return count < 0 && errno == ENOTSOCK ? ::read(input, bytes, most) : count;
 }
 
+/// What was a terminal and is closed cannot be asked any more what it is.
+bool is_closed_terminal(int file) { return ::isatty(file) == 0 && errno == EIO; }
+
 }  // namespace
+
+void accept_stop_signals() {
+  for (const int signal : kForwarded) {
+    struct sigaction action {};
+    if (::sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN) ::signal(signal, SIG_DFL);
+  }
+  unblock(kForwarded);
+}
 
 StopInputs::StopInputs() {
   open_signal_pipe();
@@ -158,6 +169,8 @@ void StopInputs::open_input() {
   if (terminal_ || pipe)
     input_ = std::max(::open("/dev/stdin", O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC), STDIN_FILENO);
   if (!terminal_ || foreign_terminal_) other_terminal_ = other_terminal();
+  closed_before_ =
+      std::ranges::any_of(std::array{STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}, is_closed_terminal);
   follow_foreground();
   reads_terminal_ = raw_;
 }
@@ -195,6 +208,7 @@ StopInputs::Arrived StopInputs::wait(std::chrono::milliseconds timeout) {
                      {asked ? input_ : -1, static_cast<short>(keys ? POLLIN : 0), 0},
                      {other_terminal_, 0, 0}};
   const bool any = ::poll(inputs, 3, static_cast<int>(timeout.count())) > 0;
+  arrived.hung_up = std::exchange(closed_before_, false);
   read_signals(arrived);
   if (any && asked) read_input(inputs[1].revents, arrived);
   if (any && inputs[2].revents != 0) {
@@ -276,6 +290,8 @@ BOOL WINAPI handle_control(DWORD event) {
 }
 
 }  // namespace
+
+void accept_stop_signals() {}
 
 StopInputs::StopInputs() {
   SetConsoleCtrlHandler(handle_control, TRUE);

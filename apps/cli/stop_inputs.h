@@ -5,6 +5,10 @@
 
 namespace tactus::app {
 
+/// [control] At the start of a command whose outputs move something: the signals that StopInputs reports end
+/// the process until there is one, although its parent had them ignored or blocked.
+void accept_stop_signals();
+
 /// The stop inputs of the process: signals, and the keys of standard input. A terminal is switched to deliver
 /// keys without Enter, without echo and without flow control (Ctrl-S would stop its output), and restored at
 /// the end, as are the signals. In its background no keys are read, but its end is detected; so is that of
@@ -22,7 +26,7 @@ class StopInputs {
   struct Arrived {
     int stops = 0;              ///< SIGINT, SIGTERM and others whose default is to end; Ctrl-C as a byte
                                 ///< too, Ctrl-Break
-    bool hung_up = false;       ///< the terminal was closed
+    bool hung_up = false;       ///< the terminal was closed, now or before the start
     bool input_closed = false;  ///< the other end of a pipe or socket at standard input is; reported once
     std::string bytes;          ///< of standard input
   };
@@ -49,11 +53,12 @@ class StopInputs {
   int other_terminal_ = -1;  ///< only its end counts
   int input_ = 0;            ///< standard input, opened again where that makes its reads never block
   bool open_ = true, terminal_ = false, foreign_terminal_ = false, reads_terminal_ = false;
-  bool connection_ = false;  ///< a pipe or socket
-  bool datagrams_ = false;   ///< a socket without an end
-  bool paused_ = false;      ///< the last read gave nothing: none in the next turn, which then waits
-  bool raw_ = false;         ///< the terminal delivers single keys to this process
-  bool mode_known_ = false;  ///< of the terminal, before it was raw
+  bool connection_ = false;     ///< a pipe or socket
+  bool datagrams_ = false;      ///< a socket without an end
+  bool closed_before_ = false;  ///< standard input or output is a terminal that is gone; not reported yet
+  bool paused_ = false;         ///< the last read gave nothing: none in the next turn, which then waits
+  bool raw_ = false;            ///< the terminal delivers single keys to this process
+  bool mode_known_ = false;     ///< of the terminal, before it was raw
 };
 
 }  // namespace tactus::app

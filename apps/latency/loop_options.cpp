@@ -116,6 +116,7 @@ void add_loop_options(CLI::App& command, LoopOptions& options, bool setting, boo
 }
 
 Loop make_loop(const LoopOptions& options) {
+  accept_stop_signals();
   Loop loop;
   auto& settings = loop.settings;
   settings.openings = options.openings;

@@ -268,6 +268,7 @@ int play(const LiveOptions& options) {
 
 /// Whatever throws, the session fades out with its end.
 int play_live(const LiveOptions& options) {
+  accept_stop_signals();
   try {
     return play(options);
   } catch (const std::bad_alloc&) {

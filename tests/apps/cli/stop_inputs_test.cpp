@@ -8,6 +8,7 @@
 
 #include <catch2/catch.hpp>
 #include <csignal>
+#include <cstdlib>
 #include <string>
 
 #ifdef __linux__
@@ -121,6 +122,40 @@ TEST_CASE("stop inputs: a breakpoint or a forbidden system call ends the process
   CHECK(WTERMSIG(status) == signal);
 }
 #endif
+
+TEST_CASE("stop inputs: before there are any, signals that its parent had ignored or blocked end the process",
+          "[live]") {
+  const auto signal = GENERATE(SIGTERM, SIGINT, SIGHUP, SIGQUIT);
+  const int child = ::fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    const rlimit no_core{0, 0};
+    ::setrlimit(RLIMIT_CORE, &no_core);
+    ::signal(signal, SIG_IGN);
+    sigset_t blocked;
+    sigfillset(&blocked);
+    ::sigprocmask(SIG_BLOCK, &blocked, nullptr);
+    accept_stop_signals();
+    ::raise(signal);
+    ::_exit(0);
+  }
+  int status = 0;
+  REQUIRE(::waitpid(child, &status, 0) == child);
+  REQUIRE(WIFSIGNALED(status));
+  CHECK(WTERMSIG(status) == signal);
+}
+
+TEST_CASE("stop inputs: a terminal that was closed before is reported, once", "[live]") {
+  const int window = ::posix_openpt(O_RDWR | O_NOCTTY);
+  REQUIRE(window >= 0);
+  REQUIRE(::grantpt(window) == 0);
+  REQUIRE(::unlockpt(window) == 0);
+  const StandardInput terminal{::open(::ptsname(window), O_RDWR | O_NOCTTY)};
+  ::close(window);
+  StopInputs inputs;
+  CHECK(inputs.wait(0ms).hung_up);
+  CHECK_FALSE(inputs.wait(0ms).hung_up);
+}
 
 TEST_CASE("stop inputs: Ctrl-C that comes as a byte is a stop", "[live]") {
   Connection connection{SOCK_STREAM};

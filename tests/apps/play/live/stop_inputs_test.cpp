@@ -197,6 +197,14 @@ TEST_CASE("play: a terminal that is closed fades the drive of a program that doe
   stage.check_closed_terminal(in_shell(how, stage.command({"--duration", "100 s"})));
 }
 
+TEST_CASE("play: a terminal that was closed before the start ends it", "[live]") {
+  const Stage stage;
+  test::TerminalProcess shell{
+      in_shell("trap '' HUP; while test -t 0; do :; done; exec \"$0\" \"$@\"", stage.command())};
+  shell.close();
+  CHECK(shell.wait() == 5);
+}
+
 TEST_CASE("play: signals that its parent had blocked end it", "[live]") {
   const Stage stage;
   test::ChildProcess play{in_shell("exec env --block-signal=TERM \"$0\" \"$@\"", stage.command()), kLogged};
