@@ -17,15 +17,17 @@ bool grows(const NetworkRecipe& recipe, const NetworkElements& elements) {
   if (!network) return false;
   auto state = network->initial_state();
   const std::vector<double> inputs(index(recipe.signals), 0.0);
-  double first = 0.0;
+  double first = kHardestStrike;
   for (int frame = 0; frame < kFrames; ++frame) {
     network->step(state, inputs.data());
     double most = 0.0;
-    for (std::size_t p = 0; p < elements.points.size(); ++p)
-      if (elements.points[p].kind == Point::Kind::Mass)
-        most = std::max(most, std::abs(network->velocity(state, static_cast<int>(p))));
+    for (std::size_t p = 0; p < elements.points.size(); ++p) {
+      if (elements.points[p].kind != Point::Kind::Mass) continue;
+      const double speed = std::abs(network->velocity(state, static_cast<int>(p)));
+      if (!(speed <= kGrown * first)) return true;
+      most = std::max(most, speed);
+    }
     if (frame < kFrames / 10) first = std::max(first, most);
-    if (!(most <= kGrown * std::max(first, kHardestStrike))) return true;
   }
   return false;
 }
