@@ -143,6 +143,20 @@ TEST_CASE("check: an explicit network with a cubic spring is thrown where its st
   CHECK(with(1e18) == Stability::Unstable);
 }
 
+// x+ = 2 x - x- - T^2/m (k x + K x^3 + c (x - x-)/T), written out, is beyond 10 m after 74 frames.
+TEST_CASE("check: a cubic spring that throws its mass away within a few frames is refused", "[analysis]") {
+  const auto* const text = R"(format = 1
+[networks.n]
+solver = "explicit"
+ground = { type = "ground" }
+ball = { type = "mass", mass = "65 g", at = "0.24 mm", velocity = "3.7 m/s" }
+hold = { type = "spring", between = ["ground", "ball"], stiffness = 3.2e7, damping = 7.3, cubic = 2.4e15 }
+[outputs]
+x = { from = "n.ball.position", unit = "m" }
+)";
+  CHECK(answer(text) == Stability::Unstable);
+}
+
 // At another rate the loop would be shorter than a frame.
 TEST_CASE("check: runs at rates at which a graph cannot be made are left out", "[analysis]") {
   const auto report = checked(
