@@ -187,14 +187,20 @@ std::vector<ReachedValue> reached_values(const std::vector<JournalEntry>& journa
   return reached;
 }
 
-/// The states of the controls after each frame of the journal.
+/// The states of the controls where two of them or more have moved since the state before: where one moves
+/// alone, it is judged at both ends of its way.
 std::vector<ControlState> moving_states(const std::vector<JournalEntry>& journal, Hertz rate) {
   std::vector<ControlState> states;
   ControlState now;
+  int moved = 0;
   for (std::size_t i = 0; i < journal.size(); ++i) {
-    now.seconds = static_cast<double>(journal[i].frame) / rate.value;
-    now.values[journal[i].index] = journal[i].value;
-    if (i + 1 == journal.size() || journal[i + 1].frame != journal[i].frame) states.push_back(now);
+    const auto& entry = journal[i];
+    now.seconds = static_cast<double>(entry.frame) / rate.value;
+    const auto known = now.values.find(entry.index);
+    moved += known != now.values.end() && known->second != entry.value;
+    now.values[entry.index] = entry.value;
+    if (i + 1 < journal.size() && journal[i + 1].frame == entry.frame) continue;
+    if (std::exchange(moved, 0) > 1) states.push_back(now);
   }
   return states;
 }
@@ -208,10 +214,17 @@ void doubt_networks(const LinearGraph& graph, std::vector<Doubt>& doubts) {
                  kSmaller});
 }
 
-/// Stability of a world in all its regimes, bare.
-Stability stability_of(const RestingWorld& world, double push, std::vector<Doubt>& doubts) {
+// How many regimes are looked at where an input is held, and where a control is at another value: the rest
+// is at the requested settings.
+constexpr std::size_t kHeldRegimes = 1, kElsewhereRegimes = 4;
+
+/// Stability of a world in its first regimes, bare.
+Stability stability_of(const RestingWorld& world, double push, std::size_t most_regimes,
+                       std::vector<Doubt>& doubts) {
   auto all = Stability::Stable;
-  for (const auto& regime : world.regimes(push)) {
+  auto regimes = world.regimes(push);
+  if (regimes.size() > most_regimes) regimes.resize(most_regimes);
+  for (const auto& regime : regimes) {
     const auto closed = world.closed(regime);
     doubt_networks(closed.graph, doubts);
     for (const auto& network : closed.graph.networks)
@@ -276,9 +289,14 @@ class Analysis {
     verdict_.delay_s = world->delay_frames() / world->rate().value;
     verdict_.outside_known = world->outside_known();
     const auto regimes = world->regimes(options_.push);
-    for (const auto& regime : regimes) analyse(*world, regime);
+    for (std::size_t i = 0; i < regimes.size(); ++i)
+      if (i < kWithMargins || regimes.size() <= kAllWithMargins)
+        analyse(*world, regimes[i]);
+      else
+        count_roots(*world, regimes[i]);
     find_event_loops(*world);
-    for (const auto& regime : regimes) find_open_gains(*world, regime);
+    for (std::size_t i = 0; i < std::min(regimes.size(), kAllWithMargins); ++i)
+      find_open_gains(*world, regimes[i]);
     for (const auto& control : world->instrument().controls) find_border(control.control);
     hold_inputs(*world);
     if (auto judged = judge_gestures(); !judged) return tl::unexpected(judged.error());
@@ -307,6 +325,19 @@ class Analysis {
   void report_progress() {
     constexpr double kAll = 24;
     if (progress_) progress_(1 - std::exp(-++done_ / kAll));
+  }
+
+  /// Of many combinations the margins are not computed, but whether they grow.
+  static constexpr std::size_t kAllWithMargins = 8, kWithMargins = 2;
+  void count_roots(const RestingWorld& world, const Regime& regime) {
+    const auto closed = world.closed(regime);
+    analyse_networks(closed.graph, regime);
+    RegimeVerdict verdict{.name = regime.name, .certain = regime.certain};
+    for (const auto& signals : loops_of(closed.graph, false))
+      if (!too_large({closed.graph, signals, {}}, verdict_.doubts))
+        verdict.growing += growing_in(closed.graph, signals, verdict_.rate, nullptr, verdict_.doubts);
+    verdict_.regimes.push_back(std::move(verdict));
+    report_progress();
   }
 
   /// Bare, and held where something is driven.
@@ -417,7 +448,7 @@ class Analysis {
       const auto& first = held.front();
       const auto& plan = world.instrument();
       std::vector<Doubt> doubts;
-      auto stability = stability_of(*then, options_.push, doubts);
+      auto stability = stability_of(*then, options_.push, kHeldRegimes, doubts);
       if (stability == Stability::Undecided || (stability == Stability::Unstable && first.alternates)) {
         stability = Stability::Undecided;
         add_doubt(verdict_.doubts,
@@ -432,7 +463,7 @@ class Analysis {
     constexpr std::size_t kMostInputs = 8;
     for (std::size_t i = 0; i < moved.size() && i < kMostInputs; ++i)
       for (const bool alternates : {false, true})
-        for (const double level : {1.0, -1.0, 0.5, -0.5, 0.1, -0.1})
+        for (const double level : {1.0, -1.0, 0.1, -0.1})
           if (!alternates || level > 0) hold({{moved[i], level, alternates}});
     std::vector<HeldInput> all;
     for (const int channel : moved) all.push_back({channel, 1.0, false});
@@ -582,7 +613,7 @@ Stability NetworkVerdict::stability() const {
 Stability stability_with(const StabilitySubject& subject, const WorldOptions& options, double push) {
   const auto world = RestingWorld::make(subject, options);
   std::vector<Doubt> doubts;
-  return world ? stability_of(*world, push, doubts) : Stability::Unstable;
+  return world ? stability_of(*world, push, kElsewhereRegimes, doubts) : Stability::Unstable;
 }
 
 Checked<StabilityVerdict> analyse_stability(const StabilitySubject& subject, const StabilityOptions& options,

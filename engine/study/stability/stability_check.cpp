@@ -46,8 +46,10 @@ Checked<std::vector<ExtremeRun>> run_all(const StabilitySubject& subject, const 
     auto& plan = plans[index(i)];
     // At another rate a graph may have a loop without a delay.
     if (plan.elsewhere && !build_world(subject, plan.world)) return;
-    if (!plan.linear) plan.expected = predicted(subject, options, verdict, plan) == Stability::Stable;
-    made[index(i)] = run_extreme(subject, plan);
+    auto& run = made[index(i)].emplace(run_extreme(subject, plan));
+    // What is bounded contradicts no prediction.
+    if (!plan.linear && run && !run->bounded())
+      run->expected = predicted(subject, options, verdict, plan) == Stability::Stable;
   };
   parallel_for(static_cast<int>(plans.size()), run_one, progress, workers);
   std::vector<ExtremeRun> runs;
