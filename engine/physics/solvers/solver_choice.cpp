@@ -341,10 +341,18 @@ SolverChoice choose_solver(const NetworkElements& elements, Hertz rate, int over
       choice.candidates.push_back(bounds_of(elements, rate, solver, steps, contacts));
   };
   const auto good = [](const SolverBounds& b) { return b.limit == SolverBounds::Limit::None; };
-  // More steps of a solver cost more: once one will do, twice as many can only be dearer than it.
+  // A solver costs in proportion to its steps: twice as many are tried while the cheapest of those just tried
+  // would still cost less than the best so far.
+  double best_cost = std::numeric_limits<double>::infinity();
   for (int steps = std::max(1, oversample); steps <= kMostOversample; steps *= 2) {
+    const auto first = std::ssize(choice.candidates);
     try_at(steps);
-    if (oversample > 0 || std::any_of(choice.candidates.begin(), choice.candidates.end(), good)) break;
+    double least = std::numeric_limits<double>::infinity();
+    for (auto b = choice.candidates.begin() + first; b != choice.candidates.end(); ++b) {
+      if (b->limit != SolverBounds::Limit::CannotBeMade) least = std::min(least, b->multiplications);
+      if (good(*b)) best_cost = std::min(best_cost, b->multiplications);
+    }
+    if (oversample > 0 || 2.0 * least >= best_cost) break;
   }
   std::stable_sort(choice.candidates.begin(), choice.candidates.end(),
                    [](const auto& a, const auto& b) { return a.multiplications < b.multiplications; });
