@@ -24,12 +24,16 @@ struct NodeCase {
 
 /// Values that a port sees in these tests: a box for its unit, cut to the declared range.
 Interval typical_range(const InputPort& port);
+/// A constant in it, or the default of the port.
+double resting_value(const InputPort& port);
 std::map<std::string, Interval> typical_ranges(const NodeType& type);
 
 /// Settings of a type with each choice and each flag in turn, by label. A setting that must be given takes
 /// the value of the type's example line, or that of the table in node_cases_test.cpp; without either it is
 /// reported by `missing_example`.
 std::map<std::string, std::map<std::string, std::string>> setting_variants(const NodeType& type);
+/// The value behind "name = " in a line of a graph file; nullopt if it is not there.
+std::optional<std::string> from_example(const std::string& line, const std::string& name);
 /// "" or what to do.
 std::string missing_example(const NodeType& type);
 
