@@ -118,6 +118,17 @@ TEST_CASE("nodes: the cut changes no bit when the engine has run for hours", "[c
   });
 }
 
+TEST_CASE("nodes: the number of the first frame changes no bit, also before 2^31, 2^32 and 2^53",
+          "[conformance]") {
+  for_ordinary_cases([](const NodeCase& one, NodeRunner& runner) {
+    if (one.type->random) return;  // a function of the frame
+    const auto blocks = even_cutting(kFrames, kLongestSubBlock);
+    const auto from_zero = runner.run(blocks);
+    for (const int power : {31, 32, 53})
+      CHECK(first_difference(from_zero, runner.run(blocks, (std::int64_t{1} << power) - 640)) == "");
+  });
+}
+
 // A control that comes to rest turns from samples into a constant at the edge of a block, so this is a matter
 // of cuts too.
 TEST_CASE("nodes: an input at rest gives the same bits as a constant and as samples", "[conformance]") {
