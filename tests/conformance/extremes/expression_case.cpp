@@ -47,9 +47,6 @@ std::string text_of(const ExpressionCase& c) {
                      operand(c.b_moves, "b", c.b));
 }
 
-/// What is denormal counts as 0.
-double entering(double value) { return std::abs(value) < kSmallestNormal ? 0.0 : value; }
-
 }  // namespace
 
 std::string ExpressionCase::name() const {
@@ -73,7 +70,7 @@ Judgement judge(const ExpressionCase& c) {
   const auto text =
       "format = 1\n[inputs]\na = {}\nb = {}\n[outputs]\ny = { from = \"" + text_of(c) + "\" }\n";
   auto plan = compile(parse_graph_leniently(text, "extremes.toml"), standard_nodes(), {});
-  const double a = entering(c.a), b = entering(c.b);
+  const double a = taken_for(c.a), b = taken_for(c.b);
   const Real exact = operator_of(c.op).value(a, b);
   const bool overflows = std::abs(exact) > std::numeric_limits<double>::max();
   if (!plan) {

@@ -15,7 +15,6 @@ namespace tactus::test {
 namespace {
 
 constexpr int kFrames = 512;
-constexpr double kSmallestNormal = std::numeric_limits<double>::min();
 
 struct Version {
   const Subject* subject;
@@ -286,9 +285,11 @@ struct Laws {
 
   /// Parts of a network that move together to the last bit: the force between them is lost, and the position,
   /// the first output, is that of a badly conditioned system.
-  bool rigid() const { return c.subject->family == "element" && std::abs(c.value) >= 1e30; }
+  bool rigid() const { return of_network() && std::abs(c.value) >= 1e30; }
+  bool of_network() const { return c.subject->family == "element"; }
 
   void equation() {
+    if (of_network()) return;  // equations are of nodes
     const Version v{c};
     Given given{.rate = c.rate, .settings = c.subject->settings};
     for (int i = 0; i < std::ssize(c.subject->slots); ++i) {
@@ -297,8 +298,7 @@ struct Laws {
       if (!slot.key.empty()) {
         Series series;
         for (const double x : v.moves(i) ? samples_of(v, i) : Samples(kFrames, v.number(i)))
-          series.push_back(
-              std::clamp(std::abs(x) < kSmallestNormal ? 0.0 : x, slot.declared.low, slot.declared.high));
+          series.push_back(std::clamp(taken_for(x), slot.declared.low, slot.declared.high));
         given.in[slot.name] = std::move(series);
       } else {
         given.numbers.push_back(v.number(i));
@@ -366,8 +366,9 @@ std::vector<ExtremeCase> extreme_cases(const Subject& subject, const std::vector
 Judgement judge(const ExtremeCase& c) {
   const auto played = play(Version{c});
   const auto& slot = c.tested();
+  const double taken = taken_for(c.value);
   const bool beyond =
-      !c.by_signal && (!slot.declared.contains(c.value) || (slot.whole && std::floor(c.value) != c.value));
+      !c.by_signal && (!slot.declared.contains(taken) || (slot.whole && std::floor(taken) != taken));
   if (!played.ran()) return judge_refusal(c, played, beyond);
   if (beyond)
     return wrong(

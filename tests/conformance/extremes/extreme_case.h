@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -36,6 +38,9 @@ struct ExtremeCase {
 /// 0 and -0, denormal and tiny numbers, huge ones of either sign, the ends of the declared range and what
 /// lies just beyond them.
 std::vector<double> extreme_values(const Interval& declared, bool whole);
+
+/// What the engine takes a number of a file or of a signal for: denormal ones are 0.
+inline double taken_for(double x) { return std::abs(x) < std::numeric_limits<double>::min() ? 0.0 : x; }
 
 /// All cases of a subject.
 std::vector<ExtremeCase> extreme_cases(const Subject& subject, const std::vector<double>& rates);

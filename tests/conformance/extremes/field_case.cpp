@@ -344,8 +344,9 @@ Judgement judge(const FieldCase& c) {
   Judgement judged;
   const auto errors = c.kind->load(text, judged);
   const bool limits = c.field.kind == Kind::Quantity || c.field.kind == Kind::Integer;
-  const bool beyond = limits && (!(c.value >= c.field.low && c.value <= c.field.high) ||
-                                 (c.field.kind == Kind::Integer && std::floor(c.value) != c.value));
+  const double taken = taken_for(c.value);
+  const bool beyond = limits && (!(taken >= c.field.low && taken <= c.field.high) ||
+                                 (c.field.kind == Kind::Integer && std::floor(taken) != taken));
   if (errors.empty()) return beyond ? wrong("accepted beyond its range") : judged;
   // An extreme value may be wrong in more than one way.
   const auto names_key = [&](const Error& error) {

@@ -105,21 +105,26 @@ Expected decay(const Given& g, std::size_t frames) {
 }
 
 Expected adsr(const Given& g, std::size_t frames) {
+  // An attack of whole frames ends one frame sooner or later, by rounding: what it decays in one frame.
+  const Real frame = (1 - g.at("sustain", 0)) * (1 - keep(g.rate, g.at("decay", 0))) + 1e-9L;
   Real e = 0;
   bool high = false, attacking = false;
-  return frame_by_frame(frames, [&](std::size_t n) {
-    const bool gate = g.at("gate", n) >= 0.5L;
-    attacking = gate && (attacking || !high);
-    high = gate;
-    const Real sustain = g.at("sustain", n), attack = g.at("attack", n) * g.rate;
-    if (!gate)
-      e *= keep(g.rate, g.at("release", n));
-    else if (attacking)
-      e = std::min<Real>(1, e + (attack > 1 ? 1 / attack : 1)), attacking = e < 1 - 1e-12L;
-    else
-      e = sustain + (e - sustain) * keep(g.rate, g.at("decay", n));
-    return e;
-  });
+  return frame_by_frame(
+      frames,
+      [&](std::size_t n) {
+        const bool gate = g.at("gate", n) >= 0.5L;
+        attacking = gate && (attacking || !high);
+        high = gate;
+        const Real sustain = g.at("sustain", n), attack = g.at("attack", n) * g.rate;
+        if (!gate)
+          e *= keep(g.rate, g.at("release", n));
+        else if (attacking)
+          e = std::min<Real>(1, e + (attack > 1 ? 1 / attack : 1)), attacking = e < 1 - 1e-12L;
+        else
+          e = sustain + (e - sustain) * keep(g.rate, g.at("decay", n));
+        return e;
+      },
+      frame);
 }
 
 /// Radians a frame of a cutoff, which filters take between 1e-6 and 0.49 of the rate.
@@ -280,14 +285,18 @@ Expected wall(const Given& g, std::size_t frames) {
 /// The force; the profile of points is a spline, which is tested on its own.
 Expected terrain(const Given& g, std::size_t frames) {
   const auto profile = g.settings.contains("profile") ? g.settings.at("profile") : "detent";
-  return frame_by_frame(frames, [&](std::size_t n) {
-    const Real x = g.at("position", n), h = g.at("height", n), length = g.at("length", n),
-               w = g.at("weight", n);
+  Real rounding = 0;
+  auto expected = frame_by_frame(frames, [&](std::size_t n) {
+    const Real x = g.at("position", n), h = g.at("height", n), length = g.at("length", n);
+    const Real w = g.at("weight", n), turn = 2 * kPi * x / length, steepest = w * h * 2 * kPi / length;
     if (profile == "points") return kOpen;
     if (profile == "detent") return -w * h * x / (length * length) * std::exp(-x * x / (2 * length * length));
-    const Real turn = 2 * kPi * x / length;
-    return std::abs(turn) > 1e5L ? kOpen : w * h * 2 * kPi / length * std::sin(turn);
+    // The sine of a multiple of pi is what rounding the angle leaves.
+    rounding = std::max(rounding, steepest * (1 + std::abs(turn)) * 1e-15L);
+    return std::abs(turn) > 1e5L ? kOpen : steepest * std::sin(turn);
   });
+  expected.rounding = rounding;
+  return expected;
 }
 
 using Equation = Expected (*)(const Given&, std::size_t);
