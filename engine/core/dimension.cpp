@@ -210,7 +210,7 @@ std::optional<QuantityValue> parse_quantity(std::string_view text) {
   if (!unit) return std::nullopt;
   const double si = unit->to_si(*number);
   if (!std::isfinite(si)) return std::nullopt;
-  return QuantityValue{si, *unit, trim(text).empty()};
+  return QuantityValue{without_denormals(si), *unit, trim(text).empty()};
 }
 
 }  // namespace tactus

@@ -2,10 +2,11 @@
 // Thread: [any]
 
 #include <charconv>
+#include <cmath>
+#include <limits>
 
 #ifndef __cpp_lib_to_chars
 #include <cctype>
-#include <limits>
 #include <locale>
 #include <sstream>
 #include <string>
@@ -14,6 +15,12 @@
 #endif
 
 namespace tactus {
+
+/// A number of a file as the engine computes with it: denormals (below 2.2e-308) are 0 there, and so neither
+/// a divisor nor a sign that one part takes for another.
+inline double without_denormals(double x) {
+  return std::abs(x) < std::numeric_limits<double>::min() ? 0.0 : x;
+}
 
 #ifdef __cpp_lib_to_chars
 

@@ -28,6 +28,7 @@ struct ParserAssertion {};
 #include <utility>
 
 #include "engine/core/index.h"
+#include "engine/core/parse_double.h"
 #include "engine/graph/file/load.h"
 
 namespace tactus {
@@ -273,7 +274,7 @@ Result<Value> convert(const toml::node& node, const FileName& file) {
   if (const auto* table = node.as_table()) return convert_table(*table, file).map(with_place);
   if (const auto* array = node.as_array()) return convert_list(*array, file).map(with_place);
   if (const auto* real = node.as_floating_point()) {
-    if (std::isfinite(real->get())) return Value{real->get(), at};
+    if (std::isfinite(real->get())) return Value{without_denormals(real->get()), at};
     return fail(Errc::OutOfRange, at.text(), "inf and nan are not allowed", "give a finite number");
   }
   return fail(Errc::WrongType, at.text(), "dates and times are not allowed here",

@@ -118,7 +118,7 @@ class Parser {
     here_ += digits.size();
     auto whole = make(Op::Number, start);
     whole.bare = true;
-    whole.number = sign * value;
+    whole.number = without_denormals(sign * value);
     skip_space();
     const auto unit_start = here_;
     const auto unit_text = unit_prefix(text_.substr(here_));
@@ -129,7 +129,7 @@ class Parser {
     if (!unit)
       return syntax(unit_start, "'" + std::string{unit_text} + "' is not a unit",
                     "units look like ms, mm/s, N/m^1.5 or dB");
-    whole.number = unit->to_si(sign * value);
+    whole.number = without_denormals(unit->to_si(sign * value));
     if (!std::isfinite(whole.number))
       return syntax(start, "the number " + std::string{digits} + " is too large", "use a number below 1e300");
     whole.dimension = unit->dimension;
