@@ -96,6 +96,15 @@ static inline tactus_cubic_point tactus_cubic_at(const tactus_curve* c, tactus_r
   return point;
 }
 
+/// Moves by equal factors from one value to another of the same sign, at in [0, 1].
+static inline tactus_real tactus_geometric(tactus_real from, tactus_real to, tactus_real at) {
+  const tactus_real ratio = to / from;
+  if (ratio != 0 && tactus_is_finite(ratio)) return from * pow(ratio, at);
+  // Beyond what a double holds: in two steps, through their mean.
+  return at < 0.5 ? from * pow(sqrt(fabs(to)) / sqrt(fabs(from)), 2 * at)
+                  : to * pow(sqrt(fabs(from)) / sqrt(fabs(to)), 2 * (1 - at));
+}
+
 /// Held at the end values outside the points. Two points at one x are a jump: there the later one counts.
 static inline int tactus_curve_outside(const tactus_curve* c, tactus_real x) {
   return !(x >= c->x[0] && x < c->x[c->count - 1]);
@@ -111,7 +120,7 @@ static inline tactus_real tactus_curve_value(const tactus_curve* c, tactus_curve
     case TACTUS_CURVE_STEP:
       return from;
     case TACTUS_CURVE_EXPONENTIAL:
-      return from * pow(to / from, place.at);
+      return tactus_geometric(from, to, place.at);
     case TACTUS_CURVE_CUBIC:
       return tactus_cubic_value(c, place);
     default:
@@ -129,7 +138,7 @@ static inline tactus_real tactus_curve_slope(const tactus_curve* c, tactus_curve
   to = c->y[place.i + 1];
   switch (shape) {
     case TACTUS_CURVE_EXPONENTIAL:
-      return from * pow(to / from, place.at) * log(to / from) / place.width;
+      return tactus_geometric(from, to, place.at) * (log(fabs(to)) - log(fabs(from))) / place.width;
     case TACTUS_CURVE_CUBIC:
       return tactus_cubic_at(c, x).slope;
     default:
