@@ -11,7 +11,7 @@ namespace tactus {
 namespace {
 
 constexpr int kMaxModes = 4096;
-constexpr double kLowestMode_hz = 1, kShortestDecay_s = 1e-4, kLongestDecay_s = 1e4;
+constexpr double kLowestMode_hz = 1, kHighestMode_hz = 1e6, kShortestDecay_s = 1e-4, kLongestDecay_s = 1e4;
 
 constexpr std::array kSeries = {"harmonic", "geometric", "bar", "clamped_bar", "membrane"};
 
@@ -81,7 +81,7 @@ double ModeTable::falling(std::size_t mode, double slope) const {
 
 double ModeTable::frequency_hz(std::size_t mode, double first_hz) const noexcept {
   if (!frequency_moves_) return frequencies_[mode];
-  return clamped_mode(first_hz, kLowestMode_hz, 1e6) * (frequencies_[mode] / frequencies_[0]);
+  return clamped_mode(first_hz, kLowestMode_hz, kHighestMode_hz) * (frequencies_[mode] / frequencies_[0]);
 }
 
 double ModeTable::decay_s(std::size_t mode, double first_s) const noexcept {
@@ -96,7 +96,8 @@ InputPort mode_frequency_input() {
               "frequency of the first mode; the others keep their ratio to it; default if `frequencies` are "
               "listed: their first",
           .fallback = 220,
-          .low = 0};
+          .low = kLowestMode_hz,
+          .high = kHighestMode_hz};
 }
 
 InputPort mode_decay_input() {
@@ -106,7 +107,8 @@ InputPort mode_decay_input() {
               "time in which the first mode decays by 60 dB; the others keep their ratio to it; default if "
               "`decays` are listed: their first",
           .fallback = 0.1,
-          .low = 0};
+          .low = kShortestDecay_s,
+          .high = kLongestDecay_s};
 }
 
 std::vector<Setting> mode_settings(std::vector<Setting> further) {
