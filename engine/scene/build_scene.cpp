@@ -283,7 +283,7 @@ class SceneBuilder {
         static_cast<double>(built_.plant->channels.size() + built_.instrument->channels.size());
     const double samples = signals * frames_in(scene_.duration, rate_);
     if (samples > kMaxSamples)
-      errors_.add(Errc::OutOfRange, scene_.file,
+      errors_.add(Errc::OutOfRange, scene_.duration_at,
                   "to record " + short_number(signals) + " signals for " +
                       short_quantity(scene_.duration.value, Dimension{.second = 1}) + " takes " +
                       short_number(std::ceil(samples * sizeof(double) / 1e9)) + " GB, more than 4",

@@ -344,6 +344,7 @@ class SceneReader {
     if (const auto rate = fields.number("rate")) scene_.rate = Hertz{*rate};
     if (const auto delay = fields.number("delay")) scene_.delay = Seconds{*delay};
     if (const auto duration = fields.number("duration")) scene_.duration = Seconds{*duration};
+    scene_.duration_at = fields.at("duration", scene_.file);
     if (!fields.has("duration"))
       errors_.add(Errc::Missing, {scene_.file.file, 1, 1}, "'duration' is missing",
                   "give the length of the scene, as in duration = \"6 s\"");

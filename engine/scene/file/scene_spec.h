@@ -163,6 +163,7 @@ struct SceneSpec {
   std::optional<Playability> playability;
   std::optional<Comparison> compare;
   std::optional<std::uint64_t> seed;  ///< of everything random
+  Source duration_at;                 ///< where the file gives it
   bool incomplete = false;            ///< a section could not be read
 
   /// nullptr if there is none.

@@ -37,7 +37,7 @@ duration = "20000 s"
 plant = { use = "plant.toml" }
 )");
   const auto ran = desk.run("render long.toml");
-  test::check_exit(ran, 3, "more than 4");
+  test::check_exit(ran, 3, "long.toml:3:12: more than 4");
 }
 
 TEST_CASE("render: a file is followed by silence up to the duration, at its rate or another one", "[apps]") {
