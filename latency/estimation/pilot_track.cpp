@@ -207,16 +207,15 @@ MarkTrack track_mark(const SingleBurst& mark, std::span<const double> captured, 
   const auto length = std::ssize(whole);
   if (begin + kMarkReach < 0 || begin + length > std::ssize(captured)) return track;
   // Where more frames were lost than the delay has, it is captured later than the recording begins.
-  const bool expected_before = begin + SingleBurst::kLead < 0;
-  const auto before =
-      std::clamp<std::int64_t>(begin + SingleBurst::kLead, 0, kMarkReach) + SingleBurst::kLead;
+  const auto expected = begin + SingleBurst::kLead;
+  const auto before = std::clamp<std::int64_t>(expected, 0, kMarkReach) + SingleBurst::kLead;
   const auto behind = std::min(longest, kMarkReach);
   const Whitened white{cut(captured, begin - before, before + length + behind), whole, before};
   const auto reach = std::max(before, behind);
   double full = 0.0;
   const auto found = white.prominence(reach, full);
   const auto highest = std::max_element(found.begin(), found.end());
-  if (expected_before && !(*highest > kProminent && highest - found.begin() > reach - begin)) return track;
+  if (expected < 0 && !(*highest > kProminent && highest - found.begin() >= reach - expected)) return track;
   track.recorded = true;
   const bool in_place = found[index(reach)] > kInPlace;
   track.judged = in_place || full > kMarkExpected || *highest > kProminent;

@@ -137,6 +137,14 @@ TEST_CASE("analysis: a recording that begins after the mark is no lost frame", "
   CHECK(std::abs(analysis.delay_frames - (1234.37 - late)) < 5 * analysis.standard_error_frames);
 }
 
+TEST_CASE("analysis: frames lost behind the mark are reported, also more than the delay has", "[latency]") {
+  auto recording = recorded(GENERATE(54.5, 300.5, 1000.5), 1e-4);
+  auto& captured = recording.captured[0];
+  const auto lost_at = captured.begin() + 6864;  // 0.143 s: the sweeps follow at 0.15 s
+  captured.erase(lost_at, lost_at + GENERATE(40, 100, 569));
+  CHECK(verdict(analysis_of(recording)) == "LOST_FRAMES");
+}
+
 TEST_CASE("analysis: the standard error holds in tones, swelling noise and knocks", "[latency]") {
   const auto sound = GENERATE(Sound::Drone, Sound::Swelling, Sound::Knocks);
   constexpr int kTrials = 16;
