@@ -20,6 +20,7 @@ constexpr int kExtremesBlock = 64;
 /// quantisers and contacts do not matter.
 constexpr double kPushes[] = {1e-6, 1e-4, 1e-2, 1.0, 100.0};
 constexpr double kProportional = 0.05;
+constexpr double kPeriod_s = 0.037;  // of impulses
 
 /// An instrument whose sensors are disturbed and whose drives are turned up.
 class Disturbed final : public BlockProcessor {
@@ -31,6 +32,7 @@ class Disturbed final : public BlockProcessor {
     outputs_ = format.out_channels;
     sensors_.resize(format.in_channels, format.max_frames);
     frame_ = 0;
+    first_ = 0.0;
     return inner_.prepare(format);
   }
 
@@ -42,7 +44,7 @@ class Disturbed final : public BlockProcessor {
       for (int n = 0; n < io.frames; ++n) {
         io.out[c][n] *= plan_.drive_gain;
         finite_ = finite_ && std::isfinite(io.out[c][n]);
-        exploded_ = exploded_ || std::abs(io.out[c][n]) > kExploded;
+        watch_growth(std::abs(io.out[c][n]), frame_ + n);
       }
     frame_ += io.frames;
   }
@@ -56,7 +58,14 @@ class Disturbed final : public BlockProcessor {
     if (plan_.linear) return static_cast<double>(frame) <= plan_.push_s * rate_ ? push : 0.0;
     const double seconds = static_cast<double>(frame) / rate_;
     if (seconds > plan_.seconds / 2) return 0;
-    return plan_.disturbance->at(frame, seconds, static_cast<std::int64_t>(0.037 * rate_));
+    return plan_.disturbance->at(frame, seconds, static_cast<std::int64_t>(kPeriod_s * rate_));
+  }
+  /// What the first impulse makes is the gain of the instrument.
+  void watch_growth(double size, std::int64_t frame) noexcept {
+    if (static_cast<double>(frame) < kPeriod_s * rate_)
+      first_ = std::max(first_, size);
+    else
+      exploded_ = exploded_ || (size > kExploded && size > kGrown * first_);
   }
 
   BlockProcessor& inner_;
@@ -65,6 +74,7 @@ class Disturbed final : public BlockProcessor {
   int outputs_ = 0;
   std::int64_t frame_ = 0;
   ChannelBuffers sensors_;
+  double first_ = 0.0;  ///< largest output in the first period
   bool finite_ = true, exploded_ = false;
 };
 

@@ -34,8 +34,10 @@ struct ExtremePlan {
   bool elsewhere = false;    ///< at another rate, delay or control than requested
 };
 
-/// [full scale] No instrument makes that of signals of full scale, unless a loop of it grows.
+/// [full scale] An output that comes to more, and to `kGrown` times what it was in the first 37 ms, has
+/// exploded: a loop grows. An instrument of a large gain is beyond the first alone.
 constexpr double kExploded = 1e6;
+constexpr double kGrown = 1e3;
 
 /// One run of the engine and its result. Of a linear run before and after are the largest change of a sensor,
 /// not energies.
@@ -48,7 +50,7 @@ struct ExtremeRun : ExtremePlan {
   std::int64_t faults = 0;   ///< of nodes
   bool finite = true;
   bool grew = false;
-  bool exploded = false;  ///< an output of the instrument came to more than kExploded, ahead of its guard
+  bool exploded = false;  ///< an output of the instrument did, ahead of its guard
   bool bounded() const { return finite && faults == 0 && !grew && !exploded; }
   /// A run that is predicted to grow may fault, or be limited by the guard and by nonlinearities.
   bool as_expected() const { return finite && (expected ? bounded() : grew || !linear); }

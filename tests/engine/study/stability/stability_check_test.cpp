@@ -220,3 +220,20 @@ off = true
   CHECK(played(0.98) == Stability::Stable);
   CHECK(played(1.02) == Stability::Unstable);
 }
+
+TEST_CASE("check: a large gain is no growth, and a loop shorter than a frame elsewhere no error",
+          "[analysis]") {
+  // Roots at -507 /s and, where it stands, 0; an impulse of 1 m gives 1.2e6 N once.
+  CHECK(checked(
+            "format = 1\n[inputs]\nx = { unit = \"m\" }\n[nodes]\nv = { type = \"difference\", in = \"x\" }\n"
+            "[outputs]\nf = { from = \"-25 N s/m * v\", unit = \"N\" }\n",
+            0.001, false)
+            .stability() == Stability::Stable);
+  // 50 us are less than a frame at 8 kHz.
+  CHECK(checked("format = 1\n[inputs]\nmic = { unit = \"full scale\" }\n[nodes]\n"
+                "d = { type = \"delay\", in = \"s\", time = \"50 us\", interpolation = \"none\" }\n"
+                "f = { type = \"one_pole\", in = \"d\", cutoff = \"5 kHz\" }\ns = \"mic + 0.5 * f\"\n"
+                "[outputs]\ny = { from = \"f\" }\n",
+                0.001, false)
+            .stability() == Stability::Stable);
+}
