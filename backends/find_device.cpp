@@ -10,6 +10,7 @@
 #include <set>
 
 #include "backends/alsa_devices.h"
+#include "backends/jack_names.h"
 #include "engine/core/index.h"
 
 namespace tactus {
@@ -129,6 +130,13 @@ Result<Device> device_with_id(const std::vector<Device>& devices, const std::str
     return *found;
   if (!id.empty() && !hardware.empty() && !id.ends_with(with_hardware("", hardware)))
     return device_with_id(devices, with_hardware(id, hardware));
+  if (is_left_out(id, devices))
+    return fail(
+        Errc::UnknownName, "",
+        "there is no device '" + id +
+            "' that can be opened here: RtAudio and PortAudio take a JACK client's name for a regular "
+            "expression, and would open the ports of another client",
+        "use --backend jack");
   return fail(Errc::UnknownName, "",
               id.empty() ? "there is no default device" : "there is no device '" + id + "'", remedy);
 }
@@ -136,6 +144,8 @@ Result<Device> device_with_id(const std::vector<Device>& devices, const std::str
 Result<Device> find_device(const std::vector<Device>& devices, const std::string& text) {
   auto exact = device_with_id(devices, text);
   if (exact || text.empty()) return exact;
+  // The whole id of a JACK client that was left out is no part of the name of the one that it matches.
+  if (text.find(":jack:") != std::string::npos && is_left_out(text, devices)) return exact;
   std::vector<Device> meant;
   std::copy_if(devices.begin(), devices.end(), std::back_inserter(meant), [&](const Device& device) {
     return lower_case(device.id + "\n" + device.name).find(lower_case(text)) != std::string::npos;

@@ -10,7 +10,8 @@ namespace tactus {
 
 /// [any] The device with exactly this id, or the default one where it is empty. An id may name the hardware
 /// ("ID@HARDWARE") although no other device has the name; `hardware`: what decides where several have it.
-/// Errors: UnknownName, listing what there is.
+/// Errors: UnknownName, listing what there is, or naming the backend that has a JACK client which RtAudio and
+/// PortAudio cannot open (jack_names.h).
 Result<Device> device_with_id(const std::vector<Device>& devices, const std::string& id,
                               const std::string& hardware = {});
 

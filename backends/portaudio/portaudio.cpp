@@ -17,6 +17,7 @@
 #include "backends/alsa_devices.h"
 #include "backends/card_callback.h"
 #include "backends/find_device.h"
+#include "backends/jack_names.h"
 #include "backends/library_calls.h"
 #include "backends/realtime_thread.h"
 
@@ -113,14 +114,6 @@ Device described(int index) {
   return device;
 }
 
-/// PortAudio takes all clients whose names end like a JACK client's for that one, and would open their ports.
-bool has_ambiguous_name(const Device& one, const std::vector<Device>& all) {
-  return one.api == "jack" && std::any_of(all.begin(), all.end(), [&](const Device& other) {
-           return other.api == "jack" && other.index != one.index &&
-                  other.library_name.ends_with(one.library_name);
-         });
-}
-
 int play_nothing(const void*, void*, unsigned long, const PaStreamCallbackTimeInfo*, PaStreamCallbackFlags,
                  void*) {
   return paContinue;
@@ -152,11 +145,10 @@ class Session {
 
   /// As of when the session began.
   std::vector<Device> devices() const {
-    std::vector<Device> all, devices;
-    for (int index = 0; index < Pa_GetDeviceCount(); ++index) all.push_back(described(index));
-    distinguish_same_ids(all);
-    std::copy_if(all.begin(), all.end(), std::back_inserter(devices),
-                 [&](const Device& one) { return !has_ambiguous_name(one, all); });
+    std::vector<Device> devices;
+    for (int index = 0; index < Pa_GetDeviceCount(); ++index) devices.push_back(described(index));
+    distinguish_same_ids(devices);
+    devices = own_ports_only(std::move(devices), JackSearch::AtEndOfName);
     const auto output = Pa_GetDefaultOutputDevice();
     const auto wanted = output != paNoDevice ? output : Pa_GetDefaultInputDevice();
     for (auto& one : devices) one.is_default = one.index == wanted;

@@ -10,6 +10,7 @@
 #include "backends/alsa_devices.h"
 #include "backends/card_callback.h"
 #include "backends/find_device.h"
+#include "backends/jack_names.h"
 #include "backends/library_calls.h"
 #include "backends/realtime_thread.h"
 #include "engine/core/index.h"
@@ -273,6 +274,8 @@ Devices probe(RtAudio::Api api) {
   Devices found;
   unsigned count = 0;
   const bool alsa = api == RtAudio::LINUX_ALSA;
+  // Of a JACK client whose name is a regular expression it may find no port.
+  const bool jack = api == RtAudio::UNIX_JACK;
   const auto pcms = alsa ? alsa_devices() : std::vector<AlsaDevice>{};
   try {
     RtAudio library{api};
@@ -280,36 +283,15 @@ Devices probe(RtAudio::Api api) {
     count = library.getDeviceCount();
     for (unsigned i = 0; i < count; ++i) {
       const auto info = library.getDeviceInfo(i);
-      if (info.probed && info.inputChannels + info.outputChannels > 0 && !info.sampleRates.empty())
+      const bool usable =
+          info.probed && info.inputChannels + info.outputChannels > 0 && !info.sampleRates.empty();
+      if (usable || (jack && !info.name.empty()))
         found.push_back(described(RtAudio::getApiName(api), i, info));
     }
   } catch (const std::exception&) {  // a device went away while it was asked: those before it are there
   }
   if (alsa) add_hardware(found, static_cast<int>(count), pcms);
   return found;
-}
-
-/// RtAudio takes a JACK client's name for a pattern, so that it counts, and would open, the ports of "a_b"
-/// with those of "b". A client whose ports come before those of all that it is taken for keeps its own; any
-/// other cannot be opened. A client whose ports do not lie together is there twice.
-Devices own_ports_only(Devices devices) {
-  std::stable_sort(devices.begin(), devices.end(), [](const Device& a, const Device& b) {
-    return a.library_name.size() > b.library_name.size();
-  });
-  Devices usable;
-  for (auto one = devices.begin(); one != devices.end(); ++one) {
-    bool first = true;
-    for (auto other = devices.begin(); other != one; ++other) {
-      if (other->library_name.find(one->library_name) == std::string::npos) continue;
-      first = first && one->index < other->index;
-      if (other->library_name == one->library_name) continue;
-      one->in_channels -= other->in_channels;
-      one->out_channels -= other->out_channels;
-    }
-    if (first) usable.push_back(*one);
-  }
-  std::sort(usable.begin(), usable.end(), [](const Device& a, const Device& b) { return a.index < b.index; });
-  return usable;
 }
 
 /// The outputs' default of the first API that has one, or else the first device with inputs.
@@ -340,7 +322,7 @@ Result<Devices> rtaudio_devices(const std::string& text) {
       silent = RtAudio::getApiDisplayName(api);
       continue;
     }
-    const auto usable = api == RtAudio::UNIX_JACK ? own_ports_only(*found) : *found;
+    const auto usable = own_ports_only(*found, JackSearch::Anywhere);
     devices.insert(devices.end(), usable.begin(), usable.end());
   }
   if (devices.empty() && !silent.empty())
