@@ -61,6 +61,9 @@ struct StreamGranted {
   std::string device;            ///< Device::id of the outputs, or of the inputs where there are no outputs
   std::string input_device;      ///< where it is another one; otherwise empty
   DeviceIdentity input, output;  ///< empty where there are no channels
+  /// What the server calls the connection of its devices: another one after one of them left the server and
+  /// came back. Empty: unknown.
+  std::string connection;
   StreamFormat format;
   int block_frames = 0;  ///< 0: changes from block to block
   int periods = 0;       ///< 0: not known

@@ -206,10 +206,14 @@ void distinguish_same_ids(std::vector<Device>& devices) {
   }
 }
 
-static void compare(const DeviceIdentity& before, const DeviceIdentity& now, const char* what,
-                    std::vector<std::string>& found) {
+static void add_doubt(const DeviceIdentity& before, const DeviceIdentity& now, const char* what,
+                      std::vector<std::string>& found) {
   if (before.may_be_another() || now.may_be_another())
     found.push_back(fmt::format("it may be another device of the same name: check its {}s", what));
+}
+
+static void compare(const DeviceIdentity& before, const DeviceIdentity& now, const char* what,
+                    std::vector<std::string>& found) {
   if (before.hardware != now.hardware)
     found.push_back(
         fmt::format("the hardware of its {}s is '{}' instead of '{}'", what, now.hardware, before.hardware));
@@ -221,19 +225,42 @@ static void compare(const DeviceIdentity& before, const DeviceIdentity& now, con
           fmt::format("{} {} is '{}' instead of '{}'", what, c + 1, now.ports[c], before.ports[c]));
 }
 
-std::vector<std::string> differences(const StreamGranted& before, const StreamGranted& now) {
-  std::vector<std::string> found;
+static void compare_names(const StreamGranted& before, const StreamGranted& now,
+                          std::vector<std::string>& found) {
   // On the same hardware only the name changed: another device of the same name came or went.
   if (before.device != now.device && (now.output.hardware.empty() || before.output != now.output))
     found.push_back(fmt::format("it is '{}' instead of '{}'", now.device, before.device));
-  compare(before.input, now.input, "input", found);
-  compare(before.output, now.output, "output", found);
+}
+
+static void compare_settings(const StreamGranted& before, const StreamGranted& now,
+                             std::vector<std::string>& found) {
   const auto differs = [&](const char* what, double was, double is, const char* unit) {
     if (was != is) found.push_back(fmt::format("{} is now {:g}{} instead of {:g}", what, is, unit, was));
   };
   differs("the sample rate", before.format.sample_rate.value, now.format.sample_rate.value, " Hz");
   differs("the block size", before.block_frames, now.block_frames, " frames");
   differs("the number of periods", before.periods, now.periods, "");
+}
+
+std::vector<std::string> differences(const StreamGranted& before, const StreamGranted& now) {
+  std::vector<std::string> found;
+  compare_names(before, now, found);
+  add_doubt(before.input, now.input, "input", found);
+  compare(before.input, now.input, "input", found);
+  add_doubt(before.output, now.output, "output", found);
+  compare(before.output, now.output, "output", found);
+  compare_settings(before, now, found);
+  return found;
+}
+
+std::vector<std::string> differences_between_openings(const StreamGranted& before, const StreamGranted& now,
+                                                      bool same_settings) {
+  std::vector<std::string> found;
+  if (before.connection != now.connection) found.push_back("it left its server and came back");
+  compare_names(before, now, found);
+  compare(before.input, now.input, "input", found);
+  compare(before.output, now.output, "output", found);
+  if (same_settings) compare_settings(before, now, found);
   return found;
 }
 

@@ -40,6 +40,11 @@ void distinguish_same_ids(std::vector<Device>& devices);
 /// [any] In what a device that returned differs from what it was, one sentence each for the user; empty: it
 /// is the same one, as far as the library can tell.
 std::vector<std::string> differences(const StreamGranted& before, const StreamGranted& now);
+/// [any] The same for a stream that is closed and opened again at once: unknown hardware is no difference,
+/// but a device that left its server and came back in between is one. `same_settings`: sample rate, block and
+/// periods were requested as before.
+std::vector<std::string> differences_between_openings(const StreamGranted& before, const StreamGranted& now,
+                                                      bool same_settings);
 
 /// [any] For an error: these numbers of channels of two devices cannot be had together.
 std::string two_devices_text(const Device& input, const Device& output, std::pair<int, int> channels,

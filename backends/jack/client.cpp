@@ -188,6 +188,14 @@ Names Client::midi_sources() const {
   return names_of(jack_get_ports(handle, nullptr, JACK_DEFAULT_MIDI_TYPE, JackPortIsOutput));
 }
 
+std::string Client::id_of(const std::string& name) {
+  const std::lock_guard lock{requests_};
+  char* id = jack_get_uuid_for_client_name(handle, name.c_str());
+  std::string text = id == nullptr ? "" : id;
+  jack_free(id);
+  return text;
+}
+
 std::shared_ptr<MidiInPort> Client::connect_midi(const std::string& source) {
   const std::lock_guard lock{requests_};
   return lost ? nullptr : midi_.connect(handle, source);

@@ -69,6 +69,8 @@ class Client {
   std::vector<OtherWriter> take_passing_writers();
   /// [control & active] Ports of others that MIDI comes out of, by their full names.
   Names midi_sources() const;
+  /// [control, may hang] What the server calls the client of this name; empty: it has none, or no id for it.
+  std::string id_of(const std::string& name);
   /// [control & active, may hang] What comes out of `source` is received. Empty: it cannot be connected now.
   std::shared_ptr<MidiInPort> connect_midi(const std::string& source);
   /// [control & active] For each wire: is it connected?

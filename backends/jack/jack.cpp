@@ -112,6 +112,16 @@ std::vector<Device> devices_of(const Client& client, const std::vector<Card>& ca
   return devices;
 }
 
+/// The ids that the server gave the clients that these ports are of: a client that leaves and comes back has
+/// another one.
+Result<std::string> connection_of(Client& client, const StreamGranted& granted) {
+  std::string ids;
+  for (const auto* ports : {&granted.input.ports, &granted.output.ports})
+    if (!ports->empty())
+      ids += (ids.empty() ? "" : " ") + client.id_of(ports->front().substr(0, ports->front().find(':')));
+  return ids;
+}
+
 class JackStream final : public CardStream<Client> {
  public:
   JackStream(std::shared_ptr<Client> client, StreamGranted granted, const StreamRequest& request,
@@ -170,7 +180,13 @@ class JackStream final : public CardStream<Client> {
  private:
   bool lost() const override { return line_->lost; }
   Status start_library() override {
-    auto started = ask_server([client = line_] { return client->activate(); });
+    auto started = ask_server([client = line_, before = granted()]() -> Status {
+      if (auto status = client->activate(); !status) return status;
+      // The wires were connected by names. From now on the stream is lost when a client leaves.
+      if (*connection_of(*client, before) == before.connection) return {};
+      return fail(Errc::Device, "", "'" + before.device + "' left the JACK server while it was opened",
+                  "open it again");
+    });
     if (!started) (void)deactivate();
     playing_->set(started ? line_ : nullptr);
     reported_rewirings_ = line_->rewirings;
@@ -286,6 +302,9 @@ class JackBackend final : public Backend {
                                    found[index(choice->output.index)], granted);
         !status)
       return tl::unexpected(status.error());
+    auto connection = ask_server([client, granted] { return connection_of(*client, granted); });
+    if (!connection) return tl::unexpected(connection.error());
+    granted.connection = std::move(*connection);
     client->wires = wires(*client, granted);
     if (auto status = processor.prepare(granted.format); !status) return tl::unexpected(status.error());
     auto unmapped = request;  // our ports are the channels themselves: what is mapped are the wires

@@ -197,3 +197,24 @@ TEST_CASE("find device: a device that kept its hardware is the same under a long
   before.output.hardware = now.output.hardware = "";
   CHECK(differences(before, now).size() == 1);
 }
+
+TEST_CASE("find device: between two openings unknown hardware is no difference, a new connection is one",
+          "[backends]") {
+  StreamGranted before;
+  before.device = "jack:card";
+  before.output = {"", 2, {"card:playback_1"}, false};
+  before.connection = "7";
+  auto now = before;
+  CHECK_FALSE(differences(before, now).empty());  // it returned: it may be another one
+  CHECK(differences_between_openings(before, now, true).empty());
+  now.connection = "9";
+  CHECK(differences(before, now) == differences(before, before));  // each return is a new connection
+  CHECK(differences_between_openings(before, now, true).size() == 1);
+  now = before;
+  now.output.channels = 4;
+  CHECK(differences_between_openings(before, now, false).size() == 1);
+  now = before;
+  now.block_frames = 128;
+  CHECK(differences_between_openings(before, now, false).empty());
+  CHECK(differences_between_openings(before, now, true).size() == 1);
+}
