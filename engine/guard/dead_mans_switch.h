@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <limits>
 #include <utility>
@@ -15,14 +16,32 @@ namespace tactus {
 /// 500 ms, or when it is stopped. It outlives the guards that observe it.
 class DeadMansSwitch {
  public:
-  void refresh() noexcept { refreshes_.fetch_add(1, std::memory_order_relaxed); }
+  /// By one thread alone.
+  void refresh() noexcept {
+    const auto now = Clock::now().time_since_epoch().count();
+    const auto pause = now - last_.load(std::memory_order_relaxed);
+    longest_.store(std::max(longest_.load(std::memory_order_relaxed), pause), std::memory_order_relaxed);
+    last_.store(now, std::memory_order_release);
+    refreshes_.fetch_add(1, std::memory_order_relaxed);
+  }
   /// Every output fades out, for good.
   void stop() noexcept { stopped_.store(true, std::memory_order_relaxed); }
 
   std::uint32_t refreshes() const noexcept { return refreshes_.load(std::memory_order_relaxed); }
   bool stopped() const noexcept { return stopped_.load(std::memory_order_relaxed); }
+  /// The longest time without a refresh until now, by the system clock: the loop was blocked, or the whole
+  /// program was stopped.
+  Seconds longest_pause() const noexcept {
+    const auto last = last_.load(std::memory_order_acquire);  // first: a refresh that follows changes nothing
+    const auto age = Clock::now().time_since_epoch().count() - last;
+    const Clock::duration longest{std::max(age, longest_.load(std::memory_order_relaxed))};
+    return Seconds{std::chrono::duration<double>{longest}.count()};
+  }
 
  private:
+  using Clock = std::chrono::steady_clock;
+
+  std::atomic<Clock::rep> last_{Clock::now().time_since_epoch().count()}, longest_{0};
   std::atomic<std::uint32_t> refreshes_{0};
   std::atomic<bool> stopped_{false};
 };

@@ -1,6 +1,8 @@
 #include "engine/guard/dead_mans_switch.h"
 
 #include <catch2/catch.hpp>
+#include <chrono>
+#include <thread>
 #include <vector>
 
 #include "engine/guard/guarded.h"
@@ -124,6 +126,18 @@ TEST_CASE("dead man's switch: refreshed in time nothing happens, and without one
   }
   CHECK(watched.drive == std::vector<double>(watched.drive.size(), 1.0));
   CHECK(watched.journal.empty());
+}
+
+TEST_CASE("dead man's switch: the longest pause is remembered, and one that still lasts counts", "[core]") {
+  using namespace std::chrono_literals;
+  DeadMansSwitch dead_man;
+  std::this_thread::sleep_for(60ms);
+  CHECK(dead_man.longest_pause().value >= 0.06);
+  dead_man.refresh();
+  const auto longest = dead_man.longest_pause();
+  CHECK(longest.value >= 0.06);
+  dead_man.refresh();
+  CHECK(dead_man.longest_pause().value >= longest.value);
 }
 
 TEST_CASE("dead man's switch: stopped, every output fades in the next block, for good", "[core]") {
