@@ -242,7 +242,10 @@ class Session {
   }
 
   Result<Measurement> run() {
-    if (auto status = find_channels(); !status) return tl::unexpected(status.error());
+    auto request = measurement_request(backend_, settings_);
+    if (!request) return tl::unexpected(request.error());
+    request_ = std::move(*request);
+    input_ = static_cast<int>(std::ranges::find(request_.in_map, settings_.input) - request_.in_map.begin());
     Measurement measurement;
     for (turn_ = 0; turn_ < settings_.openings; ++turn_) {
       auto opening = open(request_);
@@ -259,29 +262,6 @@ class Session {
   }
 
  private:
-  Status find_channels() {
-    const auto devices = backend_.devices();
-    if (!devices) return tl::unexpected(devices.error());
-    request_ = settings_.request;
-    const auto input =
-        device_with_id(*devices, request_.input_device.empty() ? request_.device : request_.input_device);
-    if (!input) return tl::unexpected(input.error());
-    const auto output = device_with_id(*devices, request_.device);
-    if (!output) return tl::unexpected(output.error());
-    request_.sample_rate = request_.sample_rate.value_or(output->default_rate);
-    request_.in_map.resize(index(std::clamp(input->in_channels, 1, kMaxInputs)));
-    std::iota(request_.in_map.begin(), request_.in_map.end(), 0);
-    input_ = settings_.input;
-    if (input_ >= static_cast<int>(request_.in_map.size())) {
-      input_ = static_cast<int>(request_.in_map.size());
-      request_.in_map.push_back(settings_.input);
-    }
-    request_.in_channels = static_cast<int>(request_.in_map.size());
-    request_.out_channels = 1;
-    request_.out_map = {settings_.output};
-    return {};
-  }
-
   Result<Opening> open(const StreamRequest& request) {
     const double most = loudest(settings_, *request.sample_rate);
     player_.set_script({input_,
@@ -290,9 +270,36 @@ class Session {
                          settings_.guard.limits.soft_start + LevelSearch::kWindow, known_}});
     auto stream = backend_.open(request, guarded_);
     if (!stream) return tl::unexpected(stream.error());
+    if (auto status = check_attended(); !status) return tl::unexpected(status.error());
+    if (auto status = check_same((*stream)->granted(), request); !status)
+      return tl::unexpected(status.error());
     player_.set_stream(stream->get());
     if (auto played = play(**stream); !played) return tl::unexpected(played.error());
     return result_of(**stream);
+  }
+
+  /// An opening that follows another one begins by itself: not when the program was stopped in between.
+  Status check_attended() const {
+    if (!opened_ || settings_.dead_mans_switch == nullptr ||
+        settings_.dead_mans_switch->longest_pause() < DeadMansWatch::kDisarm)
+      return {};
+    return fail(Errc::Device, "",
+                "the stop inputs were not handled for 5 s, and nothing is played after that",
+                "measure again");
+  }
+
+  /// Each opening looks for the device by its name, which another one may have by then.
+  Status check_same(const StreamGranted& granted, const StreamRequest& request) {
+    const auto before = opened_ ? opened_ : settings_.previous;
+    const bool same_settings = opened_ && request.block_frames == request_.block_frames;
+    if (!opened_) opened_ = granted;
+    if (!before) return {};
+    const auto found = differences_between_openings(*before, granted, same_settings);
+    if (found.empty()) return {};
+    return fail(Errc::Device, granted.device,
+                fmt::format("this is not the device of the opening before, or not as it was: {}",
+                            fmt::join(found, "; ")),
+                "check what is connected, and measure again");
   }
 
   Status play(Stream& stream) {
@@ -307,14 +314,22 @@ class Session {
         (void)stream.stop();
         return status;
       }
-      if (stream.state() == StreamState::Running) last_alive = Clock::now();
-      if (player_.done() || Clock::now() - last_alive <= kMeasurementPatience) continue;
+      const auto state = stream.state();
+      if (state == StreamState::Running) last_alive = Clock::now();
+      const bool lost = state == StreamState::Lost || Clock::now() - last_alive > kMeasurementPatience;
+      if (player_.done() || !lost) continue;
       (void)stream.stop();
-      return fail(Errc::Device, stream.granted().device,
-                  "the device was disconnected, or stopped delivering blocks",
-                  "connect the device, start its sound server, and measure again");
+      return disconnected(stream);
     }
-    return stream.stop();
+    const bool lost = stream.state() == StreamState::Lost;
+    auto status = stream.stop();
+    return lost ? disconnected(stream) : status;
+  }
+
+  static Status disconnected(const Stream& stream) {
+    return fail(Errc::Device, stream.granted().device,
+                "the device was disconnected, or stopped delivering blocks",
+                "connect the device, start its sound server, and measure again");
   }
 
   /// The output gets the sum, which is neither limited nor what is measured.
@@ -398,6 +413,7 @@ class Session {
   int input_ = 0;  ///< among those of the stream
   int turn_ = 0;
   std::optional<PathLevel> known_;
+  std::optional<StreamGranted> opened_;  ///< what the first opening was granted
 };
 
 }  // namespace
@@ -407,6 +423,25 @@ const Opening& Measurement::shown() const {
     return opening.finding.verdict == finding.verdict;
   });
   return found != openings.end() ? *found : openings.front();
+}
+
+Result<StreamRequest> measurement_request(Backend& backend, const MeasureSettings& settings) {
+  const auto devices = backend.devices();
+  if (!devices) return tl::unexpected(devices.error());
+  auto request = settings.request;
+  const auto input =
+      device_with_id(*devices, request.input_device.empty() ? request.device : request.input_device);
+  if (!input) return tl::unexpected(input.error());
+  const auto output = device_with_id(*devices, request.device);
+  if (!output) return tl::unexpected(output.error());
+  request.sample_rate = request.sample_rate.value_or(output->default_rate);
+  request.in_map.resize(index(std::clamp(input->in_channels, 1, kMaxInputs)));
+  std::iota(request.in_map.begin(), request.in_map.end(), 0);
+  if (settings.input >= static_cast<int>(request.in_map.size())) request.in_map.push_back(settings.input);
+  request.in_channels = static_cast<int>(request.in_map.size());
+  request.out_channels = 1;
+  request.out_map = {settings.output};
+  return request;
 }
 
 Result<Measurement> measure(Backend& backend, const MeasureSettings& settings,

@@ -24,6 +24,9 @@ struct MeasureSettings {
   std::optional<PathProfile> profile;
   bool shared_port = false;                          ///< another program may write to the output's port too
   const DeadMansSwitch* dead_mans_switch = nullptr;  ///< of the program that plays the probes; nullptr: none
+  /// What an earlier measurement was granted on the device; with another device this one ends. Settings may
+  /// differ. Nothing: the first opening decides.
+  std::optional<StreamGranted> previous;
 };
 
 /// One opening of the stream.
@@ -50,10 +53,15 @@ struct Measurement : DelayEstimate {
 /// it: the stream is then stopped.
 using MeasureProgress = std::function<void(double share, const std::string& what)>;
 
+/// [control] With what `measure` opens the stream: the one output and all inputs of the device, as it is now.
+/// Errors: of Backend::devices; UnknownName for the device.
+Result<StreamRequest> measurement_request(Backend& backend, const MeasureSettings& settings);
+
 /// [control] Opens the device again and again: silence, the level, probes, the pilot. Whatever goes wrong
 /// with the path is a finding. What another opening would not cure ends it. Errors: BadArgument and
 /// OutOfRange for settings that make no sense; those of Backend::open and Stream::start; Device when it goes
-/// away.
+/// away, when a later opening has another device or other settings than the first one, and when the stop
+/// inputs were not handled for 5 s before a later opening (the program was stopped).
 Result<Measurement> measure(Backend& backend, const MeasureSettings& settings,
                             const MeasureProgress& progress = {});
 

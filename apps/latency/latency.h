@@ -141,8 +141,9 @@ struct Loop {
 Loop make_loop(const LoopOptions& options);
 
 /// Measures with a bar on stderr, beside a StopLoop. Errors: of `measure`. Throws a CommandError when the
-/// user ends it: the output has faded out, and the stream is closed.
-Result<Measurement> measure_now(Backend& backend, MeasureSettings settings);
+/// user ends it: the output has faded out, and the stream is closed. So it does where `another_follows` by
+/// itself and the stop inputs were not handled for 5 s.
+Result<Measurement> measure_now(Backend& backend, MeasureSettings settings, bool another_follows = false);
 
 /// The profile of a file of `tactus latency calibrate` at `sample_rate`, whatever it was measured at. Throws
 /// a CommandError.

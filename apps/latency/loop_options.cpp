@@ -140,7 +140,11 @@ const Error kInputClosed{Errc::BadArgument, "",
                          "standard input was closed, so that no key could end the measurement: ended",
                          "add </dev/null to measure without keys"};
 
-Result<Measurement> measure_now(Backend& backend, MeasureSettings settings) {
+const Error kUnattended{Errc::Device, "",
+                        "the stop inputs were not handled for 5 s, and nothing is played after that: ended",
+                        "measure again"};
+
+Result<Measurement> measure_now(Backend& backend, MeasureSettings settings, bool another_follows) {
   DeadMansSwitch dead_man;
   StopLoop stop_loop{dead_man,
                      {.act = {},
@@ -149,13 +153,16 @@ Result<Measurement> measure_now(Backend& backend, MeasureSettings settings) {
                       .fade = closing_time(settings.guard.limits)}};
   settings.dead_mans_switch = &dead_man;
   Progress bar{"measuring"};
-  return measure(backend, settings, [&](double share, const std::string& what) {
+  auto measured = measure(backend, settings, [&](double share, const std::string& what) {
     // The output fades; the stream ends with its owner.
     const auto ending = stop_loop.ending();
     if (ending == StopLoop::Ending::InputClosed) throw CommandError{{kInputClosed}, kInterrupted};
     if (interrupted() || ending != StopLoop::Ending::None) throw CommandError{{}, kInterrupted};
     bar(share, what);
   });
+  if (another_follows && dead_man.longest_pause() >= DeadMansWatch::kDisarm)
+    throw CommandError{{kUnattended}, kDevice};
+  return measured;
 }
 
 PathProfile read_profile(const std::string& file, Hertz sample_rate) {

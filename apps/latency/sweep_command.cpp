@@ -235,15 +235,13 @@ class Silence final : public BlockProcessor {
   void process(const BlockIo&) noexcept override {}
 };
 
-/// What the device makes of a request. Errors: of `open`.
+/// What the device makes of a request. Errors: of `open` and `measurement_request`.
 Result<StreamGranted> ask(Backend& backend, const MeasureSettings& settings) {
-  auto request = settings.request;
-  request.in_channels = request.out_channels = 1;
-  request.in_map = {settings.input};
-  request.out_map = {settings.output};
+  const auto request = measurement_request(backend, settings);
+  if (!request) return tl::unexpected(request.error());
   Silence silence;
   Guarded guarded{silence, {settings.guard}, false};
-  const auto stream = backend.open(request, guarded);
+  const auto stream = backend.open(*request, guarded);
   if (!stream) return tl::unexpected(stream.error());
   return (*stream)->granted();
 }
@@ -275,6 +273,8 @@ void measure_setting(Loop& loop, Hertz rate, std::optional<int> periods, int blo
   row.setting.sample_rate = rate;
   const auto granted = ask(*loop.devices.backend, loop.settings);
   if (!granted) return void(row.refused = granted.error());
+  // All settings are measured on the same device, or not at all.
+  if (!loop.settings.previous) loop.settings.previous = *granted;
   row.setting.sample_rate = granted->format.sample_rate;
   row.setting.block_frames = granted->block_frames;
   row.setting.periods = granted->periods;
@@ -282,7 +282,7 @@ void measure_setting(Loop& loop, Hertz rate, std::optional<int> periods, int blo
                           [&](const SweepRow& other) { return same(other.setting, row.setting); });
   if (row.again) return;
   fmt::print(stderr, "{}\n", setting_text(row.setting));
-  const auto measured = measure_now(*loop.devices.backend, loop.settings);
+  const auto measured = measure_now(*loop.devices.backend, loop.settings, true);
   if (!measured) return void(row.refused = measured.error());
   take(*measured, row);
 }

@@ -86,6 +86,28 @@ void check_way(const Way& way, const std::string& client, std::optional<int> blo
   CHECK_THAT(checked_delay(measurement), Catch::WithinAbs(frames, kMargin));
 }
 
+/// JACK, with a card that leaves before the second opening, and one of the same name that comes.
+class ReplacingBackend final : public Backend {
+ public:
+  explicit ReplacingBackend(std::optional<DelayClient::Settings> second) : second_(std::move(second)) {}
+  std::string name() const override { return jack_->name(); }
+  Result<std::vector<Device>> devices() override { return jack_->devices(); }
+  Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override {
+    if (++opened == 2 && second_) {
+      card.reset();
+      card = std::make_unique<DelayClient>(*second_);
+    }
+    return jack_->open(request, processor);
+  }
+
+  std::unique_ptr<DelayClient> card = std::make_unique<DelayClient>();
+  int opened = 0;
+
+ private:
+  std::unique_ptr<Backend> jack_ = test::backend_named("jack");
+  std::optional<DelayClient::Settings> second_;
+};
+
 }  // namespace
 
 TEST_CASE("measurement: the delay of a real server is right to a thousandth of a frame, as jack_delay says",
@@ -143,4 +165,26 @@ TEST_CASE("measurement: with another program at the output's port nothing is mea
         settings.request.device + " Device 'system:capture_1' '" + out + "' --shared-port");
   settings.shared_port = true;
   CHECK(measure(*jack, settings));
+}
+
+TEST_CASE("measurement: it ends when another JACK client has the name of the card at the next opening",
+          "[cards]") {
+  const auto server = test::start_sound_server({.period = kPeriod});
+  const auto result_with = [](std::optional<DelayClient::Settings> second) {
+    ReplacingBackend backend{std::move(second)};
+    auto settings = test::short_measurement(request_for("jack:" + backend.card->name()));
+    settings.openings = 2;
+    auto result = measure(backend, settings);
+    CHECK(backend.opened == 2);
+    return result;
+  };
+  CHECK(result_with({}));
+  for (const auto& second :
+       {DelayClient::Settings{}, DelayClient::Settings{.channels = 4, .reversed = true}}) {
+    CAPTURE(second.channels);
+    const auto refused = result_with(second);
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().code == Errc::Device);
+    CHECK(refused.error().what.find("left its server and came back") != std::string::npos);
+  }
 }

@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <cmath>
+#include <thread>
 
+#include "engine/core/index.h"
 #include "latency/probe/probe_player.h"
 #include "tests/latency/simulated_cards.h"
 #include "tests/support/allocation_count.h"
+#include "tests/support/error_summary.h"
 #include "tests/support/fake_backend.h"
 
 using namespace tactus;
@@ -219,6 +223,160 @@ TEST_CASE("measurement: nothing is played to a drive where other writers are the
     CHECK(said(kind, false) == "'player:out_1' also writes to 'card:playback_1'");
     CHECK(said(kind, true) == started);
   }
+}
+
+namespace {
+
+/// A simulated card whose openings are granted what a test says, in turn; the last one from then on.
+class ChangingCard final : public Backend {
+ public:
+  explicit ChangingCard(std::vector<StreamGranted> granted) : granted_(std::move(granted)) {}
+  std::string name() const override { return loop_.name(); }
+  Result<std::vector<Device>> devices() override { return loop_.devices(); }
+  Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override {
+    auto stream = loop_.open(request, processor);
+    if (!stream) return tl::unexpected(stream.error());
+    const auto at = std::min(opened++, std::ssize(granted_) - 1);
+    return std::make_unique<Renamed>(std::move(*stream), granted_[index(at)], started);
+  }
+
+  std::ptrdiff_t opened = 0;
+  int started = 0;
+
+ private:
+  class Renamed final : public Stream {
+   public:
+    Renamed(std::unique_ptr<Stream> stream, const StreamGranted& identity, int& started)
+        : stream_(std::move(stream)), granted_(stream_->granted()), started_(started) {
+      granted_.input = identity.input;
+      granted_.output = identity.output;
+      granted_.connection = identity.connection;
+      if (identity.block_frames > 0) granted_.block_frames = identity.block_frames;
+      if (identity.periods > 0) granted_.periods = identity.periods;
+    }
+    const StreamGranted& granted() const override { return granted_; }
+    Status start(const std::function<void()>& ready) override { return ++started_, stream_->start(ready); }
+    Status stop() override { return stream_->stop(); }
+    StreamState state() const override { return stream_->state(); }
+    Health health() const override { return stream_->health(); }
+
+   private:
+    std::unique_ptr<Stream> stream_;
+    StreamGranted granted_;
+    int& started_;
+  };
+
+  std::vector<StreamGranted> granted_;
+  LoopBackend loop_{LoopBackend::Pace::AsFastAsPossible};
+};
+
+MeasureSettings two_openings() {
+  auto settings = on_a_wire(2);
+  settings.request.device = "loop:cable";
+  settings.probes = 2;
+  return settings;
+}
+
+/// Of a card that is known by its ports, and by the server that it is connected to.
+StreamGranted granted_ports() {
+  StreamGranted granted;
+  granted.input = {"", 2, {"card:capture_1", "card:capture_2"}, false};
+  granted.output = {"", 2, {"card:playback_1"}, false};
+  granted.connection = "7";
+  return granted;
+}
+
+}  // namespace
+
+TEST_CASE("measurement: nothing is played to another device that has the name by the second opening",
+          "[latency][measurement]") {
+  const auto first = granted_ports();
+  auto second = first;
+  std::string names;
+  SECTION("it has other outputs") {
+    second.output.channels = 4;
+    names = "4 2";
+  }
+  SECTION("its outputs are in another order") {
+    second.output.ports = {"card:playback_4"};
+    names = "1 'card:playback_4' 'card:playback_1'";
+  }
+  SECTION("its inputs are in another order") {
+    std::swap(second.input.ports[0], second.input.ports[1]);
+    names = "1 'card:capture_2' 'card:capture_1' 2 'card:capture_1' 'card:capture_2'";
+  }
+  SECTION("it is other hardware") {
+    second.output.hardware = "1-3:1.0";
+    names = "'1-3:1.0' ''";
+  }
+  SECTION("it left the server and came back") { second.connection = "9"; }
+  SECTION("it has another block") {
+    second.block_frames = 128;
+    names = "128 64";
+  }
+  SECTION("it has another number of periods") {
+    second.periods = 7;
+    names = "7 ";
+  }
+  ChangingCard card{{first, second}};
+  const auto measurement = measure(card, two_openings());
+  REQUIRE_FALSE(measurement);
+  CHECK(measurement.error().code == Errc::Device);
+  CHECK(measurement.error().where == "loop:cable");
+  CHECK(test::names_in(measurement.error().what).starts_with(names));
+  CHECK(measurement.error().what.size() > 80);  // and says in what it differs
+  CHECK(card.opened == 2);
+  CHECK(card.started == 1);
+}
+
+TEST_CASE("measurement: a device of unknown hardware that stays is measured at each opening",
+          "[latency][measurement]") {
+  auto granted = granted_ports();
+  granted.output.ambiguous = GENERATE(false, true);
+  ChangingCard card{{granted}};
+  const auto measurement = measure(card, two_openings());
+  REQUIRE(measurement);
+  CHECK(measurement->openings.size() == 2);
+  CHECK(card.started == 2);
+}
+
+TEST_CASE("measurement: after an earlier one it is of the same device, whatever its settings",
+          "[latency][measurement]") {
+  auto settings = two_openings();
+  settings.previous = granted_ports();
+  settings.previous->device = settings.request.device;
+  settings.previous->block_frames = 256;
+  settings.previous->periods = 3;
+  settings.previous->format.sample_rate = 96_kHz;
+  ChangingCard same{{granted_ports()}};
+  CHECK(measure(same, settings));
+  CHECK(same.started == 2);
+  auto other = granted_ports();
+  other.connection = "9";
+  ChangingCard replaced{{other}};
+  const auto refused = measure(replaced, settings);
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == Errc::Device);
+  CHECK(replaced.started == 0);
+}
+
+TEST_CASE("measurement: no opening begins by itself after the stop inputs were not handled for 5 s",
+          "[latency][measurement]") {
+  DeadMansSwitch dead_man;
+  auto settings = two_openings();
+  settings.dead_mans_switch = &dead_man;
+  ChangingCard card{{granted_ports()}};
+  bool stopped = false;
+  const auto measurement = measure(card, settings, [&](double, const std::string&) {
+    // As when the program is stopped in the first opening and goes on.
+    if (!std::exchange(stopped, true)) std::this_thread::sleep_for(std::chrono::milliseconds{5100});
+    dead_man.refresh();
+  });
+  REQUIRE(stopped);
+  REQUIRE_FALSE(measurement);
+  CHECK(measurement.error().code == Errc::Device);
+  CHECK(measurement.error().what.find("stop inputs") != std::string::npos);
+  CHECK(card.started == 1);
 }
 
 TEST_CASE("measurement: progress only grows", "[latency][measurement]") {
