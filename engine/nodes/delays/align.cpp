@@ -102,11 +102,11 @@ NodeType align_type() {
                   "delay already present in the loop; in an instrument, usually system.delay",
                   {},
                   0,
-                  TACTUS_ALIGN_MOST_REST},
+                  1000},
                  {"phase", "rad",
                   "phase of the rest of the loop at the pitch, as measured for a shaker and a sensor; "
                   "negative: lags",
-                  0, -TACTUS_ALIGN_MOST_REST, TACTUS_ALIGN_MOST_REST},
+                  0, -1000, 1000},
                  {"trigger", "", "start of a note", 0},
                  {"on", "", "below 0.5 no delay is added: the input passes unchanged", 1}},
       .outputs = {{"out", "=in", "the input, delayed"}},
