@@ -17,7 +17,7 @@ namespace {
 constexpr int kFrames = 512;
 
 struct Version {
-  const Subject* subject;
+  const ExtremeSubject* subject;
   int slot;
   bool by_signal;
   double rate, value;
@@ -350,7 +350,7 @@ std::vector<double> extreme_values(const Interval& declared, bool whole) {
   return all;
 }
 
-std::vector<ExtremeCase> extreme_cases(const Subject& subject, const std::vector<double>& rates) {
+std::vector<ExtremeCase> extreme_cases(const ExtremeSubject& subject, const std::vector<double>& rates) {
   std::vector<ExtremeCase> cases;
   for (int slot = 0; slot < std::ssize(subject.slots); ++slot) {
     const auto& s = subject.slots[index(slot)];

@@ -24,7 +24,7 @@ struct Judgement {
 
 /// One number of one subject is extreme, as a number in the file or as a signal while it runs.
 struct ExtremeCase {
-  const Subject* subject = nullptr;
+  const ExtremeSubject* subject = nullptr;
   int slot = 0;
   bool by_signal = false;
   double rate = 48e3;
@@ -43,7 +43,7 @@ std::vector<double> extreme_values(const Interval& declared, bool whole);
 inline double taken_for(double x) { return std::abs(x) < std::numeric_limits<double>::min() ? 0.0 : x; }
 
 /// All cases of a subject.
-std::vector<ExtremeCase> extreme_cases(const Subject& subject, const std::vector<double>& rates);
+std::vector<ExtremeCase> extreme_cases(const ExtremeSubject& subject, const std::vector<double>& rates);
 
 /// [control] Loads and runs it, also beside its equation and the laws that hold for every node: a number
 /// beyond the declared range is refused, a signal counts as the nearest end of it; a signal at rest is the

@@ -355,8 +355,8 @@ Judgement judge(const FieldCase& c) {
   const auto named = std::ranges::find_if(errors, names_key);
   const auto& error = named != errors.end() ? *named : errors.front();
   const auto message = to_string(error);
-  if (error.where.find("extremes.toml:") == std::string::npos)
-    return wrong("refused without a place: " + message);
+  // A loop without a delay is one of the graphs that the scene joins.
+  if (error.where.find(".toml:") == std::string::npos) return wrong("refused without a place: " + message);
   if (error.remedy.empty()) return wrong("refused without a remedy: " + message);
   if (beyond && !names_key(error)) return wrong("the refusal does not name the key: " + message);
   return {Verdict::Refused, message};

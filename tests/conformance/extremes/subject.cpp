@@ -102,7 +102,7 @@ std::string usual_number(const Setting& setting) {
   return std::to_string(static_cast<long long>(std::min(std::max(2.0, low), setting.high)));
 }
 
-void add_settings(Subject& subject, Line& line, const std::vector<Setting>& settings) {
+void add_settings(ExtremeSubject& subject, Line& line, const std::vector<Setting>& settings) {
   for (const auto& setting : settings) {
     const auto given = subject.settings.find(setting.name);
     const bool is_given = given != subject.settings.end();
@@ -132,9 +132,9 @@ void add_settings(Subject& subject, Line& line, const std::vector<Setting>& sett
   }
 }
 
-Subject node_subject(const NodeType& type, const std::string& variant,
-                     const std::map<std::string, std::string>& settings) {
-  Subject subject{.family = type.group, .type = type.name, .settings = settings};
+ExtremeSubject node_subject(const NodeType& type, const std::string& variant,
+                            const std::map<std::string, std::string>& settings) {
+  ExtremeSubject subject{.family = type.group, .type = type.name, .settings = settings};
   subject.name = type.name + (variant.empty() ? "" : " " + variant);
   Line line{"tested = { type = \"" + type.name + "\"", {}};
   for (const auto& port : type.inputs) {
@@ -190,14 +190,15 @@ std::string ends_of(const ElementType& type) {
   return type.ends == Ends::None ? "" : ", on = \"ball\"";
 }
 
-void add_number(Subject& subject, Line& line, const std::string& key, const std::string& unit, double value) {
+void add_number(ExtremeSubject& subject, Line& line, const std::string& key, const std::string& unit,
+                double value) {
   line.slots.push_back(static_cast<int>(subject.slots.size()));
   subject.slots.push_back(
       {.name = "ball " + key, .counted = counted_in(unit), .value = value, .fixed = true, .key = key});
 }
 
-Subject element_subject(const ElementType& type, const std::string& solver) {
-  Subject subject{.family = "element", .type = type.name, .name = type.name + " by " + solver};
+ExtremeSubject element_subject(const ElementType& type, const std::string& solver) {
+  ExtremeSubject subject{.family = "element", .type = type.name, .name = type.name + " by " + solver};
   Line ball{"ball = { type = \"mass\"", {}},
       hold{"hold = { type = \"spring\", between = [\"floor\", \"ball\"]", {}};
   Line tested{"it = { type = \"" + type.name + "\"" + ends_of(type), {}};
@@ -241,7 +242,7 @@ double Units::factor(const Counted& counted) const {
          std::pow(ampere, d.ampere) * std::pow(level, counted.level);
 }
 
-std::string Subject::text(const std::vector<std::string>& numbers) const {
+std::string ExtremeSubject::text(const std::vector<std::string>& numbers) const {
   std::string all = head;
   for (const auto& line : lines) {
     all += line.start;
@@ -257,16 +258,16 @@ std::string Subject::text(const std::vector<std::string>& numbers) const {
   return all;
 }
 
-std::vector<Subject> node_subjects() {
-  std::vector<Subject> subjects;
+std::vector<ExtremeSubject> node_subjects() {
+  std::vector<ExtremeSubject> subjects;
   for (const auto* type : standard_nodes().types)
     for (const auto& [variant, settings] : setting_variants(*type))
       subjects.push_back(node_subject(*type, variant, settings));
   return subjects;
 }
 
-std::vector<Subject> element_subjects() {
-  std::vector<Subject> subjects;
+std::vector<ExtremeSubject> element_subjects() {
+  std::vector<ExtremeSubject> subjects;
   for (const auto& type : network_elements())
     for (const char* solver : {"auto", "passive", "implicit", "exact"})
       subjects.push_back(element_subject(type, solver));

@@ -57,7 +57,7 @@ struct Shown {
   Counted counted;
 };
 
-struct Subject {
+struct ExtremeSubject {
   std::string family;  ///< "filters", "element"
   std::string type;    ///< "delay"
   std::string name{};  ///< "delay interpolation=none"
@@ -73,8 +73,8 @@ struct Subject {
 };
 
 /// Every type of node with every variant of its settings.
-std::vector<Subject> node_subjects();
+std::vector<ExtremeSubject> node_subjects();
 /// Every type of element with every solver but `explicit`, which stiff parts make unstable by definition.
-std::vector<Subject> element_subjects();
+std::vector<ExtremeSubject> element_subjects();
 
 }  // namespace tactus::test

@@ -39,7 +39,7 @@ struct Job {
 };
 
 /// Of `subjects`, which must outlive the result.
-void add_jobs(const std::vector<Subject>& subjects, std::vector<Job>& jobs) {
+void add_jobs(const std::vector<ExtremeSubject>& subjects, std::vector<Job>& jobs) {
   for (const auto& subject : subjects)
     for (const auto& one : extreme_cases(subject, {8e3, 48e3, 192e3, 768e3}))
       jobs.push_back({subject.family == "element" ? "networks: " + subject.type : subject.family,

@@ -200,9 +200,10 @@ TEST_CASE("play: a terminal that is closed fades the drive of a program that doe
 TEST_CASE("play: a terminal that was closed before the start ends it", "[live]") {
   const Stage stage;
   test::TerminalProcess shell{
-      in_shell("trap '' HUP; while test -t 0; do :; done; exec \"$0\" \"$@\"", stage.command())};
+      in_shell("trap '' HUP; echo waits; while test -t 0; do :; done; exec \"$0\" \"$@\"", stage.command())};
+  REQUIRE(shell.shows("waits"));
   shell.close();
-  CHECK(shell.wait() == 5);
+  CHECK(shell.wait().value_or(-1) == 5);
 }
 
 TEST_CASE("play: signals that its parent had blocked end it", "[live]") {
