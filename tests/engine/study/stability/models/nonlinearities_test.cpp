@@ -1,5 +1,6 @@
 #include "engine/study/stability/models/nonlinearities.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -83,7 +84,7 @@ TEST_CASE("nonlinearities: stops on different signals are met in every combinati
   for (const auto& place : places) CHECK(place.moved.size() == 2);
 }
 
-TEST_CASE("nonlinearities: with too many combinations each is displaced alone, and all are at their steepest",
+TEST_CASE("nonlinearities: with too many combinations each signal is displaced alone, and all are steepest",
           "[analysis]") {
   std::vector<Nonlinearity> laws;
   for (int source = 0; source < 5; ++source) {
@@ -92,5 +93,10 @@ TEST_CASE("nonlinearities: with too many combinations each is displaced alone, a
   }
   const auto places = operating_points(laws);  // 32 of at most 16
   REQUIRE(places.size() == 11);
+  for (int place = 0; place < 10; ++place) {
+    const auto& moved = places[static_cast<std::size_t>(place)].moved;
+    CHECK(moved.size() == 5);
+    CHECK(std::ranges::count_if(moved, [](const auto& signal) { return signal.second != 0.0; }) == 1);
+  }
   CHECK(places.back().moved.empty());
 }
