@@ -134,10 +134,7 @@ bool SoundServer::begin() {
 bool SoundServer::try_to_begin() {
   const auto channels = to_string(settings_.channels);
   // -p 64: room for 64 ports takes 40 MB of shared memory, the usual 2048 take 107.
-  // -t 2000: by default the server removes a client that is late by half a second, as one may be on a busy
-  // machine.
-  std::vector<std::string> command{"jackd", "-n", name_, "-p", "64", "-R",
-                                   "-P",    "80", "-L",  "2",  "-t", "2000"};
+  std::vector<std::string> command{"jackd", "-n", name_, "-p", "64", "-R", "-P", "80", "-L", "2"};
   if (settings_.synchronous) command.push_back("-S");
   for (const auto& word : {"-d", "dummy", "-r"}) command.emplace_back(word);
   for (const auto& word : {to_string(settings_.rate), std::string{"-p"}, to_string(settings_.period),
