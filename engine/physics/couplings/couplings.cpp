@@ -323,14 +323,19 @@ bool Couplings::bounce(ActiveCoupling& link, double approach, double loss) const
   return true;
 }
 
-/// What the present forces take off the motion of contact c.
+/// What the present forces take off the motion of contact c: those of the energy that is stored, which after
+/// a bounce is less than the law has at this depth. A loss stops its bodies at most. A larger prediction
+/// would leave a contact that is pressed with next to no slope.
 double Couplings::predicted_push(const NetworkState& state, std::size_t c) const noexcept {
   double sum = 0.0;
   const auto add = [&](std::size_t other) {
     const double n = indentation(state, other);
     if (n <= 0.0) return;
-    const double rate = 1.0 + state.loss[other] * moved(state, other) / model_->k;
-    sum += mutual(c, other) * model_->contacts[other].law.force(n) * std::max(0.0, rate);
+    const double force = std::abs(state.root[other]) * model_->contacts[other].law.root_slope(n);
+    const double w = moved(state, other), loss = force * state.loss[other] * w / model_->k;
+    const double own = mutual(other, other);
+    const double most = own > 0.0 ? std::abs(w) / own : std::abs(loss);
+    sum += mutual(c, other) * std::max(0.0, force + std::min(loss, most));
   };
   if (alone_)
     add(c);
@@ -353,7 +358,7 @@ bool Couplings::predict(NetworkState& state, ActiveCoupling& link) const noexcep
   if (exact ? n <= 0.0 && closes : n >= 0.0) start_contact(*model_, state, c, n, w);
   double damping = 0.0;
   if (n >= 0.0 || closes) {
-    if (psi == 0.0 && bounce(link, w, state.loss[c])) return true;
+    if (psi == 0.0 && n <= w && bounce(link, w, state.loss[c])) return true;
     const bool first = n <= w && w > 0.0 && psi == 0.0;
     const double g = exact ? chord(law, n, motion) : first ? law.root(n + 0.5 * w) / w : law.root_slope(n);
     link.slope = psi < 0.0 ? -g : g;
@@ -435,10 +440,19 @@ void Couplings::solve_contacts(NetworkState& state) const noexcept {
   while (!alone_ && missed_one(state));
 }
 
-/// A contact that would have to pull is released for the step; its energy returns when the bodies part.
+/// A contact that would have to pull is released for the step; its energy returns when the bodies part. So
+/// is, over one step, an open contact with energy left whose bodies approach without closing it: it would
+/// hold them apart in the air.
 void Couplings::solve_quadratised(NetworkState& state) const noexcept {
-  const auto pulls = [this](const ActiveCoupling& link) {
-    return link.force < 0.0 && index(link.coupling) < model_->contacts.size();
+  const auto floats = [&](const ActiveCoupling& link) {
+    const auto c = index(link.coupling);
+    if (method_ != Method::Exact || state.root[c] == 0.0) return false;
+    const double n = indentation(state, c), motion = n < 0.0 ? next_motion(state, link) : 0.0;
+    return motion > 0.0 && n + motion <= 0.0;
+  };
+  const auto pulls = [&](const ActiveCoupling& link) {
+    if (index(link.coupling) >= model_->contacts.size()) return false;
+    return link.force < 0.0 || floats(link);
   };
   constexpr int kMostChords = 30;
   for (int round = 0; round < kMostChords; ++round) {
