@@ -9,6 +9,7 @@
 #include "engine/physics/network_model.h"
 #include "engine/study/stability/models/stability_roots.h"
 #include "engine/study/stability/models/thrown_network.h"
+#include "engine/study/sweep/evaluate_runs.h"
 
 namespace tactus {
 namespace {
@@ -279,8 +280,8 @@ bool same(const std::vector<std::complex<double>>& a, const std::vector<std::com
 class Analysis {
  public:
   Analysis(const StabilitySubject& subject, const StabilityOptions& options,
-           const std::function<void(double)>& progress)
-      : subject_(subject), options_(options), progress_(progress) {}
+           const std::function<void(double)>& progress, int workers)
+      : subject_(subject), options_(options), progress_(progress), workers_(workers) {}
 
   Checked<StabilityVerdict> run() {
     auto world = RestingWorld::make(subject_, options_.world);
@@ -297,7 +298,7 @@ class Analysis {
     find_event_loops(*world);
     for (std::size_t i = 0; i < std::min(regimes.size(), kAllWithMargins); ++i)
       find_open_gains(*world, regimes[i]);
-    for (const auto& control : world->instrument().controls) find_border(control.control);
+    find_borders(world->instrument().controls);
     hold_inputs(*world);
     if (auto judged = judge_gestures(); !judged) return tl::unexpected(judged.error());
     conclude();
@@ -501,18 +502,27 @@ class Analysis {
       *known = found;
   }
 
-  bool is_stable_at(const FlatControl& control, double value) {
+  bool is_stable_at(const FlatControl& control, double value) const {
     auto with = options_.world;
     with.set[control.name] = ControlValue{value};
-    report_progress();
     return stability_with(subject_, with, options_.push) == Stability::Stable;
   }
 
-  /// If one end is stable and the other is not, the border between them.
-  void find_border(const FlatControl& control) {
+  void find_borders(const std::vector<PlannedControl>& controls) {
+    std::vector<std::optional<ControlVerdict>> found(controls.size());
+    parallel_for(
+        static_cast<int>(controls.size()),
+        [&](int i) { found[index(i)] = find_border(controls[index(i)].control); },
+        [this](double) { report_progress(); }, workers_);
+    for (auto& verdict : found)
+      if (verdict) verdict_.controls.push_back(std::move(*verdict));
+  }
+
+  /// If one end is stable and the other is not, the border between them. Nothing without both ends.
+  std::optional<ControlVerdict> find_border(const FlatControl& control) const {
     ControlVerdict verdict{.control = control};
     double low = control.range.low, high = control.range.high;
-    if (!std::isfinite(low) || !std::isfinite(high)) return;
+    if (!std::isfinite(low) || !std::isfinite(high)) return std::nullopt;
     verdict.stable_low = is_stable_at(control, low);
     verdict.stable_high = is_stable_at(control, high);
     if (verdict.stable_low != verdict.stable_high) {
@@ -522,7 +532,7 @@ class Analysis {
       }
       verdict.border = verdict.stable_low ? low : high;
     }
-    verdict_.controls.push_back(std::move(verdict));
+    return verdict;
   }
 
   /// Of a scene whose gestures move controls of the instrument: where each control is highest and lowest, and
@@ -589,6 +599,7 @@ class Analysis {
   const StabilitySubject& subject_;
   const StabilityOptions& options_;
   const std::function<void(double)>& progress_;
+  const int workers_;
   double done_ = 0;
   StabilityVerdict verdict_;
   const std::vector<PlannedControl>* controls_ = nullptr;
@@ -617,8 +628,8 @@ Stability stability_with(const StabilitySubject& subject, const WorldOptions& op
 }
 
 Checked<StabilityVerdict> analyse_stability(const StabilitySubject& subject, const StabilityOptions& options,
-                                            const std::function<void(double)>& progress) {
-  return Analysis{subject, options, progress}.run();
+                                            const std::function<void(double)>& progress, int workers) {
+  return Analysis{subject, options, progress, workers}.run();
 }
 
 }  // namespace tactus

@@ -134,9 +134,10 @@ struct StabilityOptions {
   double push = 10.0;  ///< in closed contacts [N]
 };
 
-/// [control] `progress` gets the share done. Errors: of the graph.
+/// [control] `progress` gets the share done; `workers` threads, or one per core. Errors: of the graph.
 Checked<StabilityVerdict> analyse_stability(const StabilitySubject& subject, const StabilityOptions& options,
-                                            const std::function<void(double)>& progress = {});
+                                            const std::function<void(double)>& progress = {},
+                                            int workers = 0);
 
 /// [control] The stability with these options, in all regimes that the world has. Unstable, too, if it cannot
 /// be made with them.

@@ -87,7 +87,7 @@ Checked<StabilityReport> check_stability(const StabilitySubject& subject, const 
       if (progress) progress(what, share);
     };
   };
-  auto verdict = analyse_stability(subject, options, doing("analysing the loops"));
+  auto verdict = analyse_stability(subject, options, doing("analysing the loops"), workers);
   if (!verdict) return tl::unexpected(verdict.error());
   StabilityReport report{std::move(*verdict), {}};
   if (quick) return report;

@@ -27,22 +27,22 @@ void find_gains(const LinearGraph& graph, std::complex<double> z, const std::vec
                 std::vector<std::complex<double>>& gains) {
   std::vector<Eigen::MatrixXcd> responses(graph.networks.size());
   gains.resize(graph.edges.size());
+  const auto log_z = std::log(z);
   for (const auto e : of) {
     const auto& edge = graph.edges[e];
+    const auto at = edge.divisor == 1 ? z : std::pow(z, edge.divisor);
     switch (edge.kind) {
       case LinearEdge::Kind::Gain:
         gains[e] = edge.gain;
         break;
       case LinearEdge::Kind::Delay:
-        gains[e] = std::exp(-static_cast<double>(edge.frames) * std::log(z));
+        gains[e] = std::exp(-static_cast<double>(edge.frames) * log_z);
         break;
       case LinearEdge::Kind::Node:
-        gains[e] =
-            edge.node->response(edge.input, edge.output, std::pow(z, edge.divisor), edge.at).value_or(0.0);
+        gains[e] = edge.node->response(edge.input, edge.output, at, edge.at).value_or(0.0);
         break;
       case LinearEdge::Kind::Network: {
         const auto& network = graph.networks[index(edge.network)]->response();
-        const auto at = edge.divisor == 1 ? z : std::pow(z, edge.divisor);
         auto& all = responses[index(edge.network)];
         if (!network.by_modes() && all.size() == 0) all = network.at(at);
         gains[e] =
@@ -197,21 +197,25 @@ Eigen::MatrixXcd LoopGroup::returned_each_frame(std::complex<double> z) const {
   if (held_only_)
     for (const auto e : edges_)
       if (holds(e)) gains_[e] = 0.0;
-  auto cuts = cuts_;
-  cuts.insert(cuts.end(), inner_cuts_.begin(), inner_cuts_.end());
-  const auto count = static_cast<Eigen::Index>(cuts.size());
-  Eigen::MatrixXcd values = Eigen::MatrixXcd::Zero(count, static_cast<Eigen::Index>(signals_.size()));
-  for (Eigen::Index c = 0; c < count; ++c) values(c, place_[index(cuts[static_cast<std::size_t>(c)])]) = 1.0;
-  const auto sum = [&](int signal) {
-    Eigen::VectorXcd come = Eigen::VectorXcd::Zero(count);
-    for (const auto e : incoming_[index(place_[index(signal)])])
-      come += gains_[e] * values.col(place_[index(graph_->edges[e].from)]);
-    return come;
+  const std::size_t count = cuts_.size() + inner_cuts_.size();
+  const auto cut_signal = [&](std::size_t c) {
+    return c < cuts_.size() ? cuts_[c] : inner_cuts_[c - cuts_.size()];
   };
-  for (const int s : order_) values.col(place_[index(s)]) = sum(s);
-  Eigen::MatrixXcd returned(count, count);
-  for (Eigen::Index c = 0; c < count; ++c)
-    returned.row(c) = sum(cuts[static_cast<std::size_t>(c)]).transpose();
+  const auto values_of = [&](int place) { return values_.data() + count * index(place); };
+  values_.assign(count * signals_.size(), 0.0);
+  for (std::size_t c = 0; c < count; ++c) values_of(place_[index(cut_signal(c))])[c] = 1.0;
+  const auto add_incoming = [&](int place, std::complex<double>* to) {
+    for (const auto e : incoming_[index(place)]) {
+      const auto* from = values_of(place_[index(graph_->edges[e].from)]);
+      for (std::size_t c = 0; c < count; ++c) to[c] += gains_[e] * from[c];
+    }
+  };
+  for (const int s : order_) add_incoming(place_[index(s)], values_of(place_[index(s)]));
+  const auto size = static_cast<Eigen::Index>(count);
+  using ByRows = Eigen::Matrix<std::complex<double>, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  ByRows returned = ByRows::Zero(size, size);
+  for (std::size_t c = 0; c < count; ++c)
+    add_incoming(place_[index(cut_signal(c))], returned.data() + count * c);
   return returned;
 }
 

@@ -66,6 +66,7 @@ class LoopGroup {
   std::vector<int> place_;                          ///< [signal of the graph] in `signals_`, or -1
   std::vector<std::vector<std::size_t>> incoming_;  ///< [place] edges
   mutable std::vector<std::complex<double>> gains_;
+  mutable std::vector<std::complex<double>> values_;  ///< [place, cut] what reaches the signal from the cut
   mutable bool held_only_ = false;  ///< nothing goes from samples to frames
 };
 

@@ -1,5 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <deque>
+#include <mutex>
+#include <utility>
 
 #include "engine/core/index.h"
 #include "engine/study/stability/models/stability_graph.h"
@@ -51,6 +54,24 @@ int driven_point(const NetworkElements& elements) {
   return -1;
 }
 
+/// The modes of the matrices that were asked for last: what a control or a regime does not change is not
+/// computed again.
+std::vector<StepMode> remembered_modes(const Eigen::MatrixXd& a) {
+  constexpr std::size_t kMost = 16;
+  static std::mutex mutex;
+  static std::deque<std::pair<Eigen::MatrixXd, std::vector<StepMode>>> last;
+  {
+    const std::lock_guard lock{mutex};
+    for (const auto& [matrix, modes] : last)
+      if (matrix.rows() == a.rows() && matrix == a) return modes;
+  }
+  auto found = modes(a);
+  const std::lock_guard lock{mutex};
+  last.emplace_front(a, found);
+  if (last.size() > kMost) last.pop_back();
+  return found;
+}
+
 }  // namespace
 
 std::shared_ptr<const LinearNetwork> LinearNetwork::make(const NetworkView& view, const NodeType& type,
@@ -78,7 +99,7 @@ std::shared_ptr<const LinearNetwork> LinearNetwork::make(const NetworkView& view
   }
   const auto step = linear_step(*network, recipe.elements, recipe.signals);
   if (!step.a.allFinite() || !step.b.allFinite()) return nullptr;
-  model->modes = tactus::modes(step.a);
+  model->modes = remembered_modes(step.a);
   model->response_.emplace(step, model->readings(*network, view, type.outputs.size(), touching),
                            model->modes);
   if (!model->modes.empty()) model->radius = std::abs(model->modes.front().pole);
