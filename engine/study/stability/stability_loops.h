@@ -67,7 +67,7 @@ class LoopGroup {
   std::vector<std::vector<std::size_t>> incoming_;  ///< [place] edges
   mutable std::vector<std::complex<double>> gains_;
   mutable std::vector<std::complex<double>> values_;  ///< [place, cut] what reaches the signal from the cut
-  mutable bool held_only_ = false;  ///< nothing goes from samples to frames
+  mutable bool held_only_ = false;                    ///< nothing goes from samples to frames
 };
 
 /// [any] How many frames lie between two samples of what is sampled in these loops: 1: nothing is; 0: there
