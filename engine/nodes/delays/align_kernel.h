@@ -6,7 +6,8 @@
 #include "engine/dsp/envelopes/envelope_kernel.h"
 
 #define TACTUS_ALIGN_TAPS 4
-#define TACTUS_ALIGN_LONGEST 0.1  ///< period [s]: 10 Hz, the lowest string
+#define TACTUS_ALIGN_LONGEST 0.1       ///< period [s]: 10 Hz, the lowest string
+#define TACTUS_ALIGN_MOST_REST 1000.0  ///< delay [s] and phase [rad] of the rest of the loop
 
 /// Where taps of the line lie: the newest, in frames back, and what each weighs.
 typedef struct tactus_align_taps {
@@ -44,7 +45,10 @@ static inline tactus_real tactus_align_period(const tactus_align* s, tactus_real
   return tactus_clamp(period, s->shortest_period, s->longest_period);
 }
 static inline tactus_real tactus_align_rest(tactus_real period, tactus_real delay, tactus_real phase) {
-  return delay - phase * period / 6.283185307179586;
+  // Signals may be outside the declared range, which constants cannot be.
+  const tactus_real taken = tactus_clamp(delay, -TACTUS_ALIGN_MOST_REST, TACTUS_ALIGN_MOST_REST);
+  const tactus_real turned = tactus_clamp(phase, -TACTUS_ALIGN_MOST_REST, TACTUS_ALIGN_MOST_REST);
+  return taken - turned * period / 6.283185307179586;
 }
 /// k of a new note.
 static inline tactus_real tactus_align_turns(const tactus_align* s, tactus_real period, tactus_real rest) {
