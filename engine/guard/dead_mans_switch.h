@@ -16,9 +16,17 @@ namespace tactus {
 /// 500 ms, or when it is stopped. It outlives the guards that observe it.
 class DeadMansSwitch {
  public:
+  /// Since any instant.
+  using Clock = std::chrono::nanoseconds (*)();
+  static std::chrono::nanoseconds system_clock() {
+    return std::chrono::steady_clock::now().time_since_epoch();
+  }
+
+  explicit DeadMansSwitch(Clock clock = system_clock) : clock_(clock) {}
+
   /// By one thread alone.
   void refresh() noexcept {
-    const auto now = Clock::now().time_since_epoch().count();
+    const auto now = clock_().count();
     const auto pause = now - last_.load(std::memory_order_relaxed);
     longest_.store(std::max(longest_.load(std::memory_order_relaxed), pause), std::memory_order_relaxed);
     last_.store(now, std::memory_order_release);
@@ -29,19 +37,18 @@ class DeadMansSwitch {
 
   std::uint32_t refreshes() const noexcept { return refreshes_.load(std::memory_order_relaxed); }
   bool stopped() const noexcept { return stopped_.load(std::memory_order_relaxed); }
-  /// The longest time without a refresh until now, by the system clock: the loop was blocked, or the whole
+  /// The longest time without a refresh until now, by the clock: the loop was blocked, or the whole
   /// program was stopped.
   Seconds longest_pause() const noexcept {
     const auto last = last_.load(std::memory_order_acquire);  // first: a refresh that follows changes nothing
-    const auto age = Clock::now().time_since_epoch().count() - last;
-    const Clock::duration longest{std::max(age, longest_.load(std::memory_order_relaxed))};
+    const auto age = clock_().count() - last;
+    const std::chrono::nanoseconds longest{std::max(age, longest_.load(std::memory_order_relaxed))};
     return Seconds{std::chrono::duration<double>{longest}.count()};
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
-
-  std::atomic<Clock::rep> last_{Clock::now().time_since_epoch().count()}, longest_{0};
+  const Clock clock_;
+  std::atomic<std::chrono::nanoseconds::rep> last_{clock_().count()}, longest_{0};
   std::atomic<std::uint32_t> refreshes_{0};
   std::atomic<bool> stopped_{false};
 };

@@ -4,7 +4,6 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <cmath>
-#include <thread>
 
 #include "engine/core/index.h"
 #include "latency/probe/probe_player.h"
@@ -362,14 +361,15 @@ TEST_CASE("measurement: after an earlier one it is of the same device, whatever 
 
 TEST_CASE("measurement: no opening begins by itself after the stop inputs were not handled for 5 s",
           "[latency][measurement]") {
-  DeadMansSwitch dead_man;
+  static std::chrono::nanoseconds now;
+  DeadMansSwitch dead_man{[] { return now; }};
   auto settings = two_openings();
   settings.dead_mans_switch = &dead_man;
   ChangingCard card{{granted_ports()}};
   bool stopped = false;
   const auto measurement = measure(card, settings, [&](double, const std::string&) {
     // As when the program is stopped in the first opening and goes on.
-    if (!std::exchange(stopped, true)) std::this_thread::sleep_for(std::chrono::milliseconds{5100});
+    if (!std::exchange(stopped, true)) now += std::chrono::milliseconds{5100};
     dead_man.refresh();
   });
   REQUIRE(stopped);

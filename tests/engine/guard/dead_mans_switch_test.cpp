@@ -2,7 +2,6 @@
 
 #include <catch2/catch.hpp>
 #include <chrono>
-#include <thread>
 #include <vector>
 
 #include "engine/guard/guarded.h"
@@ -130,14 +129,17 @@ TEST_CASE("dead man's switch: refreshed in time nothing happens, and without one
 
 TEST_CASE("dead man's switch: the longest pause is remembered, and one that still lasts counts", "[core]") {
   using namespace std::chrono_literals;
-  DeadMansSwitch dead_man;
-  std::this_thread::sleep_for(60ms);
-  CHECK(dead_man.longest_pause().value >= 0.06);
+  static std::chrono::nanoseconds now;
+  now = 7s;
+  DeadMansSwitch dead_man{[] { return now; }};
+  now += 60ms;
+  CHECK(dead_man.longest_pause().value == 0.06);
   dead_man.refresh();
-  const auto longest = dead_man.longest_pause();
-  CHECK(longest.value >= 0.06);
+  now += 20ms;
+  CHECK(dead_man.longest_pause().value == 0.06);
   dead_man.refresh();
-  CHECK(dead_man.longest_pause().value >= longest.value);
+  now += 80ms;
+  CHECK(dead_man.longest_pause().value == 0.08);
 }
 
 TEST_CASE("dead man's switch: stopped, every output fades in the next block, for good", "[core]") {
