@@ -39,7 +39,7 @@ TEST_CASE("extremes: a number of a node is refused with place and remedy, or giv
 }
 
 TEST_CASE("extremes: so is a number of an element of a network", "[conformance]") {
-  check_one_in(29, element_subjects());
+  check_one_in(139, element_subjects());
 }
 
 TEST_CASE("extremes: expressions give the numbers of long double", "[conformance]") {
