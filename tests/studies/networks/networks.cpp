@@ -105,7 +105,14 @@ struct Expected {
 /// What became of all networks with one solver.
 struct Tally {
   int compared = 0, refused = 0, infinite = 0, gained = 0, doubtful = 0, too_small = 0;
+  double most_gained = 0;  ///< [Played::gained]
   std::vector<double> ratios, errors;
+
+  std::string gains() const {
+    if (gained == 0) return "0";
+    return most_gained > 100 ? fmt::format("{}, without end", gained)
+                             : fmt::format("{}, by {:.2g} % at most", gained, 100 * most_gained);
+  }
 };
 
 /// What became of the choices of `auto`.
@@ -155,7 +162,7 @@ class Study {
     for (const char* name : {"explicit", "passive", "implicit", "exact", "auto"}) {
       const auto& tally = tallies_.at(name);
       fmt::print("| `{}` | {} | {} | {} | {} | {} | {} | {:.3f} | {:.1e} | {:.1e} |\n", name, tally.compared,
-                 tally.refused, tally.infinite, tally.gained, tally.doubtful, tally.too_small,
+                 tally.refused, tally.infinite, tally.gains(), tally.doubtful, tally.too_small,
                  median(tally.ratios), median(tally.errors), quantile(tally.errors, 0.9));
     }
     fmt::print(
@@ -198,6 +205,7 @@ class Study {
     const bool may_explode = name == "explicit";
     tally.infinite += !played.finite;
     tally.gained += played.makes_energy();
+    tally.most_gained = std::max(tally.most_gained, played.gained);
     if (!may_explode && !played.finite) complain(seed, name + " is not finite", random);
     if (!may_explode && solver != Solver::Explicit && played.makes_energy())
       complain(seed, fmt::format("{} makes energy: {:.1e} more", name, played.gained), random);
