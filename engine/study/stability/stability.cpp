@@ -188,20 +188,22 @@ std::vector<ReachedValue> reached_values(const std::vector<JournalEntry>& journa
   return reached;
 }
 
-/// The states of the controls where two of them or more have moved since the state before: where one moves
-/// alone, it is judged at both ends of its way.
+/// The states of the controls where two of them or more have moved within 20 ms, which need not be in the
+/// same frame: where one moves alone, it is judged at both ends of its way.
 std::vector<ControlState> moving_states(const std::vector<JournalEntry>& journal, Hertz rate) {
+  constexpr double kTogether = 0.02;
   std::vector<ControlState> states;
   ControlState now;
-  int moved = 0;
+  std::map<int, double> moved;  // when last
   for (std::size_t i = 0; i < journal.size(); ++i) {
     const auto& entry = journal[i];
     now.seconds = static_cast<double>(entry.frame) / rate.value;
     const auto known = now.values.find(entry.index);
-    moved += known != now.values.end() && known->second != entry.value;
+    if (known != now.values.end() && known->second != entry.value) moved[entry.index] = now.seconds;
     now.values[entry.index] = entry.value;
     if (i + 1 < journal.size() && journal[i + 1].frame == entry.frame) continue;
-    if (std::exchange(moved, 0) > 1) states.push_back(now);
+    std::erase_if(moved, [&](const auto& m) { return m.second < now.seconds - kTogether; });
+    if (moved.size() > 1) states.push_back(now);
   }
   return states;
 }
@@ -250,8 +252,9 @@ double growth_with(const StabilitySubject& subject, const WorldOptions& options,
     for (auto& signals : loops_of(closed.graph, false)) {
       const LoopGroup group(closed.graph, std::move(signals), {});
       if (group.too_large()) continue;
-      for (const auto& root : LoopScan(group, world->rate()).roots(1))
-        most = std::max(most, root.growth_per_s);
+      const LoopScan scan(group, world->rate());
+      if (scan.growing() > 0) most = std::max(most, 2 * kSlowestGrowth);  // even if no root is found
+      for (const auto& root : scan.roots(1)) most = std::max(most, root.growth_per_s);
     }
   }
   return most;

@@ -108,8 +108,11 @@ class PlanReader {
         if (!operands.moves[index(k)]) continue;
         const auto& wire = operand(operation.vertex, k);
         const auto path = path_of(operation.vertex);
-        if (auto law = corner(path, operation.op, operands, k, derived_.of(source(wire))))
+        if (auto law = corner(path, operation.op, operands, k, derived_.of(source(wire)))) {
           graph_.laws.push_back(std::move(*law));
+          graph_.has_touched =
+              true;  // flatter behind it, where it is taken off something it makes that steeper
+        }
         if (k == 0 && has_two_sides(operation.op) && operands.moves[1]) {
           graph_.laws.push_back(
               corner_of_two(path, {&plan_, operation.vertex, 0}, operation.op, operands,

@@ -124,7 +124,7 @@ struct LinearGraph {
   std::vector<int> wave_ports;                   ///< waves that leave a network
   std::vector<Nonlinearity> laws;                ///< whose slope depends on the operating point
   bool nonlinear = false;                        ///< the stiffness of some force depends on the position
-  bool has_touched = false;                      ///< some law is steeper elsewhere than at rest
+  bool has_touched = false;                      ///< some law has another slope elsewhere than at rest
   bool varies = false;       ///< some gain depends on a signal: a product, a parameter that moves, an event
   bool all_combined = true;  ///< false: there are more combinations of laws than are analysed
 

@@ -81,6 +81,11 @@ TEST_CASE("check: every straight line of a table counts, not only the steepest",
   CHECK(answer(table(-1.5, 1.01)) == Stability::Unstable);
 }
 
+TEST_CASE("check: behind a corner that is taken off, a loop may be steeper than at rest", "[analysis]") {
+  CHECK(answer(signal_loop("x + 0.99 * back - 0.5 * min(back, 0.2)")) == Stability::Stable);
+  CHECK(answer(signal_loop("x + 1.01 * back - 0.5 * min(back, 0.2)")) == Stability::Unstable);
+}
+
 TEST_CASE("check: a minimum of two moving signals is either of them", "[analysis]") {
   CHECK(answer(signal_loop("x + min(0.99 * back, 0.5 * back)")) == Stability::Stable);
   CHECK(answer(signal_loop("x + min(1.01 * back, 0.5 * back)")) == Stability::Unstable);

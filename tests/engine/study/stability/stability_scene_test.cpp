@@ -110,7 +110,7 @@ TEST_CASE("stability: a scene is analysed at the lowest and highest values that 
 [inputs]
 place = { unit = "m" }
 [controls]
-stiffness = { value = "100 N/m", range = ["0 N/m", "5000 N/m"] }
+stiffness = { value = "100 N/m", range = ["0 N/m", "9000 N/m"] }
 share = { value = 1, range = [0, 1] }
 [nodes]
 pull = { type = "spring", in = "place", stiffness = "stiffness * share" }
@@ -143,6 +143,28 @@ less = {{ points = [["0 s", 1], ["0.1 s", {:.9g}], ["0.7 s", {:.9g}], ["0.8 s", 
     if (highest) CHECK(reached.seconds == Approx(0.4));
   }
   CHECK(beyond.gestures.size() == 4);  // the lowest and highest of both
+
+  // Where both move, each in frames of its own: the product is largest between their ends.
+  const auto crossing = [&](double most) {
+    folder.write("scene.toml", fmt::format(R"(format = 1
+delay = "2 ms"
+duration = "1 s"
+[parts]
+instrument = {{ use = "instrument.toml", place = "plant.place", stiffness = "harder", share = "less" }}
+plant = {{ use = "plant.toml", drive = "instrument.motor" }}
+[gestures]
+harder = {{ points = [["0.1 s", "0 N/m"], ["0.9 s", "{:.9g} N/m"]] }}
+less = {{ points = [["0.10013 s", 1], ["0.90013 s", 0]] }}
+)",
+                                           4.0 * most));
+    return analysed(folder);
+  };
+  CHECK(crossing(0.98 * border).stable());
+  const auto crossed = crossing(1.02 * border);
+  CHECK_FALSE(crossed.stable());
+  REQUIRE_FALSE(crossed.gestures.empty());
+  CHECK(crossed.gestures.back().stability == Stability::Unstable);
+  CHECK(crossed.gestures.back().seconds == Approx(0.5).margin(0.06));  // 1 - (2 t / 0.8 s)^2 above 0.98
 }
 
 TEST_CASE("stability: explicit contacts too short for the rate are refused, with the steps that they need",
