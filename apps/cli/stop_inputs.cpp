@@ -207,8 +207,10 @@ StopInputs::Arrived StopInputs::wait(std::chrono::milliseconds timeout) {
   pollfd inputs[] = {{signal_pipe[0], POLLIN, 0},
                      {asked ? input_ : -1, static_cast<short>(keys ? POLLIN : 0), 0},
                      {other_terminal_, 0, 0}};
-  const bool any = ::poll(inputs, 3, static_cast<int>(timeout.count())) > 0;
-  arrived.hung_up = std::exchange(closed_before_, false);
+  const int ready = ::poll(inputs, 3, static_cast<int>(timeout.count()));
+  const bool any = ready > 0;
+  arrived.hung_up =
+      std::exchange(closed_before_, false) || (ready < 0 && errno != EINTR);  // no key would come
   read_signals(arrived);
   if (any && asked) read_input(inputs[1].revents, arrived);
   if (any && inputs[2].revents != 0) {

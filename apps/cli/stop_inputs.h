@@ -26,7 +26,7 @@ class StopInputs {
   struct Arrived {
     int stops = 0;              ///< SIGINT, SIGTERM and others whose default is to end; Ctrl-C as a byte
                                 ///< too, Ctrl-Break
-    bool hung_up = false;       ///< the terminal was closed, now or before the start
+    bool hung_up = false;       ///< the terminal was closed, now or before the start, or cannot be waited for
     bool input_closed = false;  ///< the other end of a pipe or socket at standard input is; reported once
     std::string bytes;          ///< of standard input
   };

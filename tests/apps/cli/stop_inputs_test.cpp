@@ -164,3 +164,18 @@ TEST_CASE("stop inputs: Ctrl-C that comes as a byte is a stop", "[live]") {
   CHECK(inputs.wait(0ms).stops == 1);
   CHECK(inputs.wait(0ms).stops == 0);
 }
+
+TEST_CASE("stop inputs: where they can no longer be waited for, it is as if the terminal had been closed",
+          "[live]") {
+  Connection connection{SOCK_STREAM};
+  StopInputs inputs;
+  CHECK_FALSE(inputs.wait(0ms).hung_up);
+  rlimit before{};
+  REQUIRE(::getrlimit(RLIMIT_NOFILE, &before) == 0);
+  rlimit none = before;
+  none.rlim_cur = 1;  // poll(2): EINVAL for more files than that
+  REQUIRE(::setrlimit(RLIMIT_NOFILE, &none) == 0);
+  const auto arrived = inputs.wait(0ms);
+  REQUIRE(::setrlimit(RLIMIT_NOFILE, &before) == 0);
+  CHECK(arrived.hung_up);
+}
