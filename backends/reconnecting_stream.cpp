@@ -137,7 +137,7 @@ void ReconnectingStream::change(const std::string& what) {
 
 void ReconnectingStream::watch_stall(Clock::time_point now) {
   const bool stalled = stream_->state() == StreamState::Stalled;
-  if (stalled && stalled_at_ && !stall_is_long_ && now - *stalled_at_ > kShortAbsence) {
+  if (stalled_at_ && !stall_is_long_ && now - *stalled_at_ > kShortAbsence) {
     stall_is_long_ = true;
     change(fmt::format("does not respond for more than {} s", kShortAbsence.count()));
   }
@@ -147,7 +147,7 @@ void ReconnectingStream::watch_stall(Clock::time_point now) {
   else
     report(fmt::format("responds again after {:.1f} s",
                        std::chrono::duration<double>(now - *stalled_at_).count()));
-  stalled_at_ = stalled ? std::optional{now} : std::nullopt;
+  stalled_at_ = stalled ? std::optional{last_running_.value_or(now)} : std::nullopt;  // it may notice it late
   stall_is_long_ = false;
 }
 

@@ -343,3 +343,27 @@ TEST_CASE("reconnecting stream: a device that does not respond for more than 10 
   CHECK(f.changes == 1);
   CHECK(f.events()[1] == "'fake:one': does not respond for more than 10 s");
 }
+
+TEST_CASE("reconnecting stream: the program may be stopped for a part of that time", "[backends]") {
+  SECTION("when it begins") {
+    Fixture f;
+    f.run(1s);
+    f.world.state = StreamState::Stalled;
+    f.now += 4400ms;
+    f.run(5500ms);
+    CHECK(f.changes == 0);
+    f.run(300ms);
+    CHECK(f.changes == 1);
+  }
+  SECTION("until it ends") {
+    Fixture f;
+    f.run(1s);
+    f.world.state = StreamState::Stalled;
+    f.run(6s);
+    f.now += 4400ms;
+    f.world.state = StreamState::Running;
+    f.run(50ms);
+    CHECK(f.changes == 1);
+    CHECK(f.events().back() == "'fake:one': responds again after 10.4 s");
+  }
+}
