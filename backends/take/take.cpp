@@ -17,11 +17,13 @@ namespace {
 using Kind = JournalEntry::Kind;
 }
 
-// 1: without fades; 2: without control_set, dead_man, dc_time, sensor_noise and feedback_path
-constexpr int kTakeVersion = 3, kLastWithoutPaths = 2;
-constexpr std::array kKinds = {"control",     "arm",       "mute",        "system_delay", "lost_frames",
-                               "coil_heat",   "body_heat", "replacement", "halt",         "fade",
-                               "control_set", "dead_man",  "dc_time",     "sensor_noise", "feedback_path"};
+// 1: without fades; 2: without control_set, dead_man, dc_time, sensor_noise and feedback_path;
+// 3: without displacement
+constexpr int kTakeVersion = 4, kLastWithoutPaths = 2;
+constexpr std::array kKinds = {"control",     "arm",          "mute",          "system_delay",
+                               "lost_frames", "coil_heat",    "body_heat",     "replacement",
+                               "halt",        "fade",         "control_set",   "dead_man",
+                               "dc_time",     "sensor_noise", "feedback_path", "displacement"};
 constexpr std::array kDriveKinds = {"drive", "audio"};
 
 // The keys of each line, for both directions; docs/takes.md describes them.

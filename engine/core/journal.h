@@ -32,6 +32,8 @@ struct JournalEntry {
     SensorNoise,    ///< `index`: input channel, on which noise was observed
     FeedbackPath,   ///< `index`: output channel; `value`: 1 an input leads there, 2 a loop of the graph, 3
                     ///< both
+    Displacement,   ///< `index`: output channel; `value`: the mass may be as far from rest as this share of
+                    ///< its limit, and moving
   };
 
   static constexpr int kAllChannels = -1;

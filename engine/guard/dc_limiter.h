@@ -61,6 +61,8 @@ class DcLimiter {
   const GroupGain& gain() const noexcept { return gain_; }
   /// [control & stopped] `spent`.
   double spent_s() const noexcept { return spent_s_; }
+  /// [any] `time`.
+  double most_s() const noexcept { return time_s_; }
   /// [realtime] At least so much of `time` is spent.
   void spend(double seconds) noexcept { spent_s_ = std::max(spent_s_, std::min(seconds, time_s_)); }
 

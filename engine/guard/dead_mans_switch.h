@@ -22,6 +22,8 @@ class DeadMansSwitch {
     return std::chrono::steady_clock::now().time_since_epoch();
   }
 
+  static constexpr std::chrono::seconds kLong{5};
+
   explicit DeadMansSwitch(Clock clock = system_clock) : clock_(clock) {}
 
   /// By one thread alone.
@@ -29,6 +31,8 @@ class DeadMansSwitch {
     const auto now = clock_().count();
     const auto pause = now - last_.load(std::memory_order_relaxed);
     longest_.store(std::max(longest_.load(std::memory_order_relaxed), pause), std::memory_order_relaxed);
+    if (pause >= std::chrono::nanoseconds{kLong}.count())
+      long_pauses_.fetch_add(1, std::memory_order_relaxed);
     last_.store(now, std::memory_order_release);
     refreshes_.fetch_add(1, std::memory_order_relaxed);
   }
@@ -36,6 +40,8 @@ class DeadMansSwitch {
   void stop() noexcept { stopped_.store(true, std::memory_order_relaxed); }
 
   std::uint32_t refreshes() const noexcept { return refreshes_.load(std::memory_order_relaxed); }
+  /// How many times it was not refreshed for five seconds or more, by the clock.
+  std::uint32_t long_pauses() const noexcept { return long_pauses_.load(std::memory_order_relaxed); }
   bool stopped() const noexcept { return stopped_.load(std::memory_order_relaxed); }
   /// The longest time without a refresh until now, by the clock: the loop was blocked, or the whole
   /// program was stopped.
@@ -49,14 +55,14 @@ class DeadMansSwitch {
  private:
   const Clock clock_;
   std::atomic<std::chrono::nanoseconds::rep> last_{clock_().count()}, longest_{0};
-  std::atomic<std::uint32_t> refreshes_{0};
+  std::atomic<std::uint32_t> refreshes_{0}, long_pauses_{0};
   std::atomic<bool> stopped_{false};
 };
 
 /// The age of a DeadMansSwitch, counted in frames at the sample rate, so that it needs no clock and does not
 /// advance where no block is processed. A refresh counts from the first frame of the block that observes it:
 ///   age >= 500 ms (or two of the longest blocks)  Expire
-///   age >= 5 s                                    Disarm
+///   age >= 5 s, or 5 s by the clock               Disarm
 ///   refreshed after Expire                        Resume
 class DeadMansWatch {
  public:
@@ -65,11 +71,14 @@ class DeadMansWatch {
 
   /// [control & stopped] From frame 0 on, where its age is 0. nullptr: none, and nothing expires.
   void start(const DeadMansSwitch* source, Hertz sample_rate, int max_frames, bool expired) noexcept {
+    // Those since the stream before count.
+    if (source != nullptr && source != source_) seen_pauses_ = source->long_pauses();
     source_ = source;
     const auto frames = [&](Seconds time) { return static_cast<std::int64_t>(frames_in(time, sample_rate)); };
     patience_ = std::max(frames(kPatience), 2 * std::int64_t{max_frames});
     disarm_ = std::max(frames(kDisarm), patience_);
     seen_ = source == nullptr ? 0 : source->refreshes();
+    away_ = false;
     refreshed_ = 0;
     expired_ = expired;
     disarmed_ = false;
@@ -80,9 +89,16 @@ class DeadMansWatch {
     const auto refreshes = source_->refreshes();
     if (std::exchange(seen_, refreshes) == refreshes) return Action::None;
     refreshed_ = frame;
+    const auto pauses = source_->long_pauses();
+    away_ = std::exchange(seen_pauses_, pauses) != pauses && !disarmed_;
     disarmed_ = false;
     return std::exchange(expired_, false) ? Action::Resume : Action::None;
   }
+  /// [realtime] After `observe`, once: by the clock it had not been refreshed for five seconds or more, and
+  /// no Disarm came of it, as no blocks came meanwhile: the device stood still with the program.
+  bool was_away() noexcept { return std::exchange(away_, false); }
+  /// [realtime] The drives are disarmed until it is refreshed again.
+  void set_disarmed() noexcept { disarmed_ = true; }
   /// [realtime] The frame of the next Expire or Disarm.
   std::int64_t next() const noexcept {
     if (source_ == nullptr || disarmed_) return std::numeric_limits<std::int64_t>::max();
@@ -110,8 +126,8 @@ class DeadMansWatch {
   const DeadMansSwitch* source_ = nullptr;
   std::int64_t patience_ = 0, disarm_ = 0;  ///< frames
   std::int64_t refreshed_ = 0;              ///< the frame
-  std::uint32_t seen_ = 0;
-  bool expired_ = false, disarmed_ = false;
+  std::uint32_t seen_ = 0, seen_pauses_ = 0;
+  bool expired_ = false, disarmed_ = false, away_ = false;
 };
 
 }  // namespace tactus

@@ -88,6 +88,20 @@ class DriveGuard {
     if (heat_) heat_->warm_to(state);
   }
 
+  /// [any] How far the mass may be from where the model has it, as a share of its limit.
+  double displacement() const noexcept { return excursion_ ? excursion_->displacement() : 0.0; }
+  /// [realtime] At least so far.
+  void displace(double share) noexcept {
+    if (excursion_) excursion_->displace(share);
+  }
+  /// [control & stopped] What the actuator did before is unknown: it is as warm as it may stay, its mass may
+  /// be at its limit, and DC may have lasted for all of its time.
+  void suppose_worst() noexcept {
+    if (heat_) heat_->warm_to(heat_->warmest());
+    displace(1.0);
+    dc_.spend(dc_.most_s());
+  }
+
   /// [control & stopped] How long DC has lasted (dc_limiter.h).
   double dc_time_s() const noexcept { return dc_.spent_s(); }
   /// [realtime] At least so long.

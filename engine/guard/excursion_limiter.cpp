@@ -11,6 +11,12 @@ namespace {
 
 double length(Vector2 v) noexcept { return std::sqrt(v.x * v.x + v.y * v.y); }
 
+/// By how much a matrix stretches at most.
+double norm(const Matrix2& m) noexcept {
+  const double sum = m.a * m.a + m.b * m.b + m.c * m.c + m.d * m.d, determinant = m.a * m.d - m.b * m.c;
+  return std::sqrt(0.5 * (sum + std::sqrt(std::max(0.0, sum * sum - 4.0 * determinant * determinant))));
+}
+
 /// Towards 0 by at most `step`.
 double returned(double y, double step) noexcept {
   return y > 0.0 ? std::max(0.0, y - step) : std::min(0.0, y + step);
@@ -27,6 +33,7 @@ ExcursionLimiter::ExcursionLimiter(const ExcursionLimits& limits, double largest
   push_ = static_ * turn;
   return_push_ = push_ / (2.0 * largest_step);
   limit_ = std::max(0.0, 1.0 - (static_ + 1.0 + 1.0 / limits.q) * turn * turn / 8.0);
+  room_ = limit_;
   group_free_ = {1.0, 0.0, 0.0, 1.0};
   Vector2 weight = held_;
   for (std::size_t n = kGuardGroup; n-- > 0; weight = free_ * weight, group_free_ = free_ * group_free_) {
@@ -41,7 +48,7 @@ double ExcursionLimiter::sudden(Vector2 state, double y) const noexcept {
 
 /// `sudden` without its root.
 bool ExcursionLimiter::surely_within(Vector2 state, double y) const noexcept {
-  const double room = limit_ - kRounding - return_push_ * y * y;
+  const double room = room_ - kRounding - return_push_ * y * y;
   return room > 0.0 && state.x * state.x + state.y * state.y <= room * room;
 }
 
@@ -54,11 +61,11 @@ double ExcursionLimiter::allow(double wanted, double previous, int position) noe
   const auto there = after(wanted);
   if (surely_within(there, wanted)) return wanted;
   const double suddenly = sudden(there, wanted), steadily = steady(there, wanted);
-  if (suddenly <= limit_ || steadily <= limit_) return wanted;
+  if (suddenly <= room_ || steadily <= room_) return wanted;
   const double back = returned(previous, largest_step_);
   const auto home = after(back);
   const auto share = [this](double from, double to) {
-    return from < limit_ ? (limit_ - from) / (to - from) : 0.0;
+    return from < room_ ? (room_ - from) / (to - from) : 0.0;
   };
   const double most = std::max(share(sudden(home, back), suddenly), share(steady(home, back), steadily));
   return back + most * (wanted - back);
@@ -83,6 +90,19 @@ void ExcursionLimiter::end_group() noexcept {
   now_ = at_start_;
   known_ = 0;
   bound_ = length(at_start_);
+  if (displacement() == 0.0) return;
+  constexpr double kForgotten = 1e-6;
+  since_ = group_free_ * since_;
+  const double left = norm(since_);
+  displacement_.store(left < kForgotten ? 0.0 : left, std::memory_order_relaxed);
+  room_ = std::max(0.0, limit_ - displacement());
+}
+
+void ExcursionLimiter::displace(double share) noexcept {
+  if (share <= displacement()) return;
+  since_ = {share, 0.0, 0.0, share};
+  displacement_.store(share, std::memory_order_relaxed);
+  room_ = std::max(0.0, limit_ - share);
 }
 
 }  // namespace tactus

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 
 #include "engine/core/matrix2.h"
 #include "engine/guard/drive_limits.h"
@@ -22,8 +23,12 @@ namespace tactus {
 ///   h = (k + 1 + 1/Q) (ω0 T)² / 8              between two frames the mass may bulge out by so much
 ///
 /// Otherwise it goes only a share of the way from that return to where it wanted: both are convex in y, so
-/// the chord between the two ends never promises too much. The model is that of drive alone, without
-/// inductance (which would weaken the push); a hand or a stick can move the mass further.
+/// the chord between the two ends never promises too much.
+///
+/// Where the mass was before is known for one that starts at rest. Otherwise it may be anywhere with r <= u,
+/// and what is left of that, u times the norm of the free motion since, is taken off the 1. The model is that
+/// of drive alone, without inductance (which would weaken the push); a hand or a stick can move the mass
+/// further.
 class ExcursionLimiter {
  public:
   /// [control] `largest_step`: of the drive from frame to frame; infinity: none.
@@ -32,7 +37,7 @@ class ExcursionLimiter {
   /// [realtime] True if no sample of a block can reach the limit, whatever their order: only the sum of their
   /// absolute values is known, and a bound for each. Cheap, and errs to the side of no.
   bool stays_within(double sum_of_absolutes, double largest) const noexcept {
-    return bound_ + push_ * sum_of_absolutes + return_push_ * largest * largest <= limit_ - kRounding;
+    return bound_ + push_ * sum_of_absolutes + return_push_ * largest * largest <= room_ - kRounding;
   }
   /// [realtime] What may go out instead of `wanted` behind `previous`, at `position` of the group.
   double allow(double wanted, double previous, int position) noexcept;
@@ -42,6 +47,11 @@ class ExcursionLimiter {
   void observe(const double* samples, int frames, int position, double sum_of_absolutes) noexcept;
   /// [realtime] A group is over.
   void end_group() noexcept;
+
+  /// [realtime] The mass may be at any place and speed with r <= `share` of the limit, besides what is known.
+  void displace(double share) noexcept;
+  /// [any] What is left of that, at most.
+  double displacement() const noexcept { return displacement_.load(std::memory_order_relaxed); }
 
  private:
   static constexpr double kRounding = 1e-9;
@@ -60,6 +70,9 @@ class ExcursionLimiter {
   double return_push_;  ///< push / (2 Δ)
   double largest_step_;
   double limit_;                                         ///< 1 - h
+  double room_;                                          ///< what is left of it where the start is unknown
+  Matrix2 since_;                                        ///< free motion since then, times u
+  std::atomic<double> displacement_{0.0};                ///< its norm
   std::array<double, kGuardGroup> weight_x_, weight_y_;  ///< of the samples of a group in its end
   std::array<double, kGuardGroup> observed_{};           ///< the outputs of this group so far
   GroupSum sum_x_, sum_y_;

@@ -40,6 +40,11 @@ Status Guarded::prepare(const StreamFormat& format) {
     auto& channel =
         channels_.emplace_back(config_of(static_cast<int>(c)), format.sample_rate, armed_at_start_);
     if (c < before.size()) restore(before[c], channel);
+    if (!on_device_) continue;
+    if (c < before.size())
+      channel.guard.displace(1.0);
+    else
+      channel.guard.suppose_worst();
   }
   take_pending([this](const JournalEntry& command) { (void)apply_command(command); });
   open_guards(0);  // commands that came while no block did hold from the first frame on
@@ -121,6 +126,7 @@ void Guarded::apply_to(Channel& channel, const JournalEntry& command) noexcept {
   if (command.kind == Kind::CoilHeat) guard.warm_to({command.value, 0.0});
   if (command.kind == Kind::BodyHeat) guard.warm_to({0.0, command.value});
   if (command.kind == Kind::DcTime) guard.spend_dc_time(command.value);
+  if (command.kind == Kind::Displacement) guard.displace(command.value);
   if (command.kind == Kind::FeedbackPath)
     guard.add_feedback_path(FeedbackPath::of(static_cast<int>(command.value)));
 }
@@ -172,6 +178,7 @@ Seconds Guarded::closing_time() const noexcept {
 
 void Guarded::observe_dead_man(std::int64_t frame) noexcept {
   act_on_dead_man(dead_mans_watch_.observe(frame), frame);
+  if (dead_mans_watch_.was_away()) act_on_dead_man(DeadMansWatch::Action::Disarm, frame);
   const auto* source = dead_mans_watch_.source();
   if (source != nullptr && source->stopped() && !faded_)
     apply({frame, JournalEntry::Kind::Fade, JournalEntry::kAllChannels, 1.0}, frame);
@@ -180,6 +187,7 @@ void Guarded::observe_dead_man(std::int64_t frame) noexcept {
 void Guarded::note_pause(Seconds pause) noexcept {
   if (!dead_mans_watch_.slept(pause)) return;
   arm_.set(false);
+  dead_mans_watch_.set_disarmed();
   (void)events_.push({frame_.load(std::memory_order_relaxed), GuardEvent::Kind::DeadManDisarmed, 0});
 }
 
@@ -267,6 +275,8 @@ std::vector<JournalEntry> Guarded::state() const {
     if (heat.body > 0.0) entries.push_back({0, Kind::BodyHeat, c, heat.body});
     if (const double dc_s = channel.guard.dc_time_s(); dc_s > 0.0)
       entries.push_back({0, Kind::DcTime, c, dc_s});
+    if (const double share = channel.guard.displacement(); share > 0.0)
+      entries.push_back({0, Kind::Displacement, c, share});
     const auto path = channel.guard.feedback_path();
     if (path != config_of(c).feedback)
       entries.push_back({0, Kind::FeedbackPath, c, static_cast<double>(path.bits())});
@@ -277,9 +287,9 @@ std::vector<JournalEntry> Guarded::state() const {
 }
 
 bool Guarded::post(const JournalEntry& entry) noexcept {
-  constexpr std::array kOurs = {Kind::Arm,     Kind::Mute,        Kind::Fade,
-                                Kind::DeadMan, Kind::CoilHeat,    Kind::BodyHeat,
-                                Kind::DcTime,  Kind::SensorNoise, Kind::FeedbackPath};
+  constexpr std::array kOurs = {Kind::Arm,          Kind::Mute,        Kind::Fade,   Kind::DeadMan,
+                                Kind::CoilHeat,     Kind::BodyHeat,    Kind::DcTime, Kind::SensorNoise,
+                                Kind::FeedbackPath, Kind::Displacement};
   return std::ranges::find(kOurs, entry.kind) != kOurs.end() &&
          (entry.frame == JournalEntry::kNow ? at_once_.push(entry) : inbox_.post(entry));
 }

@@ -104,6 +104,12 @@ class Guarded final : public BlockProcessor {
   /// and this was the last block; if `process` is called again, every guard starts softly.
   bool finish(const BlockIo& io) noexcept TACTUS_NONBLOCKING;
 
+  /// [control & stopped] From the next `prepare` on, the actuators are those of a device: what they did
+  /// before is unknown, so the first time they are taken to be as warm as they may stay, and each time their
+  /// masses may be anywhere within their limits. Without it they start cold and at rest, as in files and
+  /// simulations.
+  void suppose_worst() noexcept { on_device_ = true; }
+
   /// [realtime & prepared] Before `process`: no block came for so long. Where the dead man's switch was not
   /// refreshed meanwhile either, as in a program that was stopped, and this is five seconds or more, the
   /// drives are disarmed.
@@ -123,10 +129,10 @@ class Guarded final : public BlockProcessor {
   /// [control & prepared] From the next block on outputs may return to themselves in these ways too, by
   /// channel, whatever waits in a queue, and journalled with its frame: before an edit takes over.
   void add_feedback_paths(const std::vector<FeedbackPath>& paths) noexcept;
-  /// [control, one thread] Kinds Arm, Mute, Fade, DeadMan, CoilHeat, BodyHeat, DcTime, SensorNoise and
-  /// FeedbackPath, in frame order; a late entry is applied at once, and one for kNow before all that wait for
-  /// their frame. A heat can only make warmer, a DC time only longer, and a feedback path is only added.
-  /// False: the queue is full, try again after a block; or it is another kind.
+  /// [control, one thread] Kinds Arm, Mute, Fade, DeadMan, CoilHeat, BodyHeat, DcTime, SensorNoise,
+  /// FeedbackPath and Displacement, in frame order; a late entry is applied at once, and one for kNow before
+  /// all that wait for their frame. A heat can only make warmer, a DC time only longer, and a feedback path
+  /// is only added. False: the queue is full, try again after a block; or it is another kind.
   [[nodiscard]] bool post(const JournalEntry& entry) noexcept;
   /// [control, one thread] What made drives fade out, oldest first. False: nothing new.
   [[nodiscard]] bool take_event(GuardEvent& event) noexcept { return events_.pop(event); }
@@ -189,6 +195,7 @@ class Guarded final : public BlockProcessor {
   const DeadMansSwitch* dead_man_ = nullptr;
   DeadMansWatch dead_mans_watch_;
   bool watch_sensors_ = true;
+  bool on_device_ = false;
   BlockTap* tap_ = nullptr;
   std::deque<Channel> channels_;
   std::vector<SensorWatch> sensors_;

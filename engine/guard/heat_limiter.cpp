@@ -13,8 +13,8 @@ double rise_on_the_way_down(const HeatLimits& limits, double ceiling, double sle
   return fastest_rise(limits, ceiling) * ceiling / (3.0 * slew_per_second);
 }
 
-HeatLimiter::HeatLimiter(const HeatLimits& limits, double ceiling, double slew_per_second,
-                         Hertz sample_rate) {
+HeatLimiter::HeatLimiter(const HeatLimits& limits, double ceiling, double slew_per_second, Hertz sample_rate)
+    : coil_share_(limits.coil_share) {
   const double s = limits.coil_share, coil = 1.0 / limits.coil_time.value,
                body = 1.0 / limits.body_time.value;
   free_ = exponential({-coil, coil, (1.0 - s) / s * body, -body / s}, kGuardGroup / sample_rate.value);

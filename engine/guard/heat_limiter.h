@@ -57,6 +57,8 @@ class HeatLimiter {
   }
   /// [realtime] Only ever warmer than it was: what is restored must not be optimistic.
   void warm_to(const ThermalState& state) noexcept;
+  /// [any] The warmest that lasts: where a steady power leads to the limit.
+  ThermalState warmest() const noexcept { return {1.0, 1.0 - coil_share_}; }
 
  private:
   void warm(double coil, double body) noexcept;
@@ -64,6 +66,7 @@ class HeatLimiter {
 
   Matrix2 free_;        ///< over a group
   Vector2 per_square_;  ///< what a group with a mean square of 1 adds
+  double coil_share_;
   double largest_rise_;
   double way_down_;
   GroupSum squares_;

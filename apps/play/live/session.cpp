@@ -88,6 +88,7 @@ Session::Session(Performer& performer, Backend& backend, StreamRequest request, 
   for (const auto& output : performer.outputs) view_.outputs.push_back({output});
   guarded_.set_tap(&meter_);
   guarded_.set_dead_mans_switch(dead_man);
+  guarded_.suppose_worst();
 }
 
 Session::~Session() { (void)stop(); }

@@ -66,15 +66,15 @@ TEST_CASE("take: a header comes back as it was, to the last bit", "[take]") {
   CHECK(header.files.texts == full_header().files.texts);
 }
 
-TEST_CASE("take: headers of formats 1 and 2 are read, those of a later format refused", "[take]") {
+TEST_CASE("take: headers of formats 1 to 3 are read, those of a later format refused", "[take]") {
   const TemporaryFolder folder;
   const auto with_version = [](const std::string& version) {
     auto line = journal_line(full_header());
-    const std::string now = "\"tactus_take\":3";
+    const std::string now = "\"tactus_take\":4";
     return line.replace(line.find(now), now.size(), "\"tactus_take\":" + version);
   };
-  for (const auto* version : {"1", "2"}) CHECK(message(folder, with_version(version)).empty());
-  for (const auto* version : {"0", "4"})
+  for (const auto* version : {"1", "2", "3"}) CHECK(message(folder, with_version(version)).empty());
+  for (const auto* version : {"0", "5"})
     CHECK(message(folder, with_version(version)) == "take.jsonl BadFile");
 }
 
@@ -158,7 +158,7 @@ TEST_CASE("take: what is no take says what it is", "[take]") {
   CHECK(message(folder, "") == "take.jsonl BadFile");
   CHECK(message(folder, "hello\n") == "take.jsonl BadFile");
   CHECK(message(folder, "{}\n") == "take.jsonl BadFile");
-  CHECK(message(folder, "{\"tactus_take\": 4}\n") == "take.jsonl BadFile");
+  CHECK(message(folder, "{\"tactus_take\": 5}\n") == "take.jsonl BadFile");
   CHECK(message(folder, journal_line(full_header()) + "rubbish\n" + journal_line(JournalEntry{})) ==
         "take.jsonl:2 BadFile");
 }

@@ -142,6 +142,26 @@ TEST_CASE("dead man's switch: the longest pause is remembered, and one that stil
   CHECK(dead_man.longest_pause().value == 0.08);
 }
 
+TEST_CASE("dead man's switch: where device and program stood still together for 5 s, drives are disarmed",
+          "[core]") {
+  static std::chrono::nanoseconds now;
+  const auto [seconds, disarms] = GENERATE(std::pair{4.9, false}, std::pair{5.1, true});
+  Watched watched;
+  DeadMansSwitch dead_man{[] { return now; }};
+  watched.guarded.set_dead_mans_switch(&dead_man);
+  REQUIRE(watched.guarded.prepare({.out_channels = 2, .max_frames = 4800}));
+  watched.play_until(4'800);
+  now += std::chrono::nanoseconds{static_cast<std::int64_t>(1e9 * seconds)};  // no block comes meanwhile
+  for (int i = 0; i < 50; ++i) dead_man.refresh();  // the program goes on before the device does
+  watched.play_until(14'400);
+  CHECK(watched.drive.back() == (disarms ? 0.0 : 1.0));
+  CHECK(watched.events().size() == (disarms ? 1 : 0));
+  watched.guarded.arm(true);
+  dead_man.refresh();
+  watched.play_until(19'200);
+  CHECK(watched.drive.back() == 1.0);
+}
+
 TEST_CASE("dead man's switch: stopped, every output fades in the next block, for good", "[core]") {
   Watched watched;
   watched.play_until(4'800);

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -19,7 +20,11 @@ constexpr Hertz kRate = 48_kHz;
 /// The moving mass of travel.h by Runge and Kutta's fourth-order method, four steps to a frame; in metres.
 class FineMass {
  public:
-  explicit FineMass(const ExcursionLimits& limits) : limits_(limits), w_(2 * kPi * limits.resonance.value) {}
+  /// `turn`: where on the circle r = 1 it starts [rad]; without it, at rest.
+  explicit FineMass(const ExcursionLimits& limits, std::optional<double> turn = {})
+      : limits_(limits), w_(2 * kPi * limits.resonance.value) {
+    if (turn) state_ = {limits.metres * std::cos(*turn), limits.metres * w_ * std::sin(*turn)};
+  }
   double frame(double y) {
     constexpr int kSteps = 4;
     const double h = 1.0 / kRate.value / kSteps;
@@ -53,6 +58,7 @@ double logarithmic(std::mt19937& random, double low, double high) {
 
 TEST_CASE("travel: the mass never passes its limit, whatever is asked of it", "[core]") {
   std::mt19937 random{5};
+  const bool starts_at_rest = GENERATE(true, false);
   double farthest = 0.0;
   for (int profile = 0; profile < 60; ++profile) {
     ExcursionLimits travel{.metres = logarithmic(random, 1e-4, 1e-2),
@@ -64,7 +70,8 @@ TEST_CASE("travel: the mass never passes its limit, whatever is asked of it", "[
     if (profile % 2 == 1) limits.slew_per_second = logarithmic(random, 30, 50'000);
     DriveGuard guard{DriveGuard::Kind::Drive, limits, kRate};
     guard.set_open(true, 0);
-    FineMass mass{travel};
+    if (!starts_at_rest) guard.displace(1.0);
+    FineMass mass{travel, starts_at_rest ? std::optional<double>{} : uniform(random, 0, 2 * kPi)};
     const double pitch = travel.resonance.value * logarithmic(random, 0.2, 3);
     for (int n = 0; n < 24'000; ++n) {
       // Resonance, steps at odd times, noise and held force: whatever drives it outwards.
@@ -81,6 +88,23 @@ TEST_CASE("travel: the mass never passes its limit, whatever is asked of it", "[
   INFO("farthest " << farthest << " of the limit");
   CHECK(farthest <= 1.0 + 1e-9);
   CHECK(farthest > 0.99);
+}
+
+TEST_CASE("travel: where the start is unknown, the force comes as a free motion decays", "[core]") {
+  // Free, r falls by exp(-w t / 2Q) on average, within a factor of sqrt((2Q + 1) / (2Q - 1)).
+  const ExcursionLimits travel{.metres = 5e-3, .metres_at_full_scale = 4e-3, .resonance = 30_Hz, .q = 10};
+  DriveGuard guard{DriveGuard::Kind::Drive, {.excursion = travel}, kRate};
+  guard.displace(1.0);
+  const double decay = kPi * 30.0 / 10.0, ripple = std::sqrt(21.0 / 19.0);
+  std::vector<double> silence(64);
+  for (int n = 0; n < 48'000; n += 64) {
+    guard.process(silence.data(), 64, n);
+    const double free = std::exp(-decay * (n + 64) / kRate.value);
+    REQUIRE(guard.displacement() <= free * ripple + 1e-12);
+    REQUIRE(guard.displacement() >= free / ripple);
+  }
+  for (int n = 48'000; n < 96'000; n += 64) guard.process(silence.data(), 64, n);
+  CHECK(guard.displacement() == 0.0);  // below a millionth it is forgotten
 }
 
 TEST_CASE("travel: a force that holds the mass just within its limit passes, and a little more does not",

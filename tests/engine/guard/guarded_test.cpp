@@ -252,6 +252,33 @@ TEST_CASE("guarded: a restart is never cooler than the run before, and keeps tha
   CHECK(restored.thermal_state(1) == guarded.thermal_state(1));
 }
 
+TEST_CASE("guarded: on a device what was before is unknown, and the worst is supposed", "[core]") {
+  const DriveLimits limits{
+      .heat = HeatLimits{.watts_at_full_scale = 10, .watts_for_ever = 5, .coil_time = 100_ms},
+      .excursion = ExcursionLimits{.metres = 1e-3, .metres_at_full_scale = 2e-3, .q = 3},
+      .dc = {.level = 0.1, .time = 3_s}};
+  const std::vector<GuardedChannel> guards = {kAudio, {DriveGuard::Kind::Drive, limits}};
+  Level level{0.6}, other{0.6};
+  Guarded guarded{level, guards}, restored{other, guards};
+  guarded.suppose_worst();
+  for (auto* each : {&guarded, &restored}) REQUIRE(each->prepare({.out_channels = 2, .max_frames = 64}));
+  CHECK(restored.state().empty());
+  const std::vector<JournalEntry> worst = {{0, Kind::CoilHeat, 1, 1.0},
+                                           {0, Kind::BodyHeat, 1, 0.5},
+                                           {0, Kind::DcTime, 1, 3.0},
+                                           {0, Kind::Displacement, 1, 1.0}};
+  CHECK(guarded.state() == worst);
+  for (const auto& entry : worst) REQUIRE(restored.post(entry));
+  CHECK(play(restored, 2, 48'000) == play(guarded, 2, 48'000));
+
+  // When the device returns the warmth is known, the place of the mass is not.
+  const auto warm = guarded.thermal_state(1);
+  CHECK(warm.coil < 1.0);
+  REQUIRE(guarded.prepare({.out_channels = 2, .max_frames = 64}));
+  CHECK(guarded.thermal_state(1) == warm);
+  CHECK(guarded.state().back() == worst.back());
+}
+
 TEST_CASE("guarded: a restart keeps what was muted or disarmed, and forgets what still waited", "[core]") {
   Level level{1.0};
   Guarded guarded{level, {kDrive, kDrive, kDrive}};
