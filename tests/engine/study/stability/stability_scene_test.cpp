@@ -118,19 +118,23 @@ pull = { type = "spring", in = "place", stiffness = "stiffness * share" }
 motor = { from = "pull / 1 N" }
 )");
   const double border = 1.5 / (0.002 + 0.5 / 48000) / 0.5;
-  const auto played = [&](double highest, double share_then) {
-    folder.write("scene.toml", fmt::format(R"(format = 1
+  const auto with_gestures = [&](const std::string& gestures) {
+    folder.write("scene.toml", R"(format = 1
 delay = "2 ms"
 duration = "1 s"
 [parts]
-instrument = {{ use = "instrument.toml", place = "plant.place", stiffness = "harder", share = "less" }}
-plant = {{ use = "plant.toml", drive = "instrument.motor" }}
+instrument = { use = "instrument.toml", place = "plant.place", stiffness = "harder", share = "less" }
+plant = { use = "plant.toml", drive = "instrument.motor" }
 [gestures]
-harder = {{ points = [["0.2 s", "100 N/m"], ["0.4 s", "{:.9g} N/m"], ["0.6 s", "100 N/m"]] }}
+)" + gestures);
+    return analysed(folder);
+  };
+  const auto played = [&](double highest, double share_then) {
+    return with_gestures(fmt::format(
+        R"(harder = {{ points = [["0.2 s", "100 N/m"], ["0.4 s", "{:.9g} N/m"], ["0.6 s", "100 N/m"]] }}
 less = {{ points = [["0 s", 1], ["0.1 s", {:.9g}], ["0.7 s", {:.9g}], ["0.8 s", 1]] }}
 )",
-                                           highest, share_then, share_then));
-    return analysed(folder);
+        highest, share_then, share_then));
   };
   CHECK(played(0.98 * border, 1.0).stable());
   CHECK(played(1.96 * border, 0.5).stable());
@@ -146,18 +150,10 @@ less = {{ points = [["0 s", 1], ["0.1 s", {:.9g}], ["0.7 s", {:.9g}], ["0.8 s", 
 
   // Where both move, each in frames of its own: the product is largest between their ends.
   const auto crossing = [&](double most) {
-    folder.write("scene.toml", fmt::format(R"(format = 1
-delay = "2 ms"
-duration = "1 s"
-[parts]
-instrument = {{ use = "instrument.toml", place = "plant.place", stiffness = "harder", share = "less" }}
-plant = {{ use = "plant.toml", drive = "instrument.motor" }}
-[gestures]
-harder = {{ points = [["0.1 s", "0 N/m"], ["0.9 s", "{:.9g} N/m"]] }}
+    return with_gestures(fmt::format(R"(harder = {{ points = [["0.1 s", "0 N/m"], ["0.9 s", "{:.9g} N/m"]] }}
 less = {{ points = [["0.10013 s", 1], ["0.90013 s", 0]] }}
 )",
-                                           4.0 * most));
-    return analysed(folder);
+                                     4.0 * most));
   };
   CHECK(crossing(0.98 * border).stable());
   const auto crossed = crossing(1.02 * border);
