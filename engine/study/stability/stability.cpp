@@ -188,8 +188,8 @@ std::vector<ReachedValue> reached_values(const std::vector<JournalEntry>& journa
   return reached;
 }
 
-/// The states of the controls where two of them or more have moved within 20 ms, which need not be in the
-/// same frame: where one moves alone, it is judged at both ends of its way.
+/// The states of the controls where two of them or more have moved within 20 ms, in the same frame
+/// or not. A control that moves alone is judged at its lowest and highest value.
 std::vector<ControlState> moving_states(const std::vector<JournalEntry>& journal, Hertz rate) {
   constexpr double kTogether = 0.02;
   std::vector<ControlState> states;

@@ -30,7 +30,7 @@ void find_gains(const LinearGraph& graph, std::complex<double> z, const std::vec
   const auto log_z = std::log(z);
   for (const auto e : of) {
     const auto& edge = graph.edges[e];
-    const auto at = edge.divisor == 1 ? z : std::pow(z, edge.divisor);
+    const auto at = [&] { return edge.divisor == 1 ? z : std::pow(z, edge.divisor); };
     switch (edge.kind) {
       case LinearEdge::Kind::Gain:
         gains[e] = edge.gain;
@@ -39,14 +39,14 @@ void find_gains(const LinearGraph& graph, std::complex<double> z, const std::vec
         gains[e] = std::exp(-static_cast<double>(edge.frames) * log_z);
         break;
       case LinearEdge::Kind::Node:
-        gains[e] = edge.node->response(edge.input, edge.output, at, edge.at).value_or(0.0);
+        gains[e] = edge.node->response(edge.input, edge.output, at(), edge.at).value_or(0.0);
         break;
       case LinearEdge::Kind::Network: {
         const auto& network = graph.networks[index(edge.network)]->response();
         auto& all = responses[index(edge.network)];
-        if (!network.by_modes() && all.size() == 0) all = network.at(at);
+        if (!network.by_modes() && all.size() == 0) all = network.at(at());
         gains[e] =
-            network.by_modes() ? network.at(at, edge.output, edge.input) : all(edge.output, edge.input);
+            network.by_modes() ? network.at(at(), edge.output, edge.input) : all(edge.output, edge.input);
         break;
       }
       case LinearEdge::Kind::Hold:
