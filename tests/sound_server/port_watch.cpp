@@ -136,7 +136,9 @@ struct Watch {
         handle, [](int on, void* of) { static_cast<Watch*>(of)->freewheels = on != 0; }, this);
     jack_on_shutdown(
         handle, [](void* of) { static_cast<Watch*>(of)->lost = true; }, this);
-    return jack_activate(handle) == 0;
+    if (jack_activate(handle) == 0) return true;
+    jack_client_close(handle);
+    return false;
   }
 
   void connect() {

@@ -25,21 +25,30 @@ constexpr int kTrial = 16;  // channel of the messages of Player::hears
 
 using Bytes = std::array<std::uint8_t, 3>;
 
-/// A JACK client with one MIDI output, as a keyboard is one.
+/// A JACK client with one MIDI output, as a keyboard is one. A busy server may refuse to activate it: it joins
+/// again until it plays.
 class Keyboard {
  public:
   explicit Keyboard(const std::string& name) {
-    client_ = jack_client_open(name.c_str(), JackNoStartServer, nullptr);
-    REQUIRE(client_ != nullptr);
-    port_ = jack_port_register(client_, "keys", JACK_DEFAULT_MIDI_TYPE, JackPortIsOutput, 0);
-    jack_set_process_callback(client_, process, this);
-    REQUIRE(jack_activate(client_) == 0);
+    REQUIRE(test::wait_until([&] { return joins(name); }));
   }
   ~Keyboard() { jack_client_close(client_); }
   void play(const Bytes& bytes) { REQUIRE(offer(bytes)); }
   bool offer(const Bytes& bytes) { return queue_.push(bytes); }
 
  private:
+  bool joins(const std::string& name) {
+    client_ = jack_client_open(name.c_str(), static_cast<jack_options_t>(JackNoStartServer | JackUseExactName),
+                               nullptr);
+    if (client_ == nullptr) return false;
+    port_ = jack_port_register(client_, "keys", JACK_DEFAULT_MIDI_TYPE, JackPortIsOutput, 0);
+    jack_set_process_callback(client_, process, this);
+    if (port_ != nullptr && jack_activate(client_) == 0) return true;
+    jack_client_close(client_);
+    client_ = nullptr;
+    return false;
+  }
+
   static int process(jack_nframes_t frames, void* self) {
     auto& keyboard = *static_cast<Keyboard*>(self);
     void* buffer = jack_port_get_buffer(keyboard.port_, frames);
