@@ -1,9 +1,11 @@
 #include "engine/core/dimension.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "engine/core/decibels.h"
 #include "engine/core/parse_double.h"
@@ -18,6 +20,9 @@ struct Symbol {
   std::string_view name, prefixes;
   Unit unit;
 };
+
+/// An octave in decibels of amplitude.
+constexpr double kOctave_dB = 6.0205999132796239;
 
 // Exponents of metre, kilogram, second, ampere.
 constexpr Symbol kSymbols[] = {
@@ -41,14 +46,31 @@ constexpr Symbol kSymbols[] = {
     {"dB", "", {{}, 1.0, true}},
     {"dBFS", "", {{}, 1.0, true}},
     {"%", "", {{}, 1e-2}},
+    {"cents", "", {{}, kOctave_dB / 1200, true}},
+    {"cent", "", {{}, kOctave_dB / 1200, true}},
+    {"semitones", "", {{}, kOctave_dB / 12, true}},
+    {"semitone", "", {{}, kOctave_dB / 12, true}},
     {"rpm", "", {{0, 0, -1, 0}, 1.0 / 60.0}},
+    {"bpm", "", {{0, 0, -1, 0}, 1.0 / 60.0}},
+};
+/// Taken whole, since the factors of other units with angles are plain numbers.
+constexpr Symbol kAngularFrequencies[] = {
+    {"rad/s", "", {{0, 0, -1, 0}, 0.5 / kPi}},
+    {"deg/s", "", {{0, 0, -1, 0}, 1.0 / 360.0}},
 };
 constexpr std::pair<char, double> kPrefixes[] = {{'p', 1e-12}, {'n', 1e-9}, {'u', 1e-6}, {'m', 1e-3},
                                                  {'c', 1e-2},  {'k', 1e3},  {'M', 1e6}};
 
 bool same(double a, double b) { return std::abs(a - b) < 1e-9; }
 
+/// Bytes of "µ" at the beginning, the micro sign or the Greek letter; 0 if there is none.
+std::size_t micro_length(std::string_view text) {
+  return text.starts_with("\u00B5") || text.starts_with("\u03BC") ? 2 : 0;
+}
+
 std::optional<Unit> find_symbol(std::string_view name) {
+  if (const auto micro = micro_length(name); micro > 0)
+    return name.size() == micro ? std::nullopt : find_symbol("u" + std::string{name.substr(micro)});
   for (const auto& [symbol, prefixes, unit] : kSymbols) {
     if (name == symbol) return unit;
     if (name.size() != symbol.size() + 1 || !name.ends_with(symbol)) continue;
@@ -107,7 +129,8 @@ bool in_word(char c) {
 /// Length of "m^1.5", "ms" or "%" at the beginning of `text`; 0 if it does not begin with one symbol.
 std::size_t symbol_length(std::string_view text) {
   if (text.starts_with('%')) return 1;
-  const auto word_end = std::find_if_not(text.begin(), text.end(), in_word);
+  const auto word_end =
+      std::find_if_not(text.begin() + static_cast<std::ptrdiff_t>(micro_length(text)), text.end(), in_word);
   const auto length = static_cast<std::size_t>(word_end - text.begin());
   if (!is_unit_symbol(text.substr(0, length))) return 0;
   if (length == text.size() || text[length] != '^') return length;
@@ -152,12 +175,16 @@ std::string to_string(const Dimension& d) {
   return below.empty() ? above : above + "/" + below;
 }
 
-double Unit::to_si(double number) const { return decibel ? amplitude_from_db(number) : number * factor; }
-double Unit::from_si(double si) const { return decibel ? 20.0 * std::log10(si) : si / factor; }
+double Unit::to_si(double number) const {
+  return decibel ? amplitude_from_db(number * factor) : number * factor;
+}
+double Unit::from_si(double si) const { return (decibel ? 20.0 * std::log10(si) : si) / factor; }
 
 std::optional<Unit> parse_unit(std::string_view text) {
   text = trim(text);
   if (text.empty() || text == "full scale" || text == "1") return Unit{};
+  for (const auto& symbol : kAngularFrequencies)
+    if (text == symbol.name) return symbol.unit;
   Unit unit;
   bool divide = false;
   bool first = true;
@@ -201,6 +228,24 @@ std::string_view unit_prefix(std::string_view text) {
       next = std::min(text.find_first_not_of(" \t\r\n", next), text.size());
   }
   return text.substr(0, end);
+}
+
+std::string unit_in_other_case(std::string_view text) {
+  constexpr std::size_t kMostLetters = 8;
+  std::vector<std::size_t> letters;
+  for (std::size_t i = 0; i < text.size(); ++i)
+    if (std::isalpha(static_cast<unsigned char>(text[i])) != 0) letters.push_back(i);
+  if (letters.empty() || letters.size() > kMostLetters) return {};
+  for (unsigned upper = 0; upper < 1u << letters.size(); ++upper) {
+    std::string tried{text};
+    for (std::size_t i = 0; i < letters.size(); ++i) {
+      const auto letter = static_cast<unsigned char>(text[letters[i]]);
+      const bool is_upper = (upper >> i & 1u) != 0;
+      tried[letters[i]] = static_cast<char>(is_upper ? std::toupper(letter) : std::tolower(letter));
+    }
+    if (parse_unit(tried)) return tried;
+  }
+  return {};
 }
 
 std::optional<QuantityValue> parse_quantity(std::string_view text) {

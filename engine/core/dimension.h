@@ -22,7 +22,8 @@ struct Dimension {
 /// As text: "N/m", "m/s", "kg m^2"; "" for a plain number.
 std::string to_string(const Dimension& dimension);
 
-/// A unit as written in a file: SI value = factor * number, or 10^(number / 20) when `decibel`.
+/// A unit as written in a file: SI value = factor * number, or that many decibels, 10^(factor * number / 20),
+/// when `decibel`: dB, cents and semitones, which are ratios.
 struct Unit {
   Dimension dimension;
   double factor = 1.0;
@@ -32,9 +33,10 @@ struct Unit {
   double from_si(double si) const;
 };
 
-/// "ms", "N/m^1.5", "T m", "kg/s", "m/s^2", "full scale", "dB", "%", "" (plain). Factors are separated by a
-/// space or '*'; everything after a '/' up to the next '/' divides once ("N s/m" is N·s per m, "N/m/s" N per
-/// m per s). nullopt: not a unit.
+/// "ms", "µs", "N/m^1.5", "T m", "kg/s", "m/s^2", "full scale", "dB", "%", "" (plain). Frequencies are
+/// revolutions: 1 Hz = 60 rpm = 60 bpm, and by themselves "rad/s" and "deg/s" are frequencies too. Factors
+/// are separated by a space or '*'; everything after a '/' up to the next '/' divides once ("N s/m" is N·s
+/// per m, "N/m/s" N per m per s). nullopt: not a unit.
 std::optional<Unit> parse_unit(std::string_view text);
 
 /// The longest beginning of `text` that reads as a unit inside an expression; "" if there is none. Factors
@@ -43,6 +45,9 @@ std::string_view unit_prefix(std::string_view text);
 
 /// True for one unit symbol ("ms", "ohm", "dB").
 bool is_unit_symbol(std::string_view word);
+
+/// The unit that was meant where only the case of letters is wrong: "kHz" for "KHZ"; "" if none is.
+std::string unit_in_other_case(std::string_view text);
 
 /// A number with a unit or without.
 struct QuantityValue {

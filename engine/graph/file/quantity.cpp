@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <optional>
+#include <string_view>
 
 #include "engine/core/parse_double.h"
 
@@ -20,13 +22,14 @@ std::string example_of(const Dimension& dimension) {
   return dimension.plain() ? "a number without a unit, such as 0.5" : "a quantity in " + to_string(dimension);
 }
 
-/// It has the form of a quantity, whatever the size of its number.
-bool has_number_and_unit(std::string_view text) {
+/// What follows the number, however large that is; nullopt: no number begins the text.
+std::optional<std::string_view> behind_number(std::string_view text) {
   const auto start = std::min(text.find_first_not_of(" +"), text.size());
   double value = 0;
   const auto number = parse_double(text.data() + start, text.data() + text.size(), value);
-  if (number.ec == std::errc::invalid_argument) return false;
-  return parse_unit(text.substr(static_cast<std::size_t>(number.ptr - text.data()))).has_value();
+  if (number.ec == std::errc::invalid_argument) return std::nullopt;
+  const auto rest = text.substr(static_cast<std::size_t>(number.ptr - text.data()));
+  return rest.substr(std::min(rest.find_first_not_of(' '), rest.size()));
 }
 
 }  // namespace
@@ -55,8 +58,15 @@ std::string short_quantity(double si, const Dimension& dimension) {
   return short_number(si) + (name.empty() ? "" : " " + name);
 }
 
+/// "dB", "cents", "semitones"
+static const char* name_of_ratio(const Unit& unit) {
+  for (const auto* name : {"cents", "semitones"})
+    if (parse_unit(name)->factor == unit.factor) return name;
+  return "dB";
+}
+
 std::string in_unit(double si, const Unit& unit) {
-  if (unit.decibel) return short_number(unit.from_si(si)) + " dB";
+  if (unit.decibel) return short_number(unit.from_si(si)) + " " + name_of_ratio(unit);
   return short_quantity(si, unit.dimension);
 }
 
@@ -77,13 +87,15 @@ Result<QuantityValue> read_quantity(const Value& value) {
     return fail(Errc::WrongType, value.at.text(), "a number with a unit cannot be " + value.kind(),
                 "give a number, or a number with its unit in quotes, such as \"15 ms\"");
   const auto quantity = parse_quantity(*text);
-  if (!quantity && has_number_and_unit(*text))
+  if (quantity) return *quantity;
+  const auto unit = behind_number(*text);
+  if (unit && parse_unit(*unit))
     return fail(Errc::OutOfRange, value.at.text(), "'" + *text + "' is not finite",
                 "give a number below 1e300 in SI units");
-  if (!quantity)
-    return fail(Errc::Syntax, value.at.text(), "'" + *text + "' is not a number with a unit",
-                "write a number and its unit, such as \"15 ms\"");
-  return *quantity;
+  const auto meant = unit ? unit_in_other_case(*unit) : std::string{};
+  return fail(
+      Errc::Syntax, value.at.text(), "'" + *text + "' is not a number with a unit",
+      meant.empty() ? "write a number and its unit, such as \"15 ms\"" : "did you mean " + meant + "?");
 }
 
 Result<double> read_quantity(const Value& value, const Unit& expected, const std::string& what) {
