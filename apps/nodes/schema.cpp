@@ -7,6 +7,7 @@
 
 #include "apps/cli/json.h"
 #include "engine/graph/file/read_graph.h"
+#include "engine/graph/semantics/operators.h"
 #include "engine/nodes/networks/network_elements.h"
 #include "engine/nodes/networks/solver_names.h"
 #include "engine/rig/profile.h"
@@ -106,12 +107,19 @@ struct Keys {
   }
 };
 
+/// Constants may name what expressions do not: outputs, expectations.
+std::vector<std::string> reserved_everywhere() {
+  std::vector<std::string> names;
+  for (const auto& name : reserved_names())
+    if (find_constant(name) == nullptr) names.emplace_back(name);
+  return names;
+}
+
 /// An object of entries with free names, each like `entry`.
 Json entries(const std::string& description, Json entry) {
   return {{"description", description},
           {"type", "object"},
-          {"propertyNames",
-           {{"pattern", "^[a-z][a-z0-9_]*$"}, {"not", {{"enum", {"system", "min", "max", "abs"}}}}}},
+          {"propertyNames", {{"pattern", "^[a-z][a-z0-9_]*$"}, {"not", {{"enum", reserved_everywhere()}}}}},
           {"additionalProperties", std::move(entry)}};
 }
 

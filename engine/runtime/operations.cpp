@@ -1,7 +1,8 @@
 #include "engine/runtime/operations.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
+#include <utility>
 
 namespace tactus {
 namespace {
@@ -27,22 +28,39 @@ void unary(const Signal* in, double* out, int frames, F f) noexcept {
   for (int n = 0; n < frames; ++n) out[n] = f(in[0].data[n * in[0].stride]);
 }
 
-template <Expression::Op kOp>
-void run(const Signal* in, double* out, int frames) noexcept {
-  if constexpr (kOp == Expression::Op::Negate || kOp == Expression::Op::Abs || kOp == Expression::Op::Signal)
-    unary(in, out, frames, [](double a) { return apply(kOp, a, 0.0); });
-  else
-    binary(in, out, frames, [](double a, double b) { return apply(kOp, a, b); });
+template <class F>
+void ternary(const Signal* in, double* out, int frames, F f) noexcept {
+  const Signal a = in[0], b = in[1], c = in[2];
+  for (int n = 0; n < frames; ++n)
+    out[n] = f(a.data[n * a.stride], b.data[n * b.stride], c.data[n * c.stride]);
 }
+
+template <std::size_t kEntry>
+void run(const Signal* in, double* out, int frames) noexcept {
+  constexpr auto& type = kOperators[kEntry];
+  constexpr auto value = type.value;
+  if constexpr (type.operands == 1)
+    unary(in, out, frames, [](double a) { return value(a, 0, 0); });
+  else if constexpr (type.operands == 2)
+    binary(in, out, frames, [](double a, double b) { return value(a, b, 0); });
+  else if constexpr (value != nullptr)
+    ternary(in, out, frames, value);
+}
+
+using Run = void (*)(const Signal* in, double* out, int frames) noexcept;
+constexpr auto kRuns = []<std::size_t... kEntries>(std::index_sequence<kEntries...>) {
+  return std::array<Run, sizeof...(kEntries)>{run<kEntries>...};
+}
+(std::make_index_sequence<kOperators.size()>{});
 
 }  // namespace
 
 void run_operation_row(Expression::Op op, const Signal* in, double* out, int frames) noexcept {
-  if (in[0].constant() && in[1].constant()) {  // controls at rest
-    std::fill_n(out, frames, apply(op, in[0][0], in[1][0]));
+  if (const int operands = operator_of(op).operands; all_rest(in, operands)) {  // controls at rest
+    std::fill_n(out, frames, evaluate(op, in[0][0], in[1][0], operands < 3 ? 0 : in[2][0]));
     return;
   }
-  for_operator(op, [&](auto constant) { run<constant()>(in, out, frames); });
+  kRuns[entry_of(op)](in, out, frames);
 }
 
 bool row_is_finite(const double* samples, int frames) noexcept {

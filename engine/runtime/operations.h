@@ -6,21 +6,27 @@
 #include <cstdint>
 
 #include "engine/graph/node.h"
-#include "engine/graph/semantics/expression.h"
 #include "engine/graph/semantics/flat_graph.h"
+#include "engine/graph/semantics/operators.h"
 
 namespace tactus {
+
+/// [realtime] Whether none of the operands moves.
+inline bool all_rest(const Signal* in, int operands) noexcept {
+  return in[0].constant() && in[1].constant() && (operands < 3 || in[2].constant());
+}
 
 /// [realtime]
 void run_operation_row(Expression::Op op, const Signal* in, double* out, int frames) noexcept;
 // Not inlined: its constants would delay a single frame.
 [[gnu::noinline]] bool row_is_finite(const double* samples, int frames) noexcept;
 
-/// [realtime] out[n] = op(in[0][n], in[1][n]), as in `apply`, for n
-/// in [0, frames).
-inline void run_operation(Expression::Op op, const Signal* in, double* out, int frames) noexcept {
+/// [realtime] out[n] = op(in[0][n], in[1][n], in[2][n]), as in `evaluate`, for n in [0, frames). Of one
+/// operand there are two in `in`, of three there are three.
+inline void run_operation(Expression::Op op, int operands, const Signal* in, double* out,
+                          int frames) noexcept {
   if (frames == 1)
-    *out = apply(op, *in[0].data, *in[1].data);
+    *out = evaluate(op, *in[0].data, *in[1].data, operands < 3 ? 0 : *in[2].data);
   else
     run_operation_row(op, in, out, frames);
 }

@@ -123,13 +123,15 @@ StepRunner::Fault StepRunner::run_operations(const Step& step, bool loop, int of
     if (operation.can_rest >= 0 && run_at_rest(operation, operands, frames)) continue;
     double* out = operation.out + offset;
     if (offset == 0) {
-      run_operation(operation.op, operands, out, frames);
+      run_operation(operation.op, operation.operands, operands, out, frames);
     } else {
-      const Signal moved[2] = {{operands[0].data + offset * operands[0].stride, operands[0].stride},
-                               {operands[1].data + offset * operands[1].stride, operands[1].stride}};
-      run_operation(operation.op, moved, out, frames);
+      const auto moved = [&](int operand) {
+        return Signal{operands[operand].data + offset * operands[operand].stride, operands[operand].stride};
+      };
+      const Signal all[] = {moved(0), moved(1), operation.operands < 3 ? Signal{} : moved(2)};
+      run_operation(operation.op, operation.operands, all, out, frames);
     }
-    if (!can_overflow(operation.op) || all_finite(out, frames)) continue;
+    if (!operation.can_fail || all_finite(out, frames)) continue;
     const int bad = first_nonfinite(out, frames);
     const int cleared = clear_nonfinite(out, frames);
     // Outside loops it remembers nothing, so that only the bad frames themselves are lost.
@@ -141,12 +143,12 @@ StepRunner::Fault StepRunner::run_operations(const Step& step, bool loop, int of
 
 /// False if one of the operands moves.
 bool StepRunner::run_at_rest(const MicroOperation& operation, const Signal* operands, int frames) noexcept {
-  const bool rests = operands[0].constant() && operands[1].constant();
+  const bool rests = all_rest(operands, operation.operands);
   if (rests != (running_->at_rest[index(operation.can_rest)] != 0))
     running_->settle(operation.can_rest, rests);
   if (!rests) return false;
   double value = 0;
-  run_operation(operation.op, operands, &value, 1);
+  run_operation(operation.op, operation.operands, operands, &value, 1);
   if (!is_finite(value)) {
     value = 0;
     count_fault(operation.vertex, frames);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/graph/semantics/operators.h"
 #include "engine/nodes/table.h"
 #include "tests/conformance/node_cases.h"
 #include "tests/support/temporary_folder.h"
@@ -66,7 +67,7 @@ class RandomGraph {
     const auto one = [this] {
       return signals_[static_cast<std::size_t>(pick(static_cast<int>(signals_.size())))];
     };
-    switch (pick(9)) {
+    switch (pick(12)) {
       case 0:
         return "0.5 * (" + one() + " - " + one() + ")";
       case 1:
@@ -75,10 +76,25 @@ class RandomGraph {
         return one() + " / (1 + abs(" + one() + "))";
       case 3:
         return "0.9 * max(-0.5, " + limited(one()) + " * " + limited(one()) + ")";
+      case 4:
+        return "select(" + one() + " > 0.1, " + one() + ", 0.5 * " + one() + ")";
+      case 5:
+      case 6:
+        return function_of(limited(one()), limited(one()));
       default:
         return one();
     }
   }
+  /// Any function of numbers from -1 to 1, inside its domain. What it gives is never much larger.
+  std::string function_of(const std::string& a, const std::string& b) {
+    const auto& names = function_names();
+    const auto& type = *find_function(names[static_cast<std::size_t>(pick(static_cast<int>(names.size())))]);
+    const bool positive = type.can_fail && !type.domain.bounded();
+    std::string text = std::string{type.name} + "(" + (positive ? "0.1 + abs(" + a + ")" : a);
+    for (int i = 1; i < type.operands; ++i) text += ", " + (i == 1 && !type.can_fail ? b : "0.3");
+    return text + ")";
+  }
+
   static std::string limited(const std::string& signal) { return "max(-1, min(1, " + signal + "))"; }
 
   /// What a port takes: a number of its range, or a signal brought into it.

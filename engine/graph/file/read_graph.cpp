@@ -96,7 +96,7 @@ NodeSpec read_element(const Field& field, const std::string& network, ErrorList&
 
 NetworkSpec read_network(EntrySpec entry, ErrorList& errors) {
   NetworkSpec network{{entry.name, entry.at, {}, entry.broken}, {}};
-  NameSpace names;
+  NameSpace names{NameSpace::Names::AfterDots};
   for (auto& field : entry.fields) {
     if (field.value.table() == nullptr) {
       network.fields.push_back(std::move(field));
@@ -110,7 +110,7 @@ NetworkSpec read_network(EntrySpec entry, ErrorList& errors) {
 }
 
 void check_names(const GraphSpec& spec, ErrorList& errors) {
-  NameSpace inside, outputs;
+  NameSpace inside, outputs{NameSpace::Names::AfterDots};
   const auto add_all = [&](const auto& entries, const char* kind, NameSpace& names) {
     for (const auto& entry : entries) names.add(entry.name, kind, entry.at, errors);
   };

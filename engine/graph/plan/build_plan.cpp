@@ -3,7 +3,7 @@
 
 #include "engine/graph/plan/compile.h"
 #include "engine/graph/plan/inserted_nodes.h"
-#include "engine/graph/semantics/expression.h"
+#include "engine/graph/semantics/operators.h"
 
 namespace tactus {
 namespace {
@@ -166,7 +166,7 @@ class Builder {
     step.width = vertex.width;
     set_dividers(step, vertex);
     step.can_fail = vertex.kind != Kind::Pack && vertex.kind != Kind::RateConverter &&
-                    (vertex.kind != Kind::Operation || can_overflow(vertex.op));
+                    (vertex.kind != Kind::Operation || operator_of(vertex.op).can_fail);
     step.first_in = add_inputs(vertex);
     step.inputs = static_cast<int>(vertex.in.size());
     step.first_out = static_cast<int>(plan_->outputs.size());
@@ -198,6 +198,8 @@ class Builder {
     operation.vertex = v;
     operation.first_in = add_inputs(vertex);
     if (vertex.in.size() == 1) add_input(vertex.in[0]);  // every operation has two operands to point at
+    operation.operands = operator_of(vertex.op).operands;
+    operation.can_fail = operator_of(vertex.op).can_fail;
     operation.out = buffer(v, 0);
     if (std::all_of(vertex.in.begin(), vertex.in.end(),
                     [this](const Wire& wire) { return can_rest(wire); })) {

@@ -4,11 +4,12 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "engine/core/transpose.h"
 #include "engine/dsp/kernel.h"
 #include "engine/graph/file/quantity.h"
-#include "engine/graph/semantics/expression.h"
+#include "engine/graph/semantics/operators.h"
 
 namespace tactus {
 namespace {
@@ -23,13 +24,14 @@ double lane_of(const double* frame, int lane) noexcept {
 
 template <Expression::Op kOp, bool kSameLeft, bool kSameRight>
 void run(const Signal* in, double* out, int frames) noexcept {
+  constexpr auto value = operator_of(kOp).value;
   const double* left = in[0].data;
   const double* right = in[1].data;
   const auto left_stride = in[0].stride, right_stride = in[1].stride;
   for (int n = 0; n < frames; ++n, out += kVectorWidth) {
     Row result;
     for (int lane = 0; lane < kVectorWidth; ++lane)
-      result[index(lane)] = apply(kOp, lane_of<kSameLeft>(left, lane), lane_of<kSameRight>(right, lane));
+      result[index(lane)] = value(lane_of<kSameLeft>(left, lane), lane_of<kSameRight>(right, lane), 0);
     std::copy_n(result.data(), kVectorWidth, out);
     left += left_stride;
     right += right_stride;
@@ -37,13 +39,54 @@ void run(const Signal* in, double* out, int frames) noexcept {
 }
 
 template <Expression::Op kOp>
-void run(const Signal* in, double* out, int frames) noexcept {
+void run_two(const Signal* in, double* out, int frames) noexcept {
   const bool same_left = in[0].stride == 1, same_right = in[1].stride == 1;
   if (same_left && same_right) return run<kOp, true, true>(in, out, frames);
   if (same_left) return run<kOp, true, false>(in, out, frames);
   if (same_right) return run<kOp, false, true>(in, out, frames);
   return run<kOp, false, false>(in, out, frames);
 }
+
+template <Expression::Op kOp>
+void run_three(const Signal* in, double* out, int frames) noexcept {
+  constexpr auto value = operator_of(kOp).value;
+  const auto at = [in](int operand, int n, int lane) {
+    const auto& signal = in[operand];
+    return signal.data[n * signal.stride + (signal.stride == 1 ? 0 : lane)];
+  };
+  for (int n = 0; n < frames; ++n)
+    for (int lane = 0; lane < kVectorWidth; ++lane)
+      *out++ = value(at(0, n, lane), at(1, n, lane), at(2, n, lane));
+}
+
+/// Of one operand.
+template <Expression::Op kOp>
+void run_one(const Signal* in, double* out, int frames) noexcept {
+  const Signal twice[2] = {in[0], in[0]};
+  return in[0].stride == 1 ? run<kOp, true, true>(twice, out, frames)
+                           : run<kOp, false, false>(twice, out, frames);
+}
+
+using Run = void (*)(const Signal* in, double* out, int frames) noexcept;
+
+template <std::size_t kEntry>
+constexpr Run run_of() {
+  constexpr auto& type = kOperators[kEntry];
+  if constexpr (type.value == nullptr)
+    return nullptr;
+  else if constexpr (type.operands == 1)
+    return run_one<type.op>;
+  else if constexpr (type.operands == 2)
+    return run_two<type.op>;
+  else
+    return run_three<type.op>;
+}
+
+/// A loop of its own for each operator.
+constexpr auto kRuns = []<std::size_t... kEntries>(std::index_sequence<kEntries...>) {
+  return std::array<Run, sizeof...(kEntries)>{run_of<kEntries>()...};
+}
+(std::make_index_sequence<kOperators.size()>{});
 
 }  // namespace
 
@@ -195,7 +238,7 @@ std::string RateConverter::about() const {
 }
 
 void VectorOperation::process(const NodeBlock& block) noexcept {
-  for_operator(op_, [&](auto constant) { run<constant()>(block.in, block.out[0], block.frames); });
+  kRuns[entry_of(op_)](block.in, block.out[0], block.frames);
 }
 
 void Pack::process(const NodeBlock& block) noexcept {

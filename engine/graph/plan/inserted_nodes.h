@@ -99,7 +99,7 @@ class RateConverter : public Node {
   bool started_ = false;
 };
 
-/// One operator of an expression on kVectorWidth lanes: out = op(in[0], in[1]), as in `apply`.
+/// One operator of an expression on kVectorWidth lanes, as in `evaluate`.
 class VectorOperation : public Node {
  public:
   explicit VectorOperation(Expression::Op op) : op_(op) {}

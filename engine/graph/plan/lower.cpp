@@ -5,6 +5,7 @@
 #include "engine/graph/plan/inserted_nodes.h"
 #include "engine/graph/plan/vertex_graph.h"
 #include "engine/graph/semantics/facts.h"
+#include "engine/graph/semantics/operators.h"
 
 namespace tactus {
 namespace {
@@ -209,11 +210,28 @@ class Lowering {
       default:
         break;
     }
-    Vertex vertex{
-        .kind = Kind::Operation, .op = expression.op, .divisor = divisor_, .path = path, .at = expression.at};
-    set_lane(vertex, &expression, lane, lanes);
-    for (const auto& argument : expression.arguments) vertex.in.push_back(lower(argument, lane, lanes, path));
-    return add(std::move(vertex));
+    std::vector<Wire> in;
+    for (const auto& argument : expression.arguments) in.push_back(lower(argument, lane, lanes, path));
+    Vertex vertex{.kind = Kind::Operation, .divisor = divisor_, .path = path, .at = expression.at};
+    const auto add_operator = [&](Op op, std::vector<Wire> operands) {
+      vertex.op = op;
+      vertex.in = std::move(operands);
+      set_lane(vertex, &expression, lane, lanes);
+      return add(vertex);
+    };
+    if (const auto* definition = definition_of(expression.op))
+      return lower_definition(*definition, in, add_operator);
+    return add_operator(expression.op, std::move(in));
+  }
+
+  /// The names in a definition are a, b and c: the wires in `in`.
+  template <class Add>
+  Wire lower_definition(const Expression& expression, const std::vector<Wire>& in, const Add& add_operator) {
+    if (expression.op == Op::Signal) return in[index(expression.name.front() - 'a')];
+    std::vector<Wire> operands;
+    for (const auto& argument : expression.arguments)
+      operands.push_back(lower_definition(argument, in, add_operator));
+    return add_operator(expression.op, std::move(operands));
   }
 
   /// Of a list or a spread: its lanes stay together even where one of them is 0 or 1.

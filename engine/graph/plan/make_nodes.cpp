@@ -5,8 +5,8 @@
 #include "engine/graph/plan/compile.h"
 #include "engine/graph/plan/fingerprint.h"
 #include "engine/graph/plan/inserted_nodes.h"
-#include "engine/graph/semantics/expression.h"
 #include "engine/graph/semantics/facts.h"
+#include "engine/graph/semantics/operators.h"
 
 namespace tactus {
 namespace {
@@ -174,10 +174,13 @@ class Maker {
     if (vertex.kind == Kind::Sum) return starting_sum(vertex, depth);
     if (vertex.kind == Kind::RateConverter) return starting_value(vertex.in[0], depth + 1);
     if (vertex.kind != Kind::Operation || depth > 1000) return std::nullopt;
-    const auto a = starting_value(vertex.in[0], depth + 1);
-    const auto b = vertex.in.size() > 1 ? starting_value(vertex.in[1], depth + 1) : std::optional{0.0};
-    if (!a || !b) return std::nullopt;
-    return apply(vertex.op, *a, *b);
+    OperandValues operands{};
+    for (std::size_t i = 0; i < vertex.in.size(); ++i) {
+      const auto value = starting_value(vertex.in[i], depth + 1);
+      if (!value) return std::nullopt;
+      operands[i] = *value;
+    }
+    return evaluate(vertex.op, operands[0], operands[1], operands[2]);
   }
 
   std::optional<double> starting_sum(const Vertex& sum, int depth) {

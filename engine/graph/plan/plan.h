@@ -39,10 +39,12 @@ struct Readers {
 /// One element-wise operation over the frames of a sub-block.
 struct MicroOperation {
   Expression::Op op;
-  int first_in = 0;  ///< in Plan::inputs
+  int first_in = 0;  ///< in Plan::inputs; of one operand there are two, both the same
   double* out = nullptr;
   int vertex = 0;
   int can_rest = -1;  ///< in Plan::can_rest, or -1
+  int operands = 1;
+  bool can_fail = true;  ///< its output can be non-finite although its operands are finite
 };
 
 /// One entry of the flat list that a block runs through.

@@ -7,8 +7,8 @@
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/plan/inserted_nodes.h"
 #include "engine/graph/plan/vertex_graph.h"
-#include "engine/graph/semantics/expression.h"
 #include "engine/graph/semantics/facts.h"
+#include "engine/graph/semantics/operators.h"
 
 namespace tactus {
 namespace {
@@ -102,8 +102,10 @@ class Simplifier {
 
   bool fold_operation(int v) {
     auto& vertex = at(v);
-    if (const auto values = constants(v))
-      return make_constant(v, apply(vertex.op, values->front(), values->size() > 1 ? values->back() : 0));
+    if (auto values = constants(v)) {
+      values->resize(kMostOperands);
+      return make_constant(v, evaluate(vertex.op, (*values)[0], (*values)[1], (*values)[2]));
+    }
     if (vertex.op == Op::Multiply) {
       for (std::size_t i = 0; i < 2; ++i) {
         if (same_in_all(vertex.in[i]) == 1.0) return replace(v, vertex.in[1 - i]);

@@ -1,6 +1,9 @@
+#include <cmath>
+
 #include "engine/graph/file/error_list.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/semantics/facts.h"
+#include "engine/graph/semantics/operators.h"
 
 namespace tactus {
 namespace {
@@ -8,11 +11,15 @@ namespace {
 /// As the file at the error's place calls it: "bridge.loss" is the `loss` of a part.
 std::string local_name(const std::string& path) { return path.substr(path.rfind('.') + 1); }
 
-bool adds_or_compares(Expression::Op op) {
-  using Op = Expression::Op;
-  return op == Op::Add || op == Op::Subtract || op == Op::Min || op == Op::Max || op == Op::Lanes ||
-         op == Op::Spread;
+/// Whether operand `i` has the unit that others have.
+bool shares_unit(const Expression& expression, std::size_t i) {
+  return !is_operator(expression.op) || operator_of(expression.op).operand_units[i] == 'u';
 }
+
+/// How messages call an operator: "'+'", "'sqrt'".
+std::string quoted(const Operator& type) { return "'" + std::string{type.name} + "'"; }
+
+bool is_even(double exponent) { return std::round(exponent / 2) * 2 == exponent; }
 
 class Checks {
   using Op = Expression::Op;
@@ -89,16 +96,25 @@ class Checks {
   }
 
   void check_units(const Expression& expression) {
-    if (adds_or_compares(expression.op)) {
-      const Expression* first = nullptr;
-      for (const auto& argument : expression.arguments) {
-        if (unit(argument).kind != UnitKind::Known) continue;
-        if (first == nullptr) first = &argument;
-        check_agrees(argument, *first, expression.op);
-      }
+    const Expression* first = nullptr;
+    for (std::size_t i = 0; i < expression.arguments.size(); ++i) {
+      const auto& argument = expression.arguments[i];
+      if (unit(argument).kind != UnitKind::Known || !shares_unit(expression, i)) continue;
+      if (first == nullptr) first = &argument;
+      check_agrees(argument, *first, expression.op);
     }
-    if (expression.op == Op::Divide) check_divisor(expression.arguments[1]);
+    if (is_operator(expression.op) && expression.op != Op::Signal)
+      check_operator(expression, operator_of(expression.op));
     for (const auto& argument : expression.arguments) check_units(argument);
+  }
+
+  void check_operator(const Expression& expression, const Operator& type) {
+    if (type.op == Op::Divide) check_divisor(expression.arguments[1]);
+    for (std::size_t i = 0; i < expression.arguments.size(); ++i)
+      if (type.operand_units[i] == '1') check_plain(expression.arguments[i], type);
+    if (type.unit == 'r') check_root(expression.arguments[0], type);
+    if (type.unit == 'p') check_power(expression, type);
+    check_domain(expression, type);
   }
 
   /// A signal may pass through 0, which then counts as 0; what is nothing else was not meant.
@@ -108,15 +124,57 @@ class Checks {
       errors_.add(Errc::OutOfRange, expression.at, "the divisor is always 0", "divide by another number");
   }
 
+  void check_plain(const Expression& argument, const Operator& type) {
+    const auto fact = unit(argument);
+    if (fact.kind != UnitKind::Known || fact.dimension.plain()) return;
+    errors_.add(Errc::UnitMismatch, argument.at,
+                quoted(type) + " takes a plain number, but this is " + unit_phrase(fact.dimension),
+                "divide by a quantity in " + to_string(fact.dimension));
+  }
+
+  void check_root(const Expression& argument, const Operator& type) {
+    const auto fact = unit(argument);
+    if (fact.kind != UnitKind::Known) return;
+    const auto& [metre, kilogram, second, ampere] = fact.dimension;
+    if (is_even(metre) && is_even(kilogram) && is_even(second) && is_even(ampere)) return;
+    errors_.add(Errc::UnitMismatch, argument.at,
+                quoted(type) + " needs a unit with even powers, such as m^2/s^2, but this is " +
+                    unit_phrase(fact.dimension),
+                "divide by a quantity in " + to_string(fact.dimension));
+  }
+
+  void check_power(const Expression& expression, const Operator& type) {
+    const auto fact = unit(expression.arguments[0]);
+    if (fact.kind != UnitKind::Known || fact.dimension.plain()) return;
+    const auto exponent = constant_of(expression.arguments[1]);
+    if (exponent && std::round(*exponent) == *exponent) return;
+    errors_.add(Errc::UnitMismatch, expression.arguments[1].at,
+                quoted(type) + " takes " + unit_phrase(fact.dimension) + " to whole constant powers only",
+                "divide the first value by a quantity in " + to_string(fact.dimension));
+  }
+
+  /// A signal may leave the domain, which is then a fault; what is never inside was not meant.
+  void check_domain(const Expression& expression, const Operator& type) {
+    if (*type.domain_text == '\0') return;
+    const auto in = operand_ranges(graph_, expression);
+    if (!is_outside(type, in)) return;
+    const auto always = in[0].single() ? " " + short_number(in[0].low) : "";
+    errors_.add(Errc::OutOfRange, expression.at,
+                type.use() + " is always outside its domain: " + type.domain_text +
+                    (type.operands == 1 && in[0].single() ? ", but x is" + always : ""),
+                "give it a value inside the domain");
+  }
+
   void check_agrees(const Expression& expression, const Expression& first, Expression::Op op) {
     const auto a = unit(first).dimension;
     const auto b = unit(expression).dimension;
     if (a == b) return;
-    const char* meets = op == Op::Add        ? "is added to"
-                        : op == Op::Subtract ? "is taken from"
-                        : op == Op::Lanes    ? "is in a list with"
-                        : op == Op::Spread   ? "is in a spread with"
-                                             : "is compared with";
+    const std::string meets = op == Op::Add                   ? "is added to"
+                              : op == Op::Subtract            ? "is taken from"
+                              : op == Op::Lanes               ? "is in a list with"
+                              : op == Op::Spread              ? "is in a spread with"
+                              : operator_of(op).is_function() ? "meets in " + quoted(operator_of(op))
+                                                              : "is compared with";
     errors_.add(Errc::UnitMismatch, expression.at,
                 "this is " + unit_phrase(b) + ", but it " + meets + " what is " + unit_phrase(a),
                 op == Op::Lanes || op == Op::Spread

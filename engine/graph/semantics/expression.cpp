@@ -1,12 +1,15 @@
 #include "engine/graph/semantics/expression.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
 #include "engine/core/dimension.h"
 #include "engine/core/index.h"
 #include "engine/core/parse_double.h"
+#include "engine/graph/file/error_list.h"
+#include "engine/graph/semantics/operators.h"
 
 namespace tactus {
 namespace {
@@ -33,18 +36,70 @@ class Parser {
   Parser(std::string_view text, const Source& at) : text_(text), at_(at) {}
 
   Result<Expression> whole() {
-    auto value = sum();
+    auto value = comparison();
     if (!value) return value;
     skip_space();
     if (here_ == text_.size()) return value;
     if (peek() == ')') return syntax(here_, "')' has no '(' before it", "remove it");
     if (peek() == ',')
-      return syntax(here_, "',' is only allowed in min( , ) and max( , )", "write decimals with a point");
-    if (peek() == '^') return syntax(here_, "'^' is not an operator", "multiply instead");
+      return syntax(here_, "',' is only allowed between the arguments of a function",
+                    "write decimals with a point");
+    if (const auto* other = other_operator())
+      return syntax(here_, "'" + std::string{other->sign} + "' is not an operator", other->remedy);
     return syntax(here_, found() + " found where an operator was expected", "put + - * or / before it");
   }
 
  private:
+  /// Operators of other languages.
+  struct OtherOperator {
+    std::string_view sign;
+    const char* remedy;
+  };
+  const OtherOperator* other_operator() const {
+    static constexpr std::array<OtherOperator, 8> kOthers{
+        {{"^", "write pow(a, b)"},
+         {"%", "write mod(a, b)"},
+         {"=", "write == to compare"},
+         {"&&", "multiply comparisons: (a > 0) * (b > 0)"},
+         {"&", "multiply comparisons: (a > 0) * (b > 0)"},
+         {"||", "take the larger of two comparisons: max(a > 0, b > 0)"},
+         {"|", "take the larger of two comparisons: max(a > 0, b > 0)"},
+         {"?", "write select(condition, a, b)"}}};
+    const auto* const other = std::ranges::find_if(
+        kOthers, [this](const OtherOperator& entry) { return text_.substr(here_).starts_with(entry.sign); });
+    return other == kOthers.end() ? nullptr : other;
+  }
+
+  /// sum [ sign sum ]
+  Result<Expression> comparison() {
+    auto left = sum();
+    const auto* sign = left ? comparison_here() : nullptr;
+    if (sign == nullptr) return left;
+    auto whole = make(sign->op, here_);
+    here_ += std::string_view{sign->name}.size();
+    auto right = sum();
+    if (!right) return right;
+    if (const auto* second = comparison_here())
+      return syntax(here_, "'" + std::string{second->name} + "' follows another comparison",
+                    "compare in brackets, as in (a < b) * (b < c)");
+    whole.arguments.push_back(std::move(*left));
+    whole.arguments.push_back(std::move(*right));
+    return whole;
+  }
+
+  /// The longest sign that is here, or nullptr.
+  const Operator* comparison_here() {
+    skip_space();
+    const Operator* longest = nullptr;
+    for (auto op = Op::Less; op <= Op::NotEqual; op = static_cast<Op>(static_cast<int>(op) + 1)) {
+      const std::string_view sign = operator_of(op).name;
+      if (!text_.substr(here_).starts_with(sign)) continue;
+      if (longest == nullptr || sign.size() > std::string_view{longest->name}.size())
+        longest = &operator_of(op);
+    }
+    return longest;
+  }
+
   Result<Expression> sum() { return chain('+', Op::Add, '-', Op::Subtract, &Parser::product); }
   Result<Expression> product() { return chain('*', Op::Multiply, '/', Op::Divide, &Parser::factor); }
 
@@ -102,7 +157,7 @@ class Parser {
 
   Result<Expression> bracket() {
     const auto start = here_++;
-    auto value = sum();
+    auto value = comparison();
     if (value && !take(')')) return unclosed(start);
     return value;
   }
@@ -142,9 +197,11 @@ class Parser {
     const auto word = word_here();
     here_ += word.size();
     skip_space();
-    if (word == "min" || word == "max" || word == "abs") return function(start, word);
+    if (const auto* type = find_function(word); type != nullptr && (peek() == '(' || is_reserved(word)))
+      return function(start, *type);
     if (peek() == '(')
-      return syntax(start, "there is no function '" + word + "'", "the functions are min, max and abs");
+      return syntax(start, "there is no function '" + word + "'", suggest(word, function_names()));
+    if (const auto* constant = find_constant(word)) return number_called(*constant, start);
     if (!dotted_name(word))
       return syntax(start, "'" + word + "' is not a name",
                     "names consist of lower-case letters, digits and _; a port follows a dot");
@@ -154,22 +211,29 @@ class Parser {
     return whole;
   }
 
-  Result<Expression> function(std::size_t start, const std::string& word) {
-    const std::size_t count = word == "abs" ? 1 : 2;
-    const std::string use = word + (count == 1 ? "(x)" : "(a, b)");
-    auto whole = make(count == 1 ? Op::Abs : word == "min" ? Op::Min : Op::Max, start);
+  Result<Expression> number_called(double value, std::size_t start) {
+    if (++values_ > kMaxValues) return too_long(start);
+    auto whole = make(Op::Number, start);
+    whole.number = value;
+    whole.bare = true;
+    return whole;
+  }
+
+  Result<Expression> function(std::size_t start, const Operator& type) {
+    const std::string quoted = "'" + std::string{type.name} + "'";
+    auto whole = make(type.op, start);
     const auto open = here_;
-    if (!take('(')) return syntax(here_, "'(' is missing after '" + word + "'", "write " + use);
+    if (!take('(')) return syntax(here_, "'(' is missing after " + quoted, "write " + type.use());
     while (true) {
-      auto argument = sum();
+      auto argument = comparison();
       if (!argument) return argument;
       whole.arguments.push_back(std::move(*argument));
       skip_space();
-      if (whole.arguments.size() == count) break;
-      if (peek() == ')') return syntax(here_, "'min' and 'max' need two values", "write " + use);
+      if (std::ssize(whole.arguments) == type.operands) break;
+      if (peek() == ')') return syntax(here_, "too few values for " + quoted, "write " + type.use());
       if (!take(',')) return unclosed(open);
     }
-    if (peek() == ',') return syntax(here_, "too many values for '" + word + "'", "write " + use);
+    if (peek() == ',') return syntax(here_, "too many values for " + quoted, "write " + type.use());
     if (!take(')')) return unclosed(open);
     return whole;
   }
@@ -182,14 +246,18 @@ class Parser {
   }
   Result<Expression> unclosed(std::size_t open) const {
     if (here_ == text_.size()) return syntax(open, "'(' is not closed", "put ')' where it ends");
+    if (const auto* other = other_operator())
+      return syntax(here_, "'" + std::string{other->sign} + "' is not an operator", other->remedy);
     return syntax(here_, found() + " found where an operator or ')' was expected",
                   "put + - * or / before it, or ')'");
   }
   Result<Expression> not_a_unit(std::string_view digits) {
     skip_space();
     const auto word = word_here();
+    const auto meant = unit_in_other_case(word);
     return syntax(here_, "'" + word + "' is not a unit",
-                  "to multiply, write " + std::string{digits} + " * " + word);
+                  meant.empty() ? "to multiply, write " + std::string{digits} + " * " + word
+                                : "did you mean " + meant + "?");
   }
 
   std::string word_here() const {
@@ -236,6 +304,10 @@ class Parser {
 };
 
 }  // namespace
+
+bool is_reserved(std::string_view name) {
+  return std::ranges::find(reserved_names(), name) != reserved_names().end();
+}
 
 bool is_name(std::string_view word) {
   return !word.empty() && word[0] >= 'a' && word[0] <= 'z' &&

@@ -1,6 +1,9 @@
 #include "engine/graph/semantics/facts.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "engine/graph/semantics/operators.h"
 
 namespace tactus {
 namespace {
@@ -29,42 +32,75 @@ UnitFact product(UnitFact a, UnitFact b, bool divide) {
   return UnitFact::known(divide ? a.dimension / b.dimension : a.dimension * b.dimension);
 }
 
-UnitFact unit_of(const FlatGraph& graph, const Expression& expression) {
+std::optional<double> constant_of(const Expression& expression) {
   using Op = Expression::Op;
-  const auto of = [&](std::size_t i) { return unit_of(graph, expression.arguments[i]); };
-  switch (expression.op) {
-    case Op::Number:
-      return expression.bare ? UnitFact::bare() : UnitFact::known(expression.dimension);
-    case Op::Signal:
-      return signal_of(graph, expression).unit;
-    case Op::Negate:
-    case Op::Abs:
-      return of(0);
-    case Op::Multiply:
-    case Op::Divide:
-      return product(of(0), of(1), expression.op == Op::Divide);
-    default:
-      break;
+  if (expression.op == Op::Number) return expression.number;
+  if (!is_operator(expression.op) || expression.op == Op::Signal) return std::nullopt;
+  OperandRanges in{};
+  for (std::size_t i = 0; i < expression.arguments.size(); ++i) {
+    const auto value = constant_of(expression.arguments[i]);
+    if (!value) return std::nullopt;
+    in[i] = Interval::exactly(*value);
   }
+  const auto range = range_of(operator_of(expression.op), in);
+  return range.single() ? std::optional{range.low} : std::nullopt;
+}
+
+/// The unit that all operands with a unit share; it is bare if none has one.
+static UnitFact common_unit(const FlatGraph& graph, const Expression& expression) {
   UnitFact fact = UnitFact::bare();
-  for (const auto& argument : expression.arguments) {
-    const auto other = unit_of(graph, argument);
+  for (std::size_t i = 0; i < expression.arguments.size(); ++i) {
+    if (is_operator(expression.op) && operator_of(expression.op).operand_units[i] != 'u') continue;
+    const auto other = unit_of(graph, expression.arguments[i]);
     if (fact.kind != UnitFact::Kind::Known && other.kind != UnitFact::Kind::Bare) fact = other;
   }
   return fact;
+}
+
+static UnitFact power(const UnitFact& unit, std::optional<double> exponent) {
+  if (unit.kind != UnitFact::Kind::Known) return unit;
+  return UnitFact::known(exponent ? unit.dimension.pow(*exponent) : Dimension{});
+}
+
+UnitFact unit_of(const FlatGraph& graph, const Expression& expression) {
+  using Op = Expression::Op;
+  if (expression.op == Op::Number)
+    return expression.bare ? UnitFact::bare() : UnitFact::known(expression.dimension);
+  if (expression.op == Op::Signal) return signal_of(graph, expression).unit;
+  if (!is_operator(expression.op)) return common_unit(graph, expression);
+  const auto of = [&](std::size_t i) { return unit_of(graph, expression.arguments[i]); };
+  switch (operator_of(expression.op).unit) {
+    case 'u':
+      return common_unit(graph, expression);
+    case '*':
+      return product(of(0), of(1), false);
+    case '/':
+      return product(of(0), of(1), true);
+    case 'r':
+      return power(of(0), 0.5);
+    case 'p':
+      return power(of(0), constant_of(expression.arguments[1]));
+    default:
+      return UnitFact::known({});
+  }
 }
 
 Interval range_of(const FlatGraph& graph, const Expression& expression) {
   using Op = Expression::Op;
   if (expression.op == Op::Number) return Interval::exactly(expression.number);
   if (expression.op == Op::Signal) return signal_of(graph, expression).range;
-  const auto of = [&](std::size_t i) { return range_of(graph, expression.arguments[i]); };
-  const auto first = of(0);
-  if (expression.op != Op::Lanes && expression.op != Op::Spread)
-    return apply(expression.op, first, expression.arguments.size() > 1 ? of(1) : first);
-  Interval all = first;
-  for (std::size_t i = 1; i < expression.arguments.size(); ++i) all = all.joined(of(i));
+  if (is_operator(expression.op))
+    return range_of(operator_of(expression.op), operand_ranges(graph, expression));
+  Interval all = range_of(graph, expression.arguments[0]);
+  for (const auto& argument : expression.arguments) all = all.joined(range_of(graph, argument));
   return all;
+}
+
+OperandRanges operand_ranges(const FlatGraph& graph, const Expression& expression) {
+  OperandRanges in{};
+  for (std::size_t i = 0; i < expression.arguments.size(); ++i)
+    in[i] = range_of(graph, expression.arguments[i]);
+  return in;
 }
 
 Interval input_range(const FlatGraph& graph, const FlatNode& node, std::size_t input) {

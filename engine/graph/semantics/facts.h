@@ -2,12 +2,14 @@
 
 // Thread: [control].
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "engine/graph/file/error_list.h"
 #include "engine/graph/file/spec.h"
 #include "engine/graph/semantics/flat_graph.h"
+#include "engine/graph/semantics/operators.h"
 
 namespace tactus {
 
@@ -26,8 +28,13 @@ int lanes_of(const FlatGraph& graph, const Expression& expression);
 UnitFact unit_of(const FlatGraph& graph, const Expression& expression);
 UnitFact product(UnitFact a, UnitFact b, bool divide);
 
+/// Of an expression without signals.
+std::optional<double> constant_of(const Expression& expression);
+
 /// All values that an expression can take.
 Interval range_of(const FlatGraph& graph, const Expression& expression);
+/// Those of the operands of an operator.
+OperandRanges operand_ranges(const FlatGraph& graph, const Expression& expression);
 /// Of an input of a node, its fallback included.
 Interval input_range(const FlatGraph& graph, const FlatNode& node, std::size_t input);
 

@@ -1,19 +1,13 @@
 #include "engine/graph/semantics/scope.h"
 
 #include <algorithm>
-#include <array>
 #include <tuple>
 
 #include "engine/core/dimension.h"
 #include "engine/graph/file/error_list.h"
+#include "engine/graph/semantics/operators.h"
 
 namespace tactus {
-namespace {
-
-constexpr std::array<std::string_view, 4> kReserved = {"system", "min", "max", "abs"};
-
-}  // namespace
-
 std::string Scope::suggestion(const std::string& name) const {
   // Each costs a look at every name: a file with thousands of wrong ones shall not take minutes.
   constexpr int kMostSuggestions = 100;
@@ -29,6 +23,9 @@ Result<int> Scope::find(const std::string& name, const Source& at) const {
   if (const auto it = not_signals_.find(name); it != not_signals_.end())
     return fail(Errc::UnknownName, at.text(), "'" + name + "' is not a signal", it->second);
   if (tolerates(name)) return FlatGraph::kMissing;
+  if (const auto* function = find_function(name))
+    return fail(Errc::UnknownName, at.text(), "there is no '" + name + "', only the function",
+                "write " + function->use());
   const auto near = suggestion(name), owner = first_word(name);
   if (near.empty() && owner != name && signals_.contains(owner))
     return fail(Errc::UnknownName, at.text(),
@@ -47,8 +44,10 @@ void NameSpace::add(const std::string& name, const std::string& kind, const Sour
   if (!is_name(name))
     return refuse("", "names begin with a lower-case letter, followed by lower-case letters, digits and _");
   if (name.size() > 1 && is_unit_symbol(name)) return refuse(" is a unit and", "choose another name");
-  if (std::ranges::find(kReserved, name) != kReserved.end())
+  if (find_constant(name) == nullptr && is_reserved(name))
     return refuse(" is reserved and", "choose another name");
+  if (find_constant(name) != nullptr && names_ == Names::InExpressions)
+    return refuse(" is a constant of expressions and", "choose another name");
   const auto [owner, is_new] = owners_.try_emplace(name, Owner{kind, at});
   if (is_new) return;
   // The error is the later one in the file, whichever section was read first.

@@ -51,9 +51,13 @@ class Scope {
 
 /// Names that must differ from each other: those of the inputs, controls, nodes and networks of a file, for
 /// example. A name is [a-z][a-z0-9_]*, no unit of more than one letter ("ms" would be read as one behind a
-/// number; the letter of "2 * s" is not), and none of `system`, `min`, `max`, `abs`.
+/// number; the letter of "2 * s" is not), and none that expressions reserve (see `is_reserved`).
 class NameSpace {
  public:
+  /// AfterDots: expressions name them as "part.output", or not at all; they may be called like a constant.
+  enum class Names { InExpressions, AfterDots };
+  explicit NameSpace(Names names = Names::InExpressions) : names_(names) {}
+
   /// `kind` is what messages call it: "node", "control".
   void add(const std::string& name, const std::string& kind, const Source& at, ErrorList& errors);
 
@@ -62,6 +66,7 @@ class NameSpace {
     std::string kind;
     Source at;
   };
+  Names names_;
   std::map<std::string, Owner, std::less<>> owners_;
 };
 

@@ -321,7 +321,8 @@ class SceneReader {
     const auto check = [this](const auto& entries, const char* kind, NameSpace& names) {
       for (const auto& entry : entries) names.add(entry.name, kind, entry.at, errors_);
     };
-    NameSpace names, ports, expectations, accuracies;
+    using enum NameSpace::Names;
+    NameSpace names, ports{AfterDots}, expectations{AfterDots}, accuracies{AfterDots};
     check(scene_.parts, "a part", names);
     check(scene_.gestures, "a gesture", names);
     check(scene_.ports, "a port", ports);

@@ -89,68 +89,96 @@ class PlanReader {
     for (int i = step.first_operation; i < step.first_operation + step.operations; ++i) {
       const auto& operation = plan_.operations[index(i)];
       const auto* in = plan_.inputs.data() + operation.first_in;
-      const bool rests = operation.can_rest >= 0 || (in[0].constant() && in[1].constant());
+      const bool rests = operation.can_rest >= 0 ||
+                         std::all_of(in, in + operation.operands, [](const auto& s) { return s.constant(); });
       if (rests) continue;
       const int v = operation.vertex;
       made(v, 0, vertex(v).path, divisor(step));
-      derived_.note({&plan_, v, 0}, operation.op, {source(operand(v, 0)), source(operand(v, 1))},
-                    operands_of_vertex(operation));
+      std::array<PlanSignal, kMostOperands> sources;
+      for (int k = 0; k < operation.operands; ++k) sources[index(k)] = source(operand(v, k));
+      derived_.note({&plan_, v, 0}, operator_of(operation.op), sources, operands_of_vertex(operation));
     }
   }
 
   void join_operations(const Step& step) {
     for (int i = step.first_operation; i < step.first_operation + step.operations; ++i) {
       const auto& operation = plan_.operations[index(i)];
-      const int out = signal(operation.vertex, 0);
-      if (out < 0) continue;
+      if (signal(operation.vertex, 0) < 0) continue;
       const auto operands = operands_of_vertex(operation);
-      for (int k = 0; k < operands_of(operation.op); ++k) {
-        if (!operands.moves[index(k)]) continue;
-        const auto& wire = operand(operation.vertex, k);
-        const auto path = path_of(operation.vertex);
-        if (auto law = corner(path, operation.op, operands, k, derived_.of(source(wire)))) {
-          graph_.laws.push_back(std::move(*law));
-          graph_.has_touched =
-              true;  // flatter behind it, where it is taken off something it makes that steeper
-        }
-        if (k == 0 && has_two_sides(operation.op) && operands.moves[1]) {
-          graph_.laws.push_back(
-              corner_of_two(path, {&plan_, operation.vertex, 0}, operation.op, operands,
-                            {derived_.of(source(wire)), derived_.of(source(operand(operation.vertex, 1)))}));
-          graph_.has_touched = true;
-        }
-        using enum Expression::Op;
-        graph_.varies |= operation.op == Multiply && operands.moves[0] && operands.moves[1];
-        graph_.varies |= operation.op == Divide && operands.moves[1];
-        const double rest = slope_of(operation.op, operands, k, false);
-        const double steep = slope_of(operation.op, operands, k, true);
-        graph_.has_touched |= steep != rest;
-        graph_.nonlinear |= steep != rest;
-        const double gain = regime_.touched ? touched_slope(operation, k) : rest;
-        if (gain != 0) graph_.edges.push_back({.from = signal(wire), .to = out, .path = path, .gain = gain});
-      }
+      note_laws(operation, operands);
+      for (int k = 0; k < operation.operands; ++k)
+        if (operands.moves[index(k)]) join_operand(operation, operands, k);
     }
   }
 
-  static bool has_two_sides(Expression::Op op) {
-    return op == Expression::Op::Min || op == Expression::Op::Max;
+  /// What makes the gains of an operation depend on signals.
+  void note_laws(const MicroOperation& operation, const Operands& operands) {
+    const auto& type = operator_of(operation.op);
+    const auto path = path_of(operation.vertex);
+    const PlanSignal out{&plan_, operation.vertex, 0};
+    const auto from = [&](int k) { return derived_.of(source(operand(operation.vertex, k))); };
+    const auto note = [&](Nonlinearity law) {
+      graph_.laws.push_back(std::move(law));
+      // Flatter behind it, where it is taken off something it makes that steeper.
+      graph_.has_touched = true;
+    };
+    for (int k = 0; k < operation.operands; ++k)
+      if (operands.moves[index(k)])
+        if (auto law = corner(path, type, operands, k, from(k))) note(std::move(*law));
+    const int moving = operands.moving();
+    if (type.small_signal == SmallSignal::Corner && moving == 2)
+      note(corner_of_two(path, out, type, operands, {from(0), from(1)}));
+    if (type.small_signal == SmallSignal::Bounded) note(curve(path, type, operands, from(0)));
+    if (type.small_signal == SmallSignal::Choice && operands.moves[0]) note(choice(path, out, operands));
+    graph_.varies |= type.small_signal == SmallSignal::Product && moving == 2;
+    graph_.varies |= type.small_signal == SmallSignal::Quotient && operands.moves[1];
+    graph_.varies |= type.small_signal == SmallSignal::Curved;
+  }
+
+  void join_operand(const MicroOperation& operation, const Operands& operands, int k) {
+    const auto& type = operator_of(operation.op);
+    const LinearEdge edge{.from = signal(operand(operation.vertex, k)),
+                          .to = signal(operation.vertex, 0),
+                          .path = path_of(operation.vertex)};
+    const auto rest = slope_of(type, operands, k, false);
+    const auto steep = slope_of(type, operands, k, true);
+    graph_.has_touched |= steep != rest;
+    graph_.nonlinear |= steep != rest;
+    const auto gain = regime_.touched ? touched_slope(operation, k) : rest;
+    if (!gain) return add_step(edge, type);
+    if (*gain == 0) return;
+    graph_.edges.push_back(edge);
+    graph_.edges.back().gain = *gain;
+  }
+
+  /// An operator that steps, or one whose slope is not finite here.
+  void add_step(LinearEdge edge, const Operator& type) {
+    edge.kind = LinearEdge::Kind::Event;
+    const bool known = std::ranges::any_of(graph_.events, [&](const auto& e) { return e.path == edge.path; });
+    if (!known) graph_.events.push_back({edge.path, std::string{"operator "} + type.name, {}});
+    graph_.edges.push_back(std::move(edge));
   }
 
   Operands operands_of_vertex(const MicroOperation& operation) const {
-    const auto moves = [&](int k) { return signal(operand(operation.vertex, k)) >= 0; };
-    return {value(operation.first_in), value(operation.first_in + 1), {moves(0), moves(1)}};
+    Operands operands;
+    for (int k = 0; k < operation.operands; ++k) {
+      operands.at[index(k)] = value(operation.first_in + k);
+      operands.moves[index(k)] = signal(operand(operation.vertex, k)) >= 0;
+    }
+    return operands;
   }
 
-  double touched_slope(const MicroOperation& operation, int which) const {
+  std::optional<double> touched_slope(const MicroOperation& operation, int which) const {
+    const auto& type = operator_of(operation.op);
     auto operands = operands_of_vertex(operation);
     if (const auto choice = regime_.moved.find(choice_at({&plan_, operation.vertex, 0}));
-        choice != regime_.moved.end())
+        choice != regime_.moved.end() && slope_of(type, operands, which, true))
       return choice->second == which ? 1 : 0;
     bool taken = false;
-    for (int k = 0; k < operands_of(operation.op); ++k)
+    for (int k = 0; k < operation.operands; ++k)
       if (const auto by = derived_.moved(source(operand(operation.vertex, k)), regime_.moved))
-        (k == 0 ? operands.a : operands.b) += *by, taken = true;
-    return slope_of(operation.op, operands, which, !taken);
+        operands.at[index(k)] += *by, taken = true;
+    return slope_of(type, operands, which, !taken);
   }
 
   void join_node(const Step& step) {

@@ -1,25 +1,27 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
-#include "engine/graph/semantics/expression.h"
+#include "engine/graph/semantics/operators.h"
 #include "tests/conformance/extremes/extreme_case.h"
 
 namespace tactus::test {
 
-/// An operator of an expression with two numbers, each in the file or as a signal.
+/// An operator or function of an expression with its operands, each a number in the file or a signal.
 struct ExpressionCase {
   Expression::Op op{};
-  double a = 0, b = 0;
-  bool a_moves = false, b_moves = false;
+  OperandValues at{};
+  std::array<bool, kMostOperands> moves{};
 
   std::string name() const;
 };
 
-/// Every operator with every pair of numbers.
+/// Every operator with every pair of numbers; those of three operands with fewer.
 std::vector<ExpressionCase> expression_cases();
-/// [control] Beside the same operator in long double; a division by 0 gives 0.
+/// [control] Beside the same operator in long double; a division by 0 gives 0, and what lies outside a domain
+/// faults.
 Judgement judge(const ExpressionCase& one);
 
 }  // namespace tactus::test

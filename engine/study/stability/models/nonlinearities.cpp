@@ -10,11 +10,17 @@ namespace {
 
 const char* const kAllSteepest = "nonlinearities at their largest slope";
 
-bool is_linear(Expression::Op op, const Operands& operands) {
-  using enum Expression::Op;
-  if (op == Multiply) return !operands.moves[0] || !operands.moves[1];
-  if (op == Divide) return !operands.moves[1];
-  return op == Negate || op == Add || op == Subtract;
+bool is_linear(const Operator& type, const Operands& operands) {
+  switch (type.small_signal) {
+    case SmallSignal::Linear:
+      return true;
+    case SmallSignal::Product:
+      return operands.moving() < 2;
+    case SmallSignal::Quotient:
+      return !operands.moves[1];
+    default:
+      return false;
+  }
 }
 
 /// The nonlinearities of one signal, and the operating points to analyse.
@@ -115,41 +121,19 @@ std::vector<OperatingPoint> one_by_one(const std::vector<Group>& groups) {
   return places;
 }
 
-/// Of a minimum (or maximum) of something that moves and something that does not, the moving one limits when
-/// touched; of two that move, the one that does so now.
-double chosen(const Operands& operands, int which, bool first, bool touched) {
-  const auto& moves = operands.moves;
-  if (touched && moves[0] != moves[1]) return moves[static_cast<std::size_t>(which)] ? 1 : 0;
-  return first == (which == 0) ? 1 : 0;
-}
-
 }  // namespace
 
-int operands_of(Expression::Op op) {
-  using enum Expression::Op;
-  return op == Add || op == Subtract || op == Multiply || op == Divide || op == Min || op == Max ? 2 : 1;
-}
-
-double slope_of(Expression::Op op, const Operands& operands, int which, bool touched) {
-  const double a = operands.a, b = operands.b;
-  switch (op) {
-    case Expression::Op::Negate:
-      return -1;
-    case Expression::Op::Subtract:
-      return which == 0 ? 1 : -1;
-    case Expression::Op::Multiply:
-      return which == 0 ? b : a;
-    case Expression::Op::Divide:
-      return b == 0 ? 0 : which == 0 ? 1 / b : -a / (b * b);
-    case Expression::Op::Min:
-      return chosen(operands, which, a < b, touched);
-    case Expression::Op::Max:
-      return chosen(operands, which, a > b, touched);
-    case Expression::Op::Abs:
-      return a < 0 ? -1 : a > 0 || touched ? 1 : 0;
-    default:
-      return 1;
+std::optional<double> slope_of(const Operator& type, const Operands& operands, int which, bool touched) {
+  if (type.slope == nullptr || (type.small_signal == SmallSignal::Choice && which == 0)) return std::nullopt;
+  if (type.small_signal == SmallSignal::Corner && touched) {
+    // Of something that moves and something that does not, the moving one limits when touched; of two that
+    // move, the one that does so now.
+    const bool one_moves = type.operands == 2 && operands.moving() == 1;
+    if (one_moves) return operands.moves[index(which)] ? 1 : 0;
+    if (type.operands == 1 && operands.at[0] == 0) return 1;
   }
+  const double slope = type.slope(operands.at, which);
+  return std::isfinite(slope) ? std::optional{slope} : std::nullopt;
 }
 
 bool is_spring(const NodeType& type, std::size_t input, std::size_t output) {
@@ -254,16 +238,16 @@ Derived AffineMaps::of(const PlanSignal& signal) const {
   return found == known_.end() ? Derived{signal, 1} : found->second;
 }
 
-void AffineMaps::note(const PlanSignal& out, Expression::Op op, const std::array<PlanSignal, 2>& in,
-                      const Operands& operands) {
-  if (!is_linear(op, operands)) return;
+void AffineMaps::note(const PlanSignal& out, const Operator& type,
+                      const std::array<PlanSignal, kMostOperands>& in, const Operands& operands) {
+  if (!is_linear(type, operands)) return;
   Derived derived{{}, 0};
-  for (int k = 0; k < operands_of(op); ++k) {
-    if (!operands.moves[static_cast<std::size_t>(k)]) continue;
-    const auto from = of(in[static_cast<std::size_t>(k)]);
+  for (int k = 0; k < type.operands; ++k) {
+    if (!operands.moves[index(k)]) continue;
+    const auto from = of(in[index(k)]);
     if (derived.source.plan != nullptr && derived.source != from.source) return;
     derived.source = from.source;
-    derived.slope += from.slope * slope_of(op, operands, k, false);
+    derived.slope += from.slope * slope_of(type, operands, k, false).value_or(0);
   }
   if (derived.source.plan != nullptr) known_[out] = derived;
 }
@@ -274,19 +258,17 @@ std::optional<double> AffineMaps::moved(const PlanSignal& signal, const Displace
   return found == moved.end() ? std::nullopt : std::optional{from.slope * found->second};
 }
 
-std::optional<Nonlinearity> corner(const std::string& path, Expression::Op op, const Operands& operands,
+std::optional<Nonlinearity> corner(const std::string& path, const Operator& type, const Operands& operands,
                                    int which, const Derived& from) {
-  const bool has_corner = op == Expression::Op::Min || op == Expression::Op::Max || op == Expression::Op::Abs;
-  const bool of_two = operands_of(op) == 2 && operands.moves[0] && operands.moves[1];
-  if (!has_corner || of_two) return std::nullopt;
-  const auto slope = [=](double moved) {
+  if (type.small_signal != SmallSignal::Corner || operands.moving() > 1) return std::nullopt;
+  const auto slope = [=, &type](double moved) {
     auto there = operands;
-    (which == 0 ? there.a : there.b) += from.slope * moved;
-    return slope_of(op, there, which, false);
+    there.at[index(which)] += from.slope * moved;
+    return slope_of(type, there, which, false).value_or(0);
   };
   const auto answer = [slope](double moved) { return std::abs(slope(moved)); };
-  const double here = which == 0 ? operands.a : operands.b;
-  const double edge = op == Expression::Op::Abs ? 0 : which == 0 ? operands.b : operands.a;
+  const double here = operands.at[index(which)];
+  const double edge = type.operands == 1 ? 0 : operands.at[index(1 - which)];
   const double to_edge = (edge - here) / from.slope;
   const double little = std::max(1e-6 * std::abs(to_edge), 1e-9);
   double to = 0;
@@ -297,7 +279,29 @@ std::optional<Nonlinearity> corner(const std::string& path, Expression::Op op, c
   return law;
 }
 
-Nonlinearity corner_of_two(const std::string& path, const PlanSignal& out, Expression::Op op,
+Nonlinearity curve(const std::string& path, const Operator& type, const Operands& operands,
+                   const Derived& from) {
+  const auto slope = [=, &type](double moved) {
+    auto there = operands;
+    there.at[0] += from.slope * moved;
+    return slope_of(type, there, 0, false).value_or(0);
+  };
+  const auto answer = [slope](double moved) { return std::abs(slope(moved)); };
+  const std::vector<double> middles{0.0, -operands.at[0] / from.slope};
+  Nonlinearity law{path, from.source, summit(answer, 0, middles).at, answer, slope};
+  law.elsewhere = places_of_slopes(slope, law.to, middles);
+  return law;
+}
+
+Nonlinearity choice(const std::string& path, const PlanSignal& out, const Operands& operands) {
+  const auto always = [](double) { return 1.0; };
+  Nonlinearity law{path, choice_at(out), operands.at[0] != 0 ? 1.0 : 2.0, always,
+                   [](double operand) { return operand; }};
+  law.elsewhere = {1.0, 2.0};
+  return law;
+}
+
+Nonlinearity corner_of_two(const std::string& path, const PlanSignal& out, const Operator& type,
                            const Operands& operands, const std::array<Derived, 2>& from) {
   if (from[0].source != from[1].source) {
     const auto always = [](double) { return 1.0; };
@@ -305,13 +309,13 @@ Nonlinearity corner_of_two(const std::string& path, const PlanSignal& out, Expre
     law.elsewhere = {1.0};
     return law;
   }
-  const auto slope = [=](double moved) {
-    const Operands there{operands.a + from[0].slope * moved, operands.b + from[1].slope * moved,
-                         operands.moves};
-    return slope_of(op, there, 0, false) != 0 ? from[0].slope : from[1].slope;
+  const auto slope = [=, &type](double moved) {
+    auto there = operands;
+    for (std::size_t k = 0; k < from.size(); ++k) there.at[k] += from[k].slope * moved;
+    return slope_of(type, there, 0, false) != 0.0 ? from[0].slope : from[1].slope;
   };
   const double apart = from[0].slope - from[1].slope;
-  const double edge = apart == 0.0 ? 0.0 : (operands.b - operands.a) / apart;
+  const double edge = apart == 0.0 ? 0.0 : (operands.at[1] - operands.at[0]) / apart;
   const double little = std::max(1e-6 * std::abs(edge), 1e-9);
   Nonlinearity law{path, from[0].source, edge + little,
                    [slope](double moved) { return std::abs(slope(moved)); }, slope};

@@ -2,6 +2,7 @@
 
 // Thread: [any].
 
+#include <algorithm>
 #include <array>
 #include <compare>
 #include <functional>
@@ -12,6 +13,7 @@
 
 #include "engine/graph/node.h"
 #include "engine/graph/semantics/flat_graph.h"
+#include "engine/graph/semantics/operators.h"
 
 namespace tactus {
 
@@ -19,16 +21,16 @@ struct Plan;
 
 /// The operating point of an operation.
 struct Operands {
-  double a = 0, b = 0;
-  std::array<bool, 2> moves{};
+  OperandValues at{};
+  std::array<bool, kMostOperands> moves{};
+
+  int moving() const { return static_cast<int>(std::count(moves.begin(), moves.end(), true)); }
 };
 
-/// How many operands it has.
-int operands_of(Expression::Op op);
-
 /// d(out)/d(operand `which`) of an operation. At a corner (a minimum, a maximum, an absolute value)
-/// `touched` takes the side where the moving operand comes through.
-double slope_of(Expression::Op op, const Operands& operands, int which, bool touched);
+/// `touched` takes the side where the moving operand comes through. nullopt: it steps there, or its slope is
+/// not finite.
+std::optional<double> slope_of(const Operator& type, const Operands& operands, int which, bool touched);
 
 /// Whether output `output` is a force that depends on a position at `input`.
 bool is_spring(const NodeType& type, std::size_t input, std::size_t output);
@@ -82,7 +84,7 @@ class AffineMaps {
   /// By how much a signal moves with its source; nullopt if that is not among `moved`.
   std::optional<double> moved(const PlanSignal& signal, const Displaced& moved) const;
   /// `in`: the operands; constant ones are not read.
-  void note(const PlanSignal& out, Expression::Op op, const std::array<PlanSignal, 2>& in,
+  void note(const PlanSignal& out, const Operator& type, const std::array<PlanSignal, kMostOperands>& in,
             const Operands& operands);
 
  private:
@@ -105,16 +107,21 @@ struct Nonlinearity {
 std::vector<double> places_of_slopes(const std::function<double(double)>& slope, double but,
                                      const std::vector<double>& middles);
 
-/// The key of the choice between two operands of a minimum or maximum that move with different signals: it is
-/// displaced by 0 where the first one decides, by 1 where the second does.
+/// The key of the choice between two operands of a minimum, a maximum or `select` that move with different
+/// signals: it is displaced by the number of the operand that passes.
 PlanSignal choice_at(PlanSignal out);
 
 /// Of a minimum, maximum or absolute value of `from` and a constant; nullopt of other operations.
-std::optional<Nonlinearity> corner(const std::string& path, Expression::Op op, const Operands& operands,
+std::optional<Nonlinearity> corner(const std::string& path, const Operator& type, const Operands& operands,
                                    int which, const Derived& from);
 /// Of a minimum or maximum of two that move, `out`.
-Nonlinearity corner_of_two(const std::string& path, const PlanSignal& out, Expression::Op op,
+Nonlinearity corner_of_two(const std::string& path, const PlanSignal& out, const Operator& type,
                            const Operands& operands, const std::array<Derived, 2>& from);
+/// Of a curve with a limited slope.
+Nonlinearity curve(const std::string& path, const Operator& type, const Operands& operands,
+                   const Derived& from);
+/// Of a choice between the second and the third operand, `out`.
+Nonlinearity choice(const std::string& path, const PlanSignal& out, const Operands& operands);
 
 struct OperatingPoint {
   std::string name;

@@ -81,10 +81,10 @@ a = "x - f"
 b = "min(x, 2 s)"
 c = { type = "clip", in = ["x", "f"] }
 d = { type = "spring", in = "x / 1 s", stiffness = "2 N" }
-e = "max(x, -0.5)"
+k = "max(x, -0.5)"
 [outputs]
-y = { from = "e", unit = "N" }
-z = { from = "e", unit = "parsec" }
+y = { from = "k", unit = "N" }
+z = { from = "k", unit = "parsec" }
 )toml") ==
         R"(test.toml:6:10 UnitMismatch
 test.toml:7:13 UnitMismatch
@@ -101,7 +101,7 @@ a = { type = "lowpas", in = 1 }
 b = { type = "delay", in = 1, time = "1 ms", interpolation = "cubik" }
 c = { type = "delay", inn = 1, time = true }
 d = { type = "delay", in = 1, time = "1 ms", interpolation = 3 }
-e = { type = "clip", in = "b.left" }
+k = { type = "clip", in = "b.left" }
 f = { type = "clip", in = [], low = { from = 1 }, voices = 0 }
 g = { type = "curve", points = [["0 s", 1], ["1 m", 2], 3] }
 h = { type = "noise", seed = 1.5 }
@@ -136,7 +136,7 @@ three = { type = "clip", in = [1, 2, 3] }
 b = { type = "clip", in = [[1], 2] }
 c = { type = "clip", in = { from = 1, to = "2 m", curve = "round" } }
 d = { type = "clip", in = { from = "1 m", to = "2 s" }, voices = 3 }
-e = { type = "clip", in = { from = 0, to = 1, curve = "exponential" }, voices = 3 }
+k = { type = "clip", in = { from = 0, to = 1, curve = "exponential" }, voices = 3 }
 [outputs]
 y = { from = "a" }
 )") ==
@@ -154,7 +154,7 @@ a = { value = 2, range = [0, 1] }
 b = { value = "-70 dB", range = ["-60 dB", "0 dB"] }
 c = { value = 0.5, range = [1, 0] }
 d = { value = "5 ms", range = ["1 mm", "20 mm"] }
-e = { value = 0.5, range = [1] }
+k = { value = 0.5, range = [1] }
 f = { value = "loud" }
 g = { value = 1, smooth = "-1 ms" }
 h = { value = 1, rnage = [0, 2] }
@@ -166,7 +166,7 @@ test.toml:4:15 OutOfRange 'b' -70 -60 0
 test.toml:5:28 OutOfRange 'range' 'c'
 test.toml:6:32 UnitMismatch '1 mm' 'range' "15 ms"
 test.toml:6:40 UnitMismatch '20 mm' 'range' "15 ms"
-test.toml:7:28 WrongType 'range' 'e' range
+test.toml:7:28 WrongType 'range' 'k' range
 test.toml:8:15 Syntax 'loud' "15 ms"
 test.toml:9:27 OutOfRange 'smooth' 'g' -1 0
 test.toml:10:18 UnknownName 'h' 'rnage' 'range'
@@ -298,7 +298,7 @@ x = { unit = "V" }
 a = { use = "part.toml", in = "x", gian = "1 N/m" }
 b = { use = "part.toml", in = 3, out = 0, gain = "1 m" }
 c = { use = "prat.toml", in = "x" }
-e = { use = "/part.toml" }
+k = { use = "/part.toml" }
 f = "a + b.froce + c.anything"
 g = { use = "whole.toml" }
 [outputs]

@@ -40,7 +40,7 @@ a = { type = "sprign", in = "x" }
 b = { type = "spring", in = "x", stiffnes = "100 N/m" }
 c = { type = "clip", in = "y" }
 d = "x + 3 N"
-e = "a * 2"
+k = "a * 2"
 f = { type = "spring", in = "3 V", stiffness = "-1 N/m" }
 [outputs]
 force = { from = "f" }

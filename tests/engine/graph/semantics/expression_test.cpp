@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "engine/graph/semantics/operators.h"
 #include "tests/support/error_summary.h"
 
 using namespace tactus;
@@ -21,8 +22,7 @@ std::string show(const Expression& e) {
     return std::string{text} + (e.dimension.plain() ? "" : " " + to_string(e.dimension)) +
            (e.bare ? "" : "!");
   }
-  static constexpr const char* kSigns[] = {"", "", "neg", "+", "-", "*", "/", "min", "max", "abs"};
-  std::string text = std::string{"("} + kSigns[static_cast<int>(e.op)];
+  std::string text = std::string{"("} + operator_of(e.op).name;
   for (const auto& argument : e.arguments) text += " " + show(argument);
   return text + ")";
 }
@@ -39,9 +39,9 @@ TEST_CASE("expression: products bind tighter than sums, both group from the left
   CHECK(parsed("a - b - c") == "(- (- a b) c)");
   CHECK(parsed("a / b * c") == "(* (/ a b) c)");
   CHECK(parsed("(a + b) * c") == "(* (+ a b) c)");
-  CHECK(parsed("-a * b") == "(* (neg a) b)");
-  CHECK(parsed("a - -b") == "(- a (neg b))");
-  CHECK(parsed("min(a, max(b, 1)) + abs(-c)") == "(+ (min a (max b 1)) (abs (neg c)))");
+  CHECK(parsed("-a * b") == "(* (- a) b)");
+  CHECK(parsed("a - -b") == "(- a (- b))");
+  CHECK(parsed("min(a, max(b, 1)) + abs(-c)") == "(+ (min a (max b 1)) (abs (- c)))");
   CHECK(parsed(" \t drum.stick.position ") == "drum.stick.position");
 }
 
@@ -62,7 +62,7 @@ TEST_CASE("expression: a sign belongs to its decibels", "[graph]") {
   CHECK(parsed("-20 dB") == "0.1!");
   CHECK(parsed("x * -20 dB") == "(* x 0.1!)");
   CHECK(parsed("x - 20 dB") == "(- x 10!)");
-  CHECK(parsed("-(20 dB)") == "(neg 10!)");
+  CHECK(parsed("-(20 dB)") == "(- 10!)");
 }
 
 TEST_CASE("expression: a unit only stands behind a number, and a spaced '/' or '*' ends it", "[graph]") {
@@ -72,6 +72,22 @@ TEST_CASE("expression: a unit only stands behind a number, and a spaced '/' or '
   CHECK(parsed("1 m/s") == "1 m/s!");
   CHECK(parsed("1 m/speed") == "(/ 1 m! speed)");
   CHECK(parsed("g / 2") == "(/ g 2)");
+}
+
+TEST_CASE("expression: comparisons bind least, functions take whole expressions", "[graph]") {
+  CHECK(parsed("a + 1 > 2 * b") == "(> (+ a 1) (* 2 b))");
+  CHECK(parsed("a<=b") == "(<= a b)");
+  CHECK(parsed("a >= -b") == "(>= a (- b))");
+  CHECK(parsed("(a == b) * (a != c)") == "(* (== a b) (!= a c))");
+  CHECK(parsed("select(a > b, mix(a, b, 0.5), atan2(y, x))") == "(select (> a b) (mix a b 0.5) (atan2 y x))");
+}
+
+TEST_CASE("expression: constants are numbers without a unit, and only a bracket makes a name a function",
+          "[graph]") {
+  CHECK(parsed("2 * pi") == "(* 2 3.14159)");
+  CHECK(parsed("e") == "2.71828");
+  CHECK(parsed("e.level + pi.low") == "(+ e.level pi.low)");
+  CHECK(parsed("mix + mix(mix, exp, 1)") == "(+ mix (mix mix exp 1))");
 }
 
 TEST_CASE("expression: every part knows its place, an operator that of its sign", "[graph]") {
@@ -101,8 +117,15 @@ TEST_CASE("expression: what cannot be read is said in words", "[graph]") {
       {"1,5", "a.toml:3:11 Syntax ','"},
       {"x ^ 2", "a.toml:3:12 Syntax '^'"},
       {"1.5.2", "a.toml:3:13 Syntax '.2'"},
-      {"sqrt(x)", "a.toml:3:10 Syntax 'sqrt'"},
-      {"min(x)", "a.toml:3:15 Syntax 'min' 'max'"},
+      {"sqr(x)", "a.toml:3:10 Syntax 'sqr' 'sqrt'"},
+      {"min(x)", "a.toml:3:15 Syntax 'min'"},
+      {"clamp(x, 1)", "a.toml:3:20 Syntax 'clamp'"},
+      {"a < b < c", "a.toml:3:16 Syntax '<'"},
+      {"a = b", "a.toml:3:12 Syntax '='"},
+      {"(a && b)", "a.toml:3:13 Syntax '&&'"},
+      {"x % 2", "a.toml:3:12 Syntax '%'"},
+      {"c ? a", "a.toml:3:12 Syntax '?'"},
+      {"2pi", "a.toml:3:11 Syntax 'pi' 2"},
       {"min(x, y, z)", "a.toml:3:18 Syntax 'min'"},
       {"abs(x, y)", "a.toml:3:15 Syntax 'abs'"},
       {"max + 1", "a.toml:3:14 Syntax '(' 'max'"},

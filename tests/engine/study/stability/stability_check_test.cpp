@@ -67,6 +67,29 @@ TEST_CASE("check: a product of moving signals is judged with its inputs at full 
   CHECK(answer(fed(1.03)) == Stability::Unstable);
 }
 
+TEST_CASE("check: a curve of an expression is judged where it is steepest", "[analysis]") {
+  for (const auto* curve : {"tanh", "sin", "atan", "cos"}) {
+    INFO(curve);
+    CHECK(answer(signal_loop(fmt::format("x + 0.99 * {}(back)", curve))) == Stability::Stable);
+    CHECK(answer(signal_loop(fmt::format("x + 1.01 * {}(back)", curve))) == Stability::Unstable);
+  }
+}
+
+TEST_CASE("check: both values of a choice are judged", "[analysis]") {
+  const auto with = [](double high) {
+    return signal_loop(fmt::format("x + select(x > 0.3, {} * back, 0.5 * back)", high));
+  };
+  CHECK(answer(with(0.99)) == Stability::Stable);
+  CHECK(answer(with(1.01)) == Stability::Unstable);
+}
+
+TEST_CASE("check: a loop through a comparison is event-driven", "[analysis]") {
+  const auto report = checked(signal_loop("x + 0.5 * (back > 0.1)"));
+  CHECK(report.stability() == Stability::Undecided);
+  REQUIRE(report.verdict.events.size() == 1);
+  CHECK(report.verdict.events.front().type == "operator >");
+}
+
 TEST_CASE("check: every straight line of a table counts, not only the steepest", "[analysis]") {
   const auto table = [](double left, double right) {
     return signal_loop(

@@ -15,6 +15,7 @@ const Plan kPlan;
 PlanSignal signal(int vertex) { return {&kPlan, vertex, 0}; }
 
 const PlanSignal kX = signal(0), kY = signal(1);
+const Operator& kMultiply = operator_of(Expression::Op::Multiply);
 
 /// Answers by `slope` beyond `from`, on the side where `from` lies.
 Nonlinearity stop(const char* path, const PlanSignal& source, double from, double slope = 1) {
@@ -27,9 +28,9 @@ Nonlinearity stop(const char* path, const PlanSignal& source, double from, doubl
 TEST_CASE("nonlinearities: signals are derived through sums and multiples, and nothing else", "[analysis]") {
   AffineMaps derivations;
   const auto scaled = signal(2), sum = signal(3), squared = signal(4), number = signal(5);
-  derivations.note(scaled, Expression::Op::Multiply, {kX, number}, {0, -3, {true, false}});
-  derivations.note(sum, Expression::Op::Subtract, {kX, scaled}, {0, 0, {true, true}});
-  derivations.note(squared, Expression::Op::Multiply, {kX, kX}, {0.5, 0.5, {true, true}});
+  derivations.note(scaled, kMultiply, {kX, number}, {{0, -3}, {true, false}});
+  derivations.note(sum, operator_of(Expression::Op::Subtract), {kX, scaled}, {{0, 0}, {true, true}});
+  derivations.note(squared, kMultiply, {kX, kX}, {{0.5, 0.5}, {true, true}});
 
   CHECK((derivations.of(scaled).source == kX));
   CHECK(derivations.of(scaled).slope == -3);
@@ -42,13 +43,13 @@ TEST_CASE("nonlinearities: signals are derived through sums and multiples, and n
 TEST_CASE("nonlinearities: a corner answers beyond its edge, on the side where it comes through",
           "[analysis]") {
   // max(0, -2 x - 0.1): from x = -0.05 down.
-  const auto law = corner("stop", Expression::Op::Max, {0, -0.1, {false, true}}, 1, {kX, -2});
+  const auto law = corner("stop", operator_of(Expression::Op::Max), {{0, -0.1}, {false, true}}, 1, {kX, -2});
   REQUIRE(law);
   CHECK(law->to == Approx(-0.05).epsilon(1e-5));
   CHECK(law->to < -0.05);
   CHECK(law->answer(law->to) == 1);
   CHECK(law->answer(0) == 0);
-  CHECK_FALSE(corner("sum", Expression::Op::Add, {0, 0, {false, true}}, 1, {kX, 1}));
+  CHECK_FALSE(corner("sum", operator_of(Expression::Op::Add), {{0, 0}, {false, true}}, 1, {kX, 1}));
 }
 
 TEST_CASE("nonlinearities: stops at both ends are two places, on one side they are one", "[analysis]") {
