@@ -25,8 +25,8 @@ constexpr int kTrial = 16;  // channel of the messages of Player::hears
 
 using Bytes = std::array<std::uint8_t, 3>;
 
-/// A JACK client with one MIDI output, as a keyboard is one. A busy server may refuse to activate it: it joins
-/// again until it plays.
+/// A JACK client with one MIDI output, as a keyboard is one. A busy server may refuse to activate it: it
+/// joins again until it plays.
 class Keyboard {
  public:
   explicit Keyboard(const std::string& name) {
@@ -38,8 +38,8 @@ class Keyboard {
 
  private:
   bool joins(const std::string& name) {
-    client_ = jack_client_open(name.c_str(), static_cast<jack_options_t>(JackNoStartServer | JackUseExactName),
-                               nullptr);
+    client_ = jack_client_open(name.c_str(),
+                               static_cast<jack_options_t>(JackNoStartServer | JackUseExactName), nullptr);
     if (client_ == nullptr) return false;
     port_ = jack_port_register(client_, "keys", JACK_DEFAULT_MIDI_TYPE, JackPortIsOutput, 0);
     jack_set_process_callback(client_, process, this);
