@@ -96,7 +96,7 @@ class StringLoop : public DesignedLine {
   /// [realtime] `run` for one frame.
   double run_single(double x, int position) noexcept;
 
-  static constexpr double kLowestPitch = 10;
+  static constexpr double kLowestPitch = 10, kHighestPitch = 20000;
   /// Frames that a string of this pitch remembers.
   static int longest_delay(Hertz sample_rate, double lowest_pitch);
 

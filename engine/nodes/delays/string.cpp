@@ -19,7 +19,7 @@ class StringNode final : public Node {
   explicit StringNode(const NodeSetup& setup)
       // Above 0.3 of the rate the pitch is clamped to that.
       : StringNode(loss_filter_of(setup), setup.sample_rate,
-                   std::min(setup.input("pitch").range.low, 0.3 * setup.sample_rate.value)) {}
+                   std::min(pitches_of(setup).low, 0.3 * setup.sample_rate.value)) {}
 
   void process(const NodeBlock& block) noexcept override {
     if constexpr (Width == 1) {
@@ -53,16 +53,20 @@ class StringNode final : public Node {
                                                std::span<const double> at) const override {
     if (input != kIn) return std::nullopt;
     const StringDesign design{
-        {.pitch_hz = at[kPitch], .gain = at[kGain], .loss = at[kLoss]}, filter_, sample_rate_};
+        {.pitch_hz = within_range(at[kPitch]), .gain = at[kGain], .loss = at[kLoss]}, filter_, sample_rate_};
     return design.response(1.0 / z);
   }
 
  private:
+  /// NaN becomes the lowest: the line is no longer than for that.
+  double within_range(double pitch) const noexcept {
+    return std::min(std::max(lowest_pitch_, pitch), StringLoop::kHighestPitch);
+  }
+
   void tune(const NodeBlock& block, int n) noexcept {
     for (int lane = 0; lane < Width; ++lane) {
       const auto in = [&](Input input) { return VectorSignal{block.in[input]}.lane(lane, n); };
-      string_.tune({.pitch_hz = std::max(lowest_pitch_, in(kPitch)), .gain = in(kGain), .loss = in(kLoss)},
-                   lane);
+      string_.tune({.pitch_hz = within_range(in(kPitch)), .gain = in(kGain), .loss = in(kLoss)}, lane);
     }
   }
 

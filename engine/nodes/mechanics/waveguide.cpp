@@ -14,7 +14,7 @@ class WaveguideNode final : public Node {
  public:
   explicit WaveguideNode(const NodeSetup& setup)
       : line_(loss_filter_of(setup), setup.setting("end").text == "free" ? FarEnd::Free : FarEnd::Fixed,
-              setup.sample_rate, {setup.input("pitch").range.low, setup.input("pitch").range.high}) {}
+              setup.sample_rate, {pitches_of(setup).low, pitches_of(setup).high}) {}
 
   void process(const NodeBlock& block) noexcept override {
     absorb(block);

@@ -25,6 +25,20 @@ TEST_CASE("waveguide: a whole number of frames comes back as it went, upside dow
     CHECK(output[n] == Approx(n == 479 ? sign * 0.75 : 0).epsilon(0).margin(1e-12));
 }
 
+TEST_CASE("waveguide and string: a pitch beyond the range is its end, at every rate", "[nodes]") {
+  const auto [type, input] =
+      GENERATE(table<std::string, std::string>({{"waveguide", "wave"}, {"string", "in"}}));
+  const auto rate = GENERATE(48_kHz, 192_kHz);
+  const auto play = [&, type = type, input = input](double pitch) {
+    NodeRunner runner(test::node_type(type), {{input, noise(500, 1)}, {"pitch", Samples(500, pitch)}}, {},
+                      rate);
+    return runner.run(even_cutting(500, kLongestSubBlock))[0];
+  };
+  CHECK(play(1e300) == play(20e3));
+  CHECK(play(20e3 + 1) == play(20e3));
+  CHECK(play(-1) == play(10));
+}
+
 TEST_CASE("modal_body: listed masses keep their ratio, and each is felt", "[nodes]") {
   // Far above its modes a body is a mass of 1 / sum of 1/m; at 10 kHz the bilinear s is 2 fs j tan(w / 2).
   const double hertz = 10000, s = 2 * 48000 * std::tan(std::numbers::pi * hertz / 48000);
