@@ -60,8 +60,14 @@ Row row_of(const Setting& setting) {
           doc};
 }
 
+/// What every field is limited to is said once.
+std::string range_text(const ElementField& field) {
+  return range_text(field.low == -kLargestField ? -kUnlimited : field.low,
+                    field.high == kLargestField ? kUnlimited : field.high);
+}
+
 Row row_of(const ElementField& field) {
-  return {field.name, unit_text(field.unit), range_text(field.low, field.high),
+  return {field.name, unit_text(field.unit), range_text(field),
           field.fallback   ? short_number(*field.fallback)
           : field.optional ? "optional"
                            : "required",
@@ -219,7 +225,8 @@ void write_networks(Page& page) {
   page.paragraph(
       "Elements of `[networks.<name>]`. Up is positive. The outputs of a frame are the state at that frame; "
       "the inputs act on the step to the next frame. An output is written `network.element.output`; "
-      "`network.element` alone is the first output.");
+      "`network.element` alone is the first output. Where a range has no end, it ends at " +
+      short_number(kLargestField) + ", except for signals.");
   for (const auto& element : network_elements()) {
     page.title(element.name, 3);
     page.paragraph(element.doc + ends_text(element.ends));

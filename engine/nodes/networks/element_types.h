@@ -14,18 +14,18 @@ namespace tactus {
 // Smaller masses and stiffnesses are typing errors, and zero would be divided by.
 inline constexpr double kTiny = 1e-9;
 
-inline ElementField required(std::string name, std::string unit, std::string doc, double low = -kUnlimited,
-                             double high = kUnlimited) {
+inline ElementField required(std::string name, std::string unit, std::string doc, double low = -kLargestField,
+                             double high = kLargestField) {
   return {{.name = name, .unit = unit, .doc = doc, .low = low, .high = high, .fixed = true}};
 }
 inline ElementField with_default(std::string name, std::string unit, std::string doc, double fallback,
-                                 double low = -kUnlimited, double high = kUnlimited) {
+                                 double low = -kLargestField, double high = kLargestField) {
   auto field = required(name, unit, doc, low, high);
   field.fallback = fallback;
   return field;
 }
 inline ElementField if_named(std::string name, std::string unit, std::string doc, double low,
-                             double high = kUnlimited, std::string instead_of = {},
+                             double high = kLargestField, std::string instead_of = {},
                              bool one_required = false) {
   return {required(name, unit, doc, low, high), true, instead_of, false, one_required};
 }

@@ -152,8 +152,8 @@ class NetworkNode final : public Node, public NetworkView {
 Result<std::unique_ptr<Node>> make_network_node(const NetworkLayout& layout, const NodeSetup& setup) {
   std::size_t points = 0;
   for (const auto& element : layout.elements) points += index(element.points());
-  // A point, its springs and what a solver keeps for them; before they are made.
-  if (const auto fits = setup.take_memory(64 * points); !fits) return tl::unexpected(fits.error());
+  // A point, its springs and what a solver keeps for them, 2 kB; before they are made.
+  if (const auto fits = setup.take_memory(250 * points); !fits) return tl::unexpected(fits.error());
   NetworkBuilder builder(layout, setup);
   const auto couplings =
       builder.elements.contacts.size() + builder.elements.bonds.size() + builder.elements.frictions.size();

@@ -13,9 +13,6 @@ namespace {
 
 using Ends = ElementType::Ends;
 
-// Far beyond what runs in real time.
-constexpr int kMostPoints = 1'000'000;
-
 std::string owner(const NetworkElement& element) { return element.type->name + " '" + element.name + "'"; }
 
 /// The names in a table of what meets a condition.
@@ -96,10 +93,10 @@ class LayoutReader {
   void read_settings(const NodeSpec& element, NetworkElement& read) {
     for (const auto& setting : read.type->settings)
       read.settings.push_back(bind_setting(setting, element.fields, {}, owner(read), element.at, errors_));
-    if (read.points() > kMostPoints)
+    if (read.points() > kMostMasses)
       errors_.add(Errc::OutOfRange, element.at,
                   owner(read) + " has " + std::to_string(read.points()) + " masses",
-                  "a network takes " + std::to_string(kMostPoints));
+                  "a network takes " + std::to_string(kMostMasses));
   }
 
   /// As in `normal = "press.force"`: of an element of this network. Anything else is a signal.
