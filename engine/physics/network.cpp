@@ -35,6 +35,17 @@ void pair(const std::vector<int>& mine, const std::vector<int>& theirs, Each eac
   }
 }
 
+Status check_springs(const NetworkElements& elements, Solver solver, double step_s) {
+  if (solver == Solver::Explicit || solver == Solver::Reference || elements.contacts.empty()) return {};
+  for (const auto& strike : contact_demand(elements).strikes)
+    if (strike.spring && strike.time_s < kShortestSpring * step_s)
+      return fail(Errc::OutOfRange, {},
+                  "a cubic spring, or a contact that closes as its opposite opens, is too stiff: half a "
+                  "period lasts less than a hundredth of a step",
+                  "lower its 'cubic' or 'stiffness', or start closer to its rest");
+  return {};
+}
+
 }  // namespace
 
 Result<Network> Network::make(const NetworkElements& elements, int signals, Hertz rate, Solver solver,
@@ -44,6 +55,8 @@ Result<Network> Network::make(const NetworkElements& elements, int signals, Hert
   network.choice_ = solver == Solver::Auto ? choose_solver(elements, rate, oversample)
                                            : SolverChoice{solver, std::max(1, oversample), {}};
   const double step_s = 1.0 / (rate.value * network.oversample());
+  if (auto fits = check_springs(elements, network.solver(), step_s); !fits)
+    return tl::unexpected(fits.error());
   network.model_ = std::make_shared<const NetworkModel>(elements, signals, step_s);
   auto made = make_solver(*network.model_, network.solver());
   if (!made) return tl::unexpected(made.error());

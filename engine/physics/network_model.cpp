@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "engine/core/index.h"
 #include "engine/physics/parts.h"
@@ -12,6 +13,10 @@ namespace {
 
 // Up to here eigenvalues are computed; beyond, the row sums bound them (Gershgorin).
 constexpr int kMostEigenvalues = 64;
+
+// Time constant of a coil, in steps, below which it has no current of its own: it would delay the current by
+// this share of a step.
+constexpr double kNoInductance = std::numeric_limits<double>::epsilon();
 
 }  // namespace
 
@@ -61,7 +66,9 @@ void NetworkModel::take_links(NetworkElements& elements) {
     contacts.push_back(
         {c, c.restitution ? loss_for_restitution(*c.restitution) : 0.0, ContactLaw(c.stiffness, c.exponent)});
   for (auto& force : forces) filter(force.input);
-  for (const auto& coil : elements.coils) {
+  for (auto& coil : elements.coils) {
+    // Its current follows the voltage within a step, but for a share that no double holds.
+    if (coil.inductance < kNoInductance * coil.resistance * k) coil.inductance = 0.0;
     const double memory = 2.0 * coil.inductance / k;
     coils.push_back(
         {coil, memory, memory + coil.resistance, memory > 0.0 ? std::exp(-coil.resistance / memory) : 0.0});
@@ -72,6 +79,7 @@ void NetworkModel::take_links(NetworkElements& elements) {
 
 NetworkModel::Links NetworkModel::links(bool eliminated) const {
   Links links{{}, std::vector<double>(mass.size())};
+  links.entries.reserve(8 * springs.size() + 4 * (coils.size() + ports.size()));
   const int columns = masses + static_cast<int>(motions.size());
   const auto each_damper = [&](const auto& add) {
     for (const auto& s : springs) add(s.lower, s.upper, s.damping);

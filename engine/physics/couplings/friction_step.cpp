@@ -171,7 +171,9 @@ class Rubbing {
 FrictionForce solve_friction(const FrictionLaw& law, double viscous, FrictionStep step) noexcept {
   step.normal = std::max(0.0, step.normal);
   const bool still = step.free == 0.0 && step.before == 0.0;
-  if (step.mobility <= 0.0 || (step.normal == 0.0 && viscous == 0.0)) {
+  // Below half a unit in the last place of 1 a viscous part changes no velocity.
+  const bool rubs = step.normal != 0.0 || 1.0 + step.mobility * viscous != 1.0;
+  if (step.mobility <= 0.0 || !rubs) {
     if (still) return {.memory = {.margin = FrictionMemory::kUnknown}};
     const double v = std::abs(step.free), force = step.normal * law.coefficient(v) + viscous * v;
     return {std::copysign(force, step.free),

@@ -263,6 +263,25 @@ TEST_CASE("network: without an inductance the current follows at once", "[physic
   CHECK(network.position(state, 1) == Approx(6e-3).epsilon(1e-6));  // Bl i / K
 }
 
+TEST_CASE("network: an inductance far below a step is none, for every solver", "[physics]") {
+  const auto solver = GENERATE(Solver::Explicit, Solver::Passive, Solver::Implicit, Solver::Exact);
+  const auto current = [&](double inductance) {
+    auto elements = drum();
+    elements.coils[0].inductance = inductance;
+    const auto network = Network::make(elements, 2, 48_kHz, solver, 4).value();
+    auto state = network.initial_state();
+    const double inputs[] = {6.5, 0.0};
+    std::vector<double> currents;
+    for (int n = 0; n < 20; ++n) {
+      currents.push_back(network.current(state, 0));
+      network.step(state, inputs);
+    }
+    return currents;
+  };
+  CHECK(current(1e-30) == current(0.0));
+  CHECK(current(1e-15) != current(0.0));
+}
+
 TEST_CASE("network: reset repeats the run bit for bit", "[physics]") {
   const auto network = Network::make(drum(), 2, 48_kHz, Solver::Passive, 2).value();
   auto state = network.initial_state();

@@ -224,6 +224,21 @@ TEST_CASE("network elements: errors have place and remedy", "[physics]") {
         "test.toml:4:10 UnknownName 'solver' 'exat' 'exact'");
 }
 
+TEST_CASE("network elements: values that no solver can compute with are refused", "[physics]") {
+  CHECK(element_errors("m = { type = \"mass\", mass = \"1 g\", at = 1e31 }") ==
+        "test.toml:4:41 OutOfRange 'm.at' 'n' 1e+31 -1e+30 1e+30");
+  CHECK(element_errors("c = { type = \"ring\", masses = 90001, mass = \"1 g\", stiffness = 1 }") ==
+        "test.toml:4:31 OutOfRange 'masses' 'c' 90001 1 90000");
+  // At 1 mm 1e20 N/m^3 turns 1 g around in 2.62 (m / K x^2)^(1/2) = 8.3 ns, 4e-4 of a step.
+  const auto* const parts =
+      "f = { type = \"ground\" }\nm = { type = \"mass\", mass = \"1 g\", at = \"1 mm\" }\n"
+      "s = { type = \"spring\", between = [\"f\", \"m\"], stiffness = 0, cubic = 1e20 }";
+  for (const auto* const solver : {"exact", "passive", "implicit"})
+    CHECK(element_errors("solver = \"" + std::string{solver} + "\"\n" + parts) ==
+          "test.toml:3:11 OutOfRange 'n' 'cubic' 'stiffness'");
+  CHECK(element_errors(std::string{"solver = \"explicit\"\n"} + parts).empty());
+}
+
 TEST_CASE("network elements: the solver that auto takes, and why, is reported", "[physics]") {
   // Three masses between walls, k / (m fs^2) = 0.4: (w T)^2 = 0.4 * 4 sin^2(3 pi / 8) = 1.366;
   // 2 asin(w T / 2) / w T = 1.068 and 2 atan(w T / 2) / w T = 0.905.
