@@ -26,9 +26,13 @@ struct Version {
   explicit Version(const ExtremeCase& c)
       : subject(c.subject), slot(c.slot), by_signal(c.by_signal), rate(c.rate), value(c.value) {}
 
-  double number(int i) const {
+  /// In the units of the reference.
+  double plain_number(int i) const { return i == slot ? value : subject->slots[index(i)].value; }
+  double number(int i) const { return plain_number(i) * units.factor(counted(i)); }
+  Counted counted(int i) const {
     const auto& s = subject->slots[index(i)];
-    return (i == slot ? value : s.value) * units.factor(s.counted);
+    if (s.exponent < 0) return s.counted;
+    return {parse_unit("N")->dimension / parse_unit("m")->dimension.pow(plain_number(s.exponent)), 0};
   }
   bool moves(int i) const {
     const auto& s = subject->slots[index(i)];
@@ -177,12 +181,12 @@ Units moderate_units(const ExtremeCase& c) {
   return units;
 }
 
-/// Other systems of units, from the most telling to the most modest. Speeds stay, because solvers are chosen
-/// for strikes of a certain speed.
+/// Other systems of units, from the most telling to the most modest.
 std::vector<Units> other_units(const ExtremeCase& c) {
   const bool own_times = kOwnTimes.contains(c.subject->type);
   const double second = c.rate > 96e3 ? 4 : 0.25;
   auto all = moderate_units(c), in_time = all;
+  if (c.subject->assumes_speed) all.metre = in_time.metre = 1;
   in_time.second *= second, in_time.metre *= second;
   const Units time_only{.metre = second, .second = second};
   const Units mild{.kilogram = 64, .ampere = 4, .level = 1024};

@@ -168,7 +168,7 @@ double usual_field(const ElementField& field) {
 }
 
 Slot field_slot(const ElementField& field) {
-  // A contact's stiffness counts in N/m^1.5, with its default exponent.
+  // With the default exponent of a contact; with another one: `Slot::exponent`.
   const auto unit = field.unit == "N/m^exponent" ? "N/m^1.5" : field.unit;
   Slot slot{.name = field.name, .counted = counted_in(unit), .declared = {field.low, field.high}};
   slot.value = usual_field(field);
@@ -208,6 +208,9 @@ ExtremeSubject element_subject(const ElementType& type, const std::string& solve
     tested.slots.push_back(static_cast<int>(subject.slots.size()));
     subject.slots.push_back(field_slot(field));
   }
+  for (std::size_t i = 0; i < type.fields.size(); ++i)
+    if (type.fields[i].unit == "N/m^exponent")
+      subject.slots[i].exponent = static_cast<int>(find_named(type.fields, "exponent") - type.fields.data());
   // An optional field that another one replaces: given where one of the two must be.
   for (auto& slot : subject.slots)
     for (const auto& other : type.fields)
@@ -218,6 +221,7 @@ ExtremeSubject element_subject(const ElementType& type, const std::string& solve
   add_number(subject, ball, "velocity", "m/s", 0.05);
   add_number(subject, hold, "stiffness", "N/m", 500);
   add_number(subject, hold, "damping", "N s/m", 2);
+  subject.assumes_speed = solver == "auto";
   subject.head = "[networks.tested]\nsolver = \"" + solver + "\"\nfloor = { type = \"ground\" }\n";
   subject.lines = {ball, hold, tested};
   const std::string point = type.dimensions == 2 ? "it.1.1" : type.dimensions == 1 ? "it.1" : "it";

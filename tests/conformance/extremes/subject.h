@@ -43,6 +43,7 @@ struct Slot {
   bool written = true;        ///< false: left out unless it is the number under test
   std::string instead_of{};   ///< the key that it excludes
   std::string quoted_unit{};  ///< must be text with this unit
+  int exponent = -1;  ///< counts in newtons per metre to the power of this slot's number; -1: in `counted`
 };
 
 /// A line `name = { start, keys … }` of a file, with the slots that it takes.
@@ -66,6 +67,7 @@ struct ExtremeSubject {
   std::string head{};  ///< of the file, before the lines
   std::vector<Line> lines{};
   std::vector<Shown> shown{};
+  bool assumes_speed = false;  ///< how it is solved depends on a speed in m/s (`auto`: of the hardest strike)
   std::filesystem::path file = "extremes.toml";
 
   /// `numbers[i]`: how slot i is written; empty: left out.
