@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <tuple>
+#include <utility>
 
 #include "engine/core/index.h"
 #include "engine/physics/numbers.h"
@@ -179,28 +180,10 @@ void LinkOperator::apply_band(const Band& band, const double* q, const double* u
 }
 
 void LinkOperator::apply_bands(const double* q, const double* u, double* y) const noexcept {
-  static_assert(kMostDiagonals == 5);
-  for (const auto& band : bands_) {
-    switch (band.offsets.size()) {
-      case 0:
-        apply_band<0>(band, q, u, y);
-        break;
-      case 1:
-        apply_band<1>(band, q, u, y);
-        break;
-      case 2:
-        apply_band<2>(band, q, u, y);
-        break;
-      case 3:
-        apply_band<3>(band, q, u, y);
-        break;
-      case 4:
-        apply_band<4>(band, q, u, y);
-        break;
-      default:
-        apply_band<5>(band, q, u, y);
-    }
-  }
+  const auto apply = [&]<int... Diagonals>(const Band& band, std::integer_sequence<int, Diagonals...>) {
+    ((std::ssize(band.offsets) == Diagonals && (apply_band<Diagonals>(band, q, u, y), true)) || ...);
+  };
+  for (const auto& band : bands_) apply(band, std::make_integer_sequence<int, kMostDiagonals + 1>{});
 }
 
 /// Where all numbers are.
