@@ -111,6 +111,21 @@ DelayText any_delay(Random& random, double rate, double least, double most) {
           frames, order};
 }
 
+/// A loop of signals through a filter and a delay.
+struct SignalLoop {
+  LoopFiles files;
+  Filter filter;
+  DelayText delay;
+  double sign;
+};
+SignalLoop any_signal_loop(Random& random) {
+  LoopFiles files;
+  files.rate = any_rate(random);
+  const auto filter = any_filter(random, files.rate, 50, 8000);
+  const auto delay = any_delay(random, files.rate, 1, 60);
+  return {files, filter, delay, random.sign()};
+}
+
 /// The assumed device: a mass on a damper, whose place and speed come first.
 struct Device {
   double mass, damping;
@@ -456,11 +471,7 @@ Write divided(Random& random) {
 
 /// A loop of signals through something that bends: it is as steep as each of its pieces.
 Write bent(Random& random) {
-  LoopFiles loop;
-  const double rate = loop.rate = any_rate(random);
-  const auto filter = any_filter(random, rate, 50, 8000);
-  const auto delay = any_delay(random, rate, 1, 60);
-  const double sign = random.sign();
+  const auto [loop, filter, delay, sign] = any_signal_loop(random);
   std::string law;
   std::vector<double> slopes;
   const double low = -random.decades(0.05, 2), high = random.decades(0.05, 2), a = random.uniform(-1, 1),
@@ -566,11 +577,8 @@ Write walls(Random& random) {
 
 /// A loop of signals behind a gate that its own input opens.
 Write gates(Random& random) {
-  LoopFiles loop;
-  const double rate = loop.rate = any_rate(random);
-  const auto filter = any_filter(random, rate, 50, 8000);
-  const auto delay = any_delay(random, rate, 1, 60);
-  const double sign = random.sign(), level = random.uniform(0.03, 0.6), rest = random.uniform(0, 0.6);
+  const auto [loop, filter, delay, sign] = any_signal_loop(random);
+  const double level = random.uniform(0.03, 0.6), rest = random.uniform(0, 0.6);
   const int kind = random.below(4);
   return [=](double gain) {
     Written made{loop, {}, -1};
