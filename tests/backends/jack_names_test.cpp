@@ -98,7 +98,8 @@ TEST_CASE("jack names: devices over other APIs stay as they are", "[backends]") 
   CHECK(usable[1].library_name == "my-card");
 }
 
-TEST_CASE("jack names: who asks for a client that was left out is told which backend has it", "[backends]") {
+TEST_CASE("jack names: the error for a client that was left out names the backend that lists it",
+          "[backends]") {
   const auto devices =
       own_ports_only(listed({{"system"}, {"abc"}, {"a.c"}, {"my-card"}, {"card"}}), JackSearch::Anywhere);
   const auto answer = [&](const std::string& id) { return test::summary(device_with_id(devices, id)); };
