@@ -22,6 +22,7 @@ class DeadMansSwitch {
     return std::chrono::steady_clock::now().time_since_epoch();
   }
 
+  /// Without a refresh for so long a program does not go on by itself.
   static constexpr std::chrono::seconds kLong{5};
 
   explicit DeadMansSwitch(Clock clock = system_clock) : clock_(clock) {}
@@ -67,7 +68,8 @@ class DeadMansSwitch {
 class DeadMansWatch {
  public:
   enum class Action { None, Expire, Disarm, Resume };
-  static constexpr Seconds kPatience{0.5}, kDisarm{5.0};
+  static constexpr Seconds kPatience{0.5},
+      kDisarm{std::chrono::duration<double>{DeadMansSwitch::kLong}.count()};
 
   /// [control & stopped] From frame 0 on, where its age is 0. nullptr: none, and nothing expires.
   void start(const DeadMansSwitch* source, Hertz sample_rate, int max_frames, bool expired) noexcept {
