@@ -270,22 +270,15 @@ class Session {
                          settings_.guard.limits.soft_start + LevelSearch::kWindow, known_}});
     auto stream = backend_.open(request, guarded_);
     if (!stream) return tl::unexpected(stream.error());
-    if (auto status = check_attended(); !status) return tl::unexpected(status.error());
+    // A later opening begins by itself: not when the program was stopped in between.
+    if (opened_ && settings_.dead_mans_switch != nullptr)
+      if (auto status = check_attended(*settings_.dead_mans_switch); !status)
+        return tl::unexpected(status.error());
     if (auto status = check_same((*stream)->granted(), request); !status)
       return tl::unexpected(status.error());
     player_.set_stream(stream->get());
     if (auto played = play(**stream); !played) return tl::unexpected(played.error());
     return result_of(**stream);
-  }
-
-  /// An opening that follows another one begins by itself: not when the program was stopped in between.
-  Status check_attended() const {
-    if (!opened_ || settings_.dead_mans_switch == nullptr ||
-        settings_.dead_mans_switch->longest_pause() < DeadMansWatch::kDisarm)
-      return {};
-    return fail(Errc::Device, "",
-                "the stop inputs were not handled for 5 s, and nothing is played after that",
-                "measure again");
   }
 
   /// Each opening looks for the device by its name, which another one may have by then.
@@ -417,6 +410,13 @@ class Session {
 };
 
 }  // namespace
+
+Status check_attended(const DeadMansSwitch& dead_man) {
+  if (dead_man.longest_pause() < DeadMansWatch::kDisarm) return {};
+  return fail(Errc::Device, "",
+              "the stop inputs were not handled for 5 s, and nothing is played after that: ended",
+              "measure again");
+}
 
 const Opening& Measurement::shown() const {
   const auto found = std::find_if(openings.begin(), openings.end(), [&](const Opening& opening) {

@@ -57,6 +57,9 @@ using MeasureProgress = std::function<void(double share, const std::string& what
 /// Errors: of Backend::devices; UnknownName for the device.
 Result<StreamRequest> measurement_request(Backend& backend, const MeasureSettings& settings);
 
+/// [control] Before a further opening. Errors: Device if the stop inputs were not handled for 5 s.
+Status check_attended(const DeadMansSwitch& dead_man);
+
 /// [control] Opens the device again and again: silence, the level, probes, the pilot. Whatever goes wrong
 /// with the path is a finding. What another opening would not cure ends it. Errors: BadArgument and
 /// OutOfRange for settings that make no sense; those of Backend::open and Stream::start; Device when it goes

@@ -140,10 +140,6 @@ const Error kInputClosed{Errc::BadArgument, "",
                          "standard input was closed, so that no key could end the measurement: ended",
                          "add </dev/null to measure without keys"};
 
-const Error kUnattended{Errc::Device, "",
-                        "the stop inputs were not handled for 5 s, and nothing is played after that: ended",
-                        "measure again"};
-
 Result<Measurement> measure_now(Backend& backend, MeasureSettings settings, bool another_follows) {
   DeadMansSwitch dead_man;
   StopLoop stop_loop{dead_man,
@@ -160,8 +156,9 @@ Result<Measurement> measure_now(Backend& backend, MeasureSettings settings, bool
     if (interrupted() || ending != StopLoop::Ending::None) throw CommandError{{}, kInterrupted};
     bar(share, what);
   });
-  if (another_follows && dead_man.longest_pause() >= DeadMansWatch::kDisarm)
-    throw CommandError{{kUnattended}, kDevice};
+  if (another_follows)
+    if (const auto attended = check_attended(dead_man); !attended)
+      throw CommandError{{attended.error()}, kDevice};
   return measured;
 }
 
