@@ -178,7 +178,15 @@ void StopInputs::open_input() {
 void StopInputs::follow_foreground() {
   const bool foreground = terminal_ && in_foreground();
   if (!foreground) raw_ = false;
-  if (foreground && !raw_) set_raw();
+  if (foreground && !(raw_ && is_raw())) set_raw();
+}
+
+/// False once another program has changed the mode, as `stty sane` does.
+bool StopInputs::is_raw() {
+  termios mode;
+  if (::tcgetattr(STDIN_FILENO, &mode) != 0) return true;
+  return (mode.c_lflag & (ICANON | ECHO)) == 0 && (mode.c_iflag & IXON) == 0 && mode.c_cc[VMIN] == 1 &&
+         mode.c_cc[VTIME] == 0 && mode.c_cc[VSUSP] == _POSIX_VDISABLE;
 }
 
 void StopInputs::set_raw() {

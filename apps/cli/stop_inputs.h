@@ -47,6 +47,7 @@ class StopInputs {
   void read_input(int events, Arrived& arrived);
   void read_keys(Arrived& arrived);
   void follow_foreground();
+  static bool is_raw();
   void set_raw();
   void restore_terminal();
 

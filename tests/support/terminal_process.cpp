@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <sys/ioctl.h>
 #include <sys/wait.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -38,6 +39,14 @@ TerminalProcess::~TerminalProcess() {
   send(SIGKILL);
   wait(std::chrono::seconds{10});
   close();
+}
+
+void TerminalProcess::make_cooked() const {
+  termios mode;
+  if (::tcgetattr(terminal_, &mode) != 0) return;
+  mode.c_lflag |= ICANON | ECHO | ISIG;
+  mode.c_iflag |= IXON;
+  ::tcsetattr(terminal_, TCSANOW, &mode);
 }
 
 void TerminalProcess::type(const std::string& bytes) const {

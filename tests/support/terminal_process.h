@@ -17,6 +17,8 @@ class TerminalProcess {
 
   void type(const std::string& bytes) const;
   void send(int signal) const;
+  /// Sets the mode of lines with echo, as another program can.
+  void make_cooked() const;
   /// The terminal is closed, as when its window is.
   void close();
   /// Its output is not read any more, as that of a window that hangs, and its line is full, until `resume`.
