@@ -11,6 +11,7 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kTurn{20};
+constexpr int kStalledTurns = 25;          // 0.5 s, as of the dead man's switch
 constexpr std::chrono::seconds kGrace{1};  // for what follows the fade: the end of a take, the report
 
 }  // namespace
@@ -40,7 +41,15 @@ void StopLoop::turn() {
     handle_key(decoder_.decode(static_cast<unsigned char>(byte), now), now);
   if (std::ranges::any_of(settings_.inputs, [](const auto& input) { return input(); }))
     end(Ending::Interrupted);
+  watch_control();
   exit_if_hung(now);
+}
+
+void StopLoop::watch_control() {
+  const auto waits = control_waits_.load();
+  const bool waited = waits != std::exchange(seen_waits_, waits);
+  stalled_turns_ = waited || waits == 0 ? 0 : std::min(stalled_turns_ + 1, kStalledTurns + 1);
+  if (stalled_turns_ == kStalledTurns && settings_.control_stalled) settings_.control_stalled();
 }
 
 void StopLoop::end(Ending ending) {
@@ -68,6 +77,7 @@ void StopLoop::exit_if_hung(Clock::time_point now) {
 std::optional<Key> StopLoop::wait_key(milliseconds timeout) {
   const auto deadline = Clock::now() + timeout;
   Key key = kNoKey;
+  ++control_waits_;
   while (!keys_.pop(key)) {
     if (ending() != Ending::None || Clock::now() >= deadline) return std::nullopt;
     std::this_thread::sleep_for(milliseconds{2});

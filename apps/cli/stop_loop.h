@@ -38,6 +38,10 @@ class StopLoop {
     /// [stop loop] More stop inputs, asked in each turn: true ends the program as a signal does. None of them
     /// waits for anything.
     std::vector<std::function<bool()>> inputs;
+    /// [stop loop] Called when the thread of `wait_key` has not called it for 25 turns, though it had before:
+    /// what that thread watches is watched no more. Turns are counted and not time, so that a program that
+    /// was stopped as a whole is none that stalls.
+    std::function<void()> control_stalled{};
     Seconds fade{0.0};  ///< how long the outputs take to fade out
   };
 
@@ -64,6 +68,7 @@ class StopLoop {
   void handle_key(Key key, Clock::time_point now);
   void pass(Key key);
   void exit_if_hung(Clock::time_point now);
+  void watch_control();
 
   DeadMansSwitch& dead_man_;
   const Settings settings_;
@@ -72,10 +77,13 @@ class StopLoop {
   SpscQueue<Key> keys_{256};
   std::atomic<Ending> ending_{Ending::None};
   std::atomic<bool> done_{false};
+  std::atomic<unsigned> control_waits_{0};  ///< calls of wait_key
   // Of the thread.
   Clock::time_point ended_at_;
   bool input_closed_ = false;
   int stops_ = 0;  ///< signals after the end
+  unsigned seen_waits_ = 0;
+  int stalled_turns_ = 0;
   std::thread thread_;
 };
 

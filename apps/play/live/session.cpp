@@ -114,7 +114,16 @@ void Session::fade_out() {
     std::this_thread::sleep_for(std::chrono::milliseconds{2});
 }
 
+void Session::control_stalled() {
+  if (!device_runs_ || !armed()) return;
+  switches_.disarm();
+  control_stalled_ = true;
+}
+
 void Session::tick() {
+  device_runs_ = stream_->state() == StreamState::Running;
+  if (control_stalled_.exchange(false))
+    messages_.emplace_back("drives disarmed: the program did not watch its device for 0.5 s");
   stream_->tick();
   watch_writers();
   while (auto event = stream_->take_event()) messages_.push_back(std::move(*event));

@@ -131,6 +131,9 @@ class Session {
   void mute(bool on) { switches_.mute(on); }
   /// [any] For the stop loop.
   DriveSwitches& switches() { return switches_; }
+  /// [any] For the stop loop: `tick` is not called, so nobody watches the device. Disarms, but not while
+  /// `tick` may be opening a device that was lost.
+  void control_stalled();
   /// The longest time that fading out takes.
   Seconds closing_time() const { return guarded_.closing_time(); }
   /// Is there something to arm? Audio outputs need it only after feedback.
@@ -184,6 +187,8 @@ class Session {
   std::unique_ptr<ReconnectingStream> stream_;
   SessionView view_;
   bool delay_known_ = false, shared_ports_ = false;
+  std::atomic<bool> device_runs_{false};  ///< when `tick` looked last
+  std::atomic<bool> control_stalled_{false};
   std::optional<DelaySettings> delay_;
   std::vector<OtherWriter> writers_;  ///< as last reported
   std::vector<std::string> notes_;    ///< messages that follow those of the stream

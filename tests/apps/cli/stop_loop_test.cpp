@@ -20,6 +20,34 @@ using test::wait_until;
 using Ending = StopLoop::Ending;
 using namespace std::chrono_literals;
 
+TEST_CASE("stop loop: a control thread that stalls is reported once for each stall", "[cli]") {
+  DeadMansSwitch dead_man;
+  std::atomic<int> turns = 0, stalls = 0;
+  StopLoop loop{dead_man,
+                {.act = {},
+                 .each_turn = [&](auto) { ++turns; },
+                 .inputs = {},
+                 .control_stalled = [&] { ++stalls; },
+                 .fade = {}}};
+  const auto pass_turns = [&](int many, auto each) {
+    const int end = turns + many;
+    REQUIRE(wait_until([&] {
+      each();
+      return turns >= end;
+    }));
+  };
+  pass_turns(40, [] {});
+  CHECK(stalls == 0);  // it has not begun
+  pass_turns(40, [&] { (void)loop.wait_key(0ms); });
+  CHECK(stalls == 0);
+  pass_turns(60, [] {});
+  CHECK(stalls == 1);
+  CHECK_FALSE(dead_man.stopped());
+  pass_turns(5, [&] { (void)loop.wait_key(0ms); });
+  pass_turns(60, [] {});
+  CHECK(stalls == 2);
+}
+
 namespace {
 
 /// A stop that arrives when the loop has just looked for it.
