@@ -105,8 +105,9 @@ class SceneBuilder {
     make_world();
     if (instrument_known()) wire_instrument();
     check_scene(scene_, table_, errors_);
-    compile_world();
     if (instrument_known() || has_no_instrument()) compile_instrument();
+    declare_drives();
+    compile_world();
     if (built_.plant != nullptr && built_.instrument != nullptr) {
       check_channels();
       check_size();
@@ -139,7 +140,6 @@ class SceneBuilder {
     world_.file = scene_.file;
     world_.name = scene_.name;
     world_.incomplete = scene_.incomplete;
-    declare_drives();
     for (const auto& gesture : scene_.gestures) world_.nodes.push_back(gesture_node(gesture));
     for (const auto& part : scene_.parts) {
       if (part.name == "instrument") continue;
@@ -168,13 +168,21 @@ class SceneBuilder {
     put(node.fields, kStrike, text_value(kStrike, node.at));
   }
 
-  /// The instrument's outputs are inputs of the plant.
+  /// The instrument's outputs are inputs of the plant, with as many lanes.
   void declare_drives() {
     if (has_no_instrument()) return;
     if (!instrument_known() || instrument_->graph->incomplete)
       return world_.nodes.push_back({{"instrument", {}, {}, true}, {}, {}, {}, {}});
-    for (const auto& output : instrument_->graph->outputs)
+    for (const auto& output : instrument_->graph->outputs) {
       world_.inputs.push_back({{"instrument." + output.name, output.at, {}}});
+      if (built_.instrument != nullptr) world_.inputs.back().lanes = lanes_of(*built_.instrument, output);
+    }
+  }
+
+  static int lanes_of(const Plan& instrument, const PortSpec& output) {
+    return static_cast<int>(std::ranges::count_if(output_names(instrument), [&](const std::string& lane) {
+      return lane == output.name || lane.starts_with(output.name + "[");
+    }));
   }
 
   void wire_instrument() {

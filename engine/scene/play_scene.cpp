@@ -9,10 +9,20 @@
 namespace tactus {
 namespace {
 
+/// Of an input of the instrument, or of a lane of it: "fingers[2]".
+Dimension unit_of_input(const SceneSpec& scene, const std::string& name) {
+  const auto* part = scene.part("instrument");
+  if (part == nullptr || part->graph == nullptr) return {};
+  const auto* input = find_named(part->graph->inputs, name.substr(0, name.find('[')));
+  return input == nullptr ? Dimension{} : input->dimension;
+}
+
 /// Sensors, drives, then the taps of both engines.
-void name_signals(SceneRecording& recording, const BuiltScene& built, std::size_t frames) {
-  for (const auto* names : {&recording.inputs, &recording.outputs})
-    for (const auto& name : *names) recording.signals.push_back({"instrument." + name, {}, {}});
+void name_signals(SceneRecording& recording, const SceneSpec& scene, const BuiltScene& built,
+                  std::size_t frames) {
+  for (const auto& name : recording.inputs)
+    recording.signals.push_back({"instrument." + name, unit_of_input(scene, name), {}});
+  for (const auto& name : recording.outputs) recording.signals.push_back({"instrument." + name, {}, {}});
   for (const auto* taps : {&built.plant_taps, &built.instrument_taps})
     for (const auto& tap : *taps) recording.signals.push_back({tap.name, tap.dimension, {}});
   for (auto& signal : recording.signals) signal.samples.reserve(frames);
@@ -70,7 +80,7 @@ Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int
   recording.inputs = built.instrument->plan().input_names;
   recording.outputs = output_names(built.instrument->plan());
   recording.sounds = sound_names(built.instrument->plan(), scene.roles);
-  name_signals(recording, built, static_cast<std::size_t>(frames));
+  name_signals(recording, scene, built, static_cast<std::size_t>(frames));
   PortWatches ports{scene, built.plant_taps};
   const auto started = std::chrono::steady_clock::now();
   const int part = std::max(block, frames / 100);

@@ -76,6 +76,8 @@ const SectionType& scene_fields() {
     for (const auto& type : role_types()) roles.fields.push_back(text_field(type.name, type.doc));
     return roles;
   }();
+  static const SectionType shown{"the part of the scene that the plot shows",
+                                 {from_field("start of the plot", "0 s"), to_field()}};
   static const SectionType comparison{"a second run of the scene with other control values",
                                       {required(text_field("name", "name, such as \"without the pulse\""))}};
   static const SectionType section{
@@ -84,6 +86,9 @@ const SectionType& scene_fields() {
              {quantity_field("rate", "Hz", 1e3, 768e3, "sample rate", "48 kHz"),
               quantity_field("delay", "s", 0, 10, "system delay", "0 s"),
               required(quantity_field("duration", "s", 1e-3, kLongestTime_s, "duration of the scene")),
+              quantity_field(
+                  "monitor", "", 0, 1e4,
+                  "gain of the monitor output in its sound file and on speakers, such as \"12 dB\"", "0 dB"),
               whole_field("seed", 0, kMaxSeed, "seed of all random numbers"),
               required({"parts", FieldKind::Reference, "graphs and their connections", {"part"}}),
               entries_field("gestures", gesture, "gestures of the player"),
@@ -93,7 +98,8 @@ const SectionType& scene_fields() {
               section_field("roles", role),
               entries_field("expect", expectation, "expected values, checked after the scene"),
               entries_field("accuracy", accuracy, "measures compared by tactus study work-precision"),
-              section_field("playability", playability), section_field("compare", comparison)})};
+              section_field("playability", playability), section_field("compare", comparison),
+              section_field("show", shown)})};
   return section;
 }
 

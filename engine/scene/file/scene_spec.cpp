@@ -176,21 +176,19 @@ bool plays(const ScenePart& part, const RoleType& type) {
          (instrument && find_named(graph.nodes, type.port) != nullptr);
 }
 
+std::vector<Role>& roles_like(SceneSpec& scene, const RoleType& type) {
+  return type.of == RoleType::Of::Signal ? scene.roles : scene.control_roles;
+}
+
 void read_roles(const Value::Table& table, SceneSpec& scene, ErrorList& errors) {
-  const auto roles_like = [&](const RoleType& type) -> std::vector<Role>& {
-    return type.of == RoleType::Of::Signal ? scene.roles : scene.control_roles;
-  };
   if (const auto* section = read_section(table, "roles", errors)) {
     FieldReader fields{*section, section_fields("roles"), errors};
     for (const auto& field : *section)
       if (const auto* type = find_named(role_types(), field.key); type != nullptr)
         if (auto signal = fields.text(field.key); !signal.empty())
-          roles_like(*type).push_back({field.key, std::move(signal), field.value.at, true});
+          roles_like(scene, *type).push_back({field.key, std::move(signal), field.value.at, true});
   }
-  for (const auto& type : role_types())
-    for (const auto& part : scene.parts)
-      if (auto& roles = roles_like(type); signal_of(roles, type.name).empty() && plays(part, type))
-        roles.push_back({type.name, part.name + "." + type.port, part.at});
+  add_roles_by_name(scene);
 }
 
 // ---- [playability] ----
@@ -270,8 +268,10 @@ Comparison read_comparison(const Value::Table& section, const Source& at, ErrorL
 
 class SceneReader {
  public:
-  SceneReader(const std::filesystem::path& file, const std::filesystem::path& root)
-      : folder_(file.parent_path()), root_(root.empty() ? folder_ : root) {
+  SceneReader(const std::filesystem::path& file, const std::filesystem::path& root,
+              const ProfileFolders& profiles)
+      : folder_(file.parent_path()), root_(root.empty() ? folder_ : root), profiles_{root_} {
+    profiles_.insert(profiles_.end(), profiles.begin(), profiles.end());
     scene_.file = {std::make_shared<const std::string>(file.generic_string()), 0, 0};
     errors_ = ErrorList{scene_.file};
   }
@@ -312,6 +312,11 @@ class SceneReader {
     if (const auto* section = read_section(table, "playability", errors_))
       scene_.playability =
           read_playability(*section, find(table, "playability")->at, duration, scene_.roles, errors_);
+    if (const auto* section = read_section(table, "show", errors_)) {
+      FieldReader fields{*section, section_fields("show"), errors_};
+      const auto [from, to] = fields.window(duration);
+      scene_.shown = {from.value_or(0), to};
+    }
     if (const auto* section = read_section(table, "compare", errors_))
       scene_.compare = read_comparison(*section, find(table, "compare")->at, errors_);
     check_names();
@@ -334,7 +339,7 @@ class SceneReader {
     scene_.drive_places[entry.name] = entry.at;
     if (entry.broken) return;
     FieldReader fields{entry, section_fields("drives"), errors_, "drive"};
-    const auto drive = read_drive(entry, "[drives]", fields, {folder_, root_, {root_}}, errors_);
+    const auto drive = read_drive(entry, "[drives]", fields, {folder_, root_, profiles_}, errors_);
     check_ceiling(drive, errors_);
     scene_.drives.named[entry.name] = drive.sources();
   }
@@ -344,6 +349,7 @@ class SceneReader {
     if (const auto seed = fields.number("seed")) scene_.seed = static_cast<std::uint64_t>(*seed);
     if (const auto rate = fields.number("rate")) scene_.rate = Hertz{*rate};
     if (const auto delay = fields.number("delay")) scene_.delay = Seconds{*delay};
+    if (const auto gain = fields.number("monitor")) scene_.monitor_gain = *gain;
     if (const auto duration = fields.number("duration")) scene_.duration = Seconds{*duration};
     scene_.duration_at = fields.at("duration", scene_.file);
     if (!fields.has("duration"))
@@ -356,9 +362,9 @@ class SceneReader {
       read_part(entry);
     const auto* section = find(table, "parts");
     const Source at = section ? section->at : Source{scene_.file.file, 1, 1};
-    if (scene_.part("plant") == nullptr)
-      errors_.add(Errc::Missing, at, "the part 'plant' is missing",
-                  "under [parts], write plant = { use = \"plant.toml\", … }");
+    if (scene_.parts.empty())
+      errors_.add(Errc::Missing, at, "a scene needs an instrument or a plant",
+                  "under [parts], write instrument = { use = \"instrument.toml\", … }");
   }
 
   void read_part(const EntrySpec& entry) {
@@ -388,6 +394,7 @@ class SceneReader {
   }
 
   std::filesystem::path folder_, root_;
+  ProfileFolders profiles_;
   SceneSpec scene_;
   ErrorList errors_;
 };
@@ -401,6 +408,19 @@ std::vector<SceneControl> controls_of(const SceneSpec& scene) {
 }
 
 }  // namespace
+
+bool is_scene(const Value::Table& file) {
+  if (find(file, "parts") != nullptr) return true;
+  const bool graph = find(file, "nodes") != nullptr || find(file, "networks") != nullptr;
+  return !graph && (find(file, "duration") != nullptr || find(file, "gestures") != nullptr);
+}
+
+void add_roles_by_name(SceneSpec& scene) {
+  for (const auto& type : role_types())
+    for (const auto& part : scene.parts)
+      if (auto& roles = roles_like(scene, type); signal_of(roles, type.name).empty() && plays(part, type))
+        roles.push_back({type.name, part.name + "." + type.port, part.at});
+}
 
 const std::vector<RoleType>& role_types() {
   constexpr auto kControl = RoleType::Of::Control, kPlant = RoleType::Of::PlantControl;
@@ -461,19 +481,21 @@ std::optional<SceneControl> control_of(const SceneSpec& scene, std::string_view 
   return find_control(scene, signal_of(scene.control_roles, role));
 }
 
-LoadedScene load_scene_leniently(const std::filesystem::path& path, const std::filesystem::path& root) {
+LoadedScene load_scene_leniently(const std::filesystem::path& path, const std::filesystem::path& root,
+                                 const ProfileFolders& profiles) {
   std::error_code error;
   const auto file = std::filesystem::is_directory(path, error) ? path / "scene.toml" : path;
-  return SceneReader{file, root}.read(load_toml(file));
+  return SceneReader{file, root, profiles}.read(load_toml(file));
 }
 
 LoadedScene parse_scene_leniently(std::string_view text, const std::string& file_name,
                                   const std::filesystem::path& root) {
-  return SceneReader{file_name, root}.read(parse_toml(text, file_name));
+  return SceneReader{file_name, root, {}}.read(parse_toml(text, file_name));
 }
 
-Checked<SceneSpec> load_scene(const std::filesystem::path& path, const std::filesystem::path& root) {
-  auto loaded = load_scene_leniently(path, root);
+Checked<SceneSpec> load_scene(const std::filesystem::path& path, const std::filesystem::path& root,
+                              const ProfileFolders& profiles) {
+  auto loaded = load_scene_leniently(path, root, profiles);
   if (!loaded.errors.empty()) return tl::unexpected(std::move(loaded.errors));
   return std::move(*loaded.scene);
 }

@@ -142,6 +142,12 @@ struct Comparison {
   std::map<std::string, Source> places;  ///< the place of each in the file
 };
 
+/// The part of a scene that its plot shows: `[show]`.
+struct ShownTimes {
+  double from_s = 0;
+  std::optional<double> to_s{};  ///< else to the end
+};
+
 /// A scene file, read once into plain data: an instrument, the world it plays in, and the gestures that play
 /// it.
 struct SceneSpec {
@@ -150,9 +156,10 @@ struct SceneSpec {
   Hertz rate = 48_kHz;
   Seconds delay;  ///< system delay
   Seconds duration;
-  std::vector<ScenePart> parts;  ///< in file order; `plant` is among them, and mostly `instrument`
+  std::vector<ScenePart> parts;  ///< in file order; mostly `instrument` and `plant`
   std::vector<Gesture> gestures;
   Converters converters;
+  double monitor_gain = 1;                     ///< of the monitor output in sound files and speakers
   LimitBook drives;                            ///< limits of the drives
   std::map<std::string, Source> drive_places;  ///< where [drives] names them
   std::vector<Port> ports;
@@ -162,15 +169,20 @@ struct SceneSpec {
   std::vector<Accuracy> accuracy;
   std::optional<Playability> playability;
   std::optional<Comparison> compare;
+  ShownTimes shown;
   std::optional<std::uint64_t> seed;  ///< of everything random
   Source duration_at;                 ///< where the file gives it
   bool incomplete = false;            ///< a section could not be read
+  bool bench = false;                 ///< an instrument alone, whose plant only generates signals
 
   /// nullptr if there is none.
   const ScenePart* part(std::string_view name) const;
   const Gesture* gesture(std::string_view name) const;
   const Port* port(std::string_view name) const;
 };
+
+/// Gives the roles that no `[roles]` gives to the ports, nodes and controls with their names.
+void add_roles_by_name(SceneSpec& scene);
 
 /// A control of a part of a scene.
 struct SceneControl {
@@ -189,6 +201,9 @@ std::optional<SceneControl> find_control(const SceneSpec& scene, const std::stri
 /// The control with a role; nullopt if there is none.
 std::optional<SceneControl> control_of(const SceneSpec& scene, std::string_view role);
 
+/// Whether a file is a scene, and not a graph or another file.
+bool is_scene(const Value::Table& file);
+
 /// A scene together with the errors in its text and those of its parts; `build_scene` finds the others.
 struct LoadedScene {
   std::optional<SceneSpec> scene;  ///< nothing if the file cannot be read or is no TOML
@@ -200,13 +215,16 @@ struct LoadedScene {
 };
 
 /// [control] Reads a scene and the files of its parts; a folder means its scene.toml. `root` is the folder
-/// that no path may leave (empty: the scene's own).
-LoadedScene load_scene_leniently(const std::filesystem::path& path, const std::filesystem::path& root = {});
+/// that no path may leave (empty: the scene's own). Names of profiles are looked up there, then in
+/// `profiles`.
+LoadedScene load_scene_leniently(const std::filesystem::path& path, const std::filesystem::path& root = {},
+                                 const ProfileFolders& profiles = {});
 /// [control] The same from text; `file_name` is for messages, and relative paths start at its folder.
 LoadedScene parse_scene_leniently(std::string_view text, const std::string& file_name,
                                   const std::filesystem::path& root = {});
 
 /// [control] The same; a scene with errors in its text is an error.
-Checked<SceneSpec> load_scene(const std::filesystem::path& path, const std::filesystem::path& root = {});
+Checked<SceneSpec> load_scene(const std::filesystem::path& path, const std::filesystem::path& root = {},
+                              const ProfileFolders& profiles = {});
 
 }  // namespace tactus

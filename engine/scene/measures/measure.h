@@ -99,7 +99,8 @@ struct ExpectationResult {
   double value = 0;
   std::string unit;
   bool holds = false;
-  std::string wanted;  ///< "at least 15 Hz"
+  std::string wanted;   ///< "at least 15 Hz"
+  bool reached = true;  ///< false: the run ended before its window did, so that nothing is judged
 };
 /// Of a scene that `build_scene` accepted. Errors: UnknownName for what was not recorded all the same.
 Checked<std::vector<ExpectationResult>> check_expectations(const SceneSpec& scene,
