@@ -1,10 +1,14 @@
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <iostream>
 #include <new>
+#include <string>
+#include <vector>
 
 #include "apps/cli/console.h"
+#include "apps/cli/manual.h"
 #include "apps/cli/terminal.h"
 
 namespace {
@@ -28,6 +32,15 @@ class HelpFormatter : public CLI::Formatter {
   }
 };
 
+/// An option for packages, not in the help: prints a text and ends.
+void add_hidden_text(CLI::App& app, const char* option, std::string (*text)(const CLI::App&)) {
+  const auto print = [&app, text] {
+    std::fputs(text(app).c_str(), stdout);
+    throw CLI::Success{};
+  };
+  app.add_flag_callback(option, print)->group("");
+}
+
 }  // namespace
 
 static int run(int argc, char** argv) {
@@ -41,12 +54,22 @@ static int run(int argc, char** argv) {
   int exit_code = kDone;
   for (auto* add : {TACTUS_COMMANDS}) add(app, exit_code);  // as apps/CMakeLists.txt says
   refuse_empty_texts(app);
+  add_hidden_text(app, "--man", man_page);
+  add_hidden_text(app, "--bash-completion", bash_completion);
+  std::vector<std::string> words(argv + 1, argv + argc);
+  const bool as_json = std::ranges::count(words, "--json") > 0;
+  if (!words.empty() && words.front() == "help") {  // as "COMMAND --help"
+    words.erase(words.begin());
+    words.emplace_back("--help");
+  }
   try {
-    app.parse(argc, argv);
+    check_commands(app, words);
+    std::ranges::reverse(words);  // as CLI11 wants them
+    app.parse(std::move(words));
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kDone : kUsage;
   } catch (const CommandError& error) {
-    return report(error);
+    return report(error, as_json);
   } catch (const std::bad_alloc&) {
     return report({{out_of_memory("what this command was given")}, kNo});
   } catch (const std::exception& error) {

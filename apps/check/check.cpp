@@ -8,6 +8,7 @@
 #include "apps/cli/console.h"
 #include "apps/cli/json.h"
 #include "apps/cli/rig_files.h"
+#include "apps/cli/target.h"
 #include "engine/core/decibels.h"
 #include "engine/core/index.h"
 #include "engine/graph/file/read_graph.h"
@@ -242,22 +243,16 @@ struct CheckJob {
   }
 };
 
-std::filesystem::path file_of(const CheckOptions& options) {
-  const auto scene = resolve_target(options.target, "scene.toml");
-  const bool none = std::filesystem::is_directory(options.target) && !std::filesystem::exists(scene);
-  return options.rig.empty() && !none ? scene : resolve_target(options.target, "instrument.toml");
-}
-
 /// Gives its name.
 std::string load(const CheckOptions& options, CheckJob& job) {
-  const auto file = file_of(options);
-  const auto table = or_exit(load_toml(file), kBadFile);
-  if (find(table, "parts") != nullptr) {
-    job.scene = load_scene_leniently(file, root_of(file));
+  const auto target =
+      resolve_target(options.target, options.rig.empty() ? FolderMeans::Scene : FolderMeans::Instrument);
+  if (target.scene) {
+    job.scene = load_scene_leniently(target);
     if (!job.scene->scene) throw CommandError{job.scene->errors, kBadFile};
     return job.scene->scene->name;
   }
-  job.instrument = load_graph_leniently(file, root_of(file));
+  job.instrument = load_graph_leniently(target.file, target.root());
   if (job.instrument->spec == nullptr) throw CommandError{job.instrument->errors, kBadFile};
   return job.instrument->spec->name;
 }

@@ -12,6 +12,8 @@
 
 namespace tactus::app {
 
+static constexpr const char* kDefaultDevice = "default";  // the first one of the first library
+
 Result<std::vector<SoundBackend>> backends_called(const std::string& name) {
   on_slow_call([](const std::string& note) { fmt::print(stderr, "{}\n", note); });
   std::vector<SoundBackend> found;
@@ -70,7 +72,8 @@ void add_device_options(CLI::App& command, DeviceOptions& options, const char* r
   command.add_option(
       "--backend", options.backend,
       fmt::format("audio backend: {}; see tactus devices", fmt::join(names_of(sound_backends()), ", ")));
-  command.add_option("--device", options.device, "id of a device, or part of its name");
+  command.add_option("--device", options.device,
+                     fmt::format("id of a device, or part of its name, or {}", kDefaultDevice));
   command.add_option("--input-device", options.input_device, "input device, if different from --device");
 }
 
@@ -86,7 +89,9 @@ ChosenDevices choose_devices(const DeviceOptions& options, const Rig::Device& ri
     return or_exit(choose_devices("", rig.output, rig.input, DeviceNames::Exact), kDevice);
   }
   if (!options.backend.empty()) or_exit(backends_called(options.backend), kUsage);
-  auto chosen = or_exit(choose_devices(options.backend, options.device, options.input_device), kDevice);
+  const auto name = [](const std::string& text) { return text == kDefaultDevice ? std::string{} : text; };
+  auto chosen =
+      or_exit(choose_devices(options.backend, name(options.device), name(options.input_device)), kDevice);
   print_chosen("--device", options.device, chosen.output);
   print_chosen("--input-device", options.input_device, chosen.input);
   return chosen;

@@ -7,7 +7,9 @@
 #include <cstdio>
 #include <fstream>
 
+#include "apps/cli/json.h"
 #include "apps/cli/terminal.h"
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/file/read_graph.h"
 
@@ -70,12 +72,35 @@ void refuse_empty_texts(CLI::App& app) {
 CLI::Validator writable_file() { return writable_if(opens, "choose a file in an existing, writable folder"); }
 CLI::Validator writable_folder() { return writable_if(opens_into, "choose a writable folder"); }
 
-int report(const CommandError& error) {
+int report(const CommandError& error, bool as_json) {
   const auto& errors = error.errors;
+  if (as_json)
+    print_json({{"errors", list_of(errors, [](const Error& one) {
+                   return Json{{"where", one.where}, {"what", one.what}, {"remedy", one.remedy}};
+                 })}});
   print_note(errors.empty() ? "interrupted" : to_string(errors));
   if (error.exit != 0) return error.exit;
   const bool in_a_file = std::ranges::count(errors, Error::Place::File, &Error::place) > 0;
   return in_a_file ? kBadFile : kUsage;
+}
+
+void check_commands(const CLI::App& app, const std::vector<std::string>& words) {
+  // Groups of options are nameless commands.
+  const auto commands =
+      app.get_subcommands([](const CLI::App* command) { return !command->get_name().empty(); });
+  if (words.empty() || words.front().starts_with("-") || commands.empty()) return;
+  std::vector<std::string> names;
+  for (const auto* command : commands) {
+    if (command->get_name() == words.front())
+      return check_commands(*command, {words.begin() + 1, words.end()});
+    names.push_back(command->get_name());
+  }
+  const auto& group = app.get_name();
+  exit_with({Errc::UnknownName, "",
+             fmt::format("there is no command '{}{}'", app.get_parent() != nullptr ? group + " " : "",
+                         words.front()),
+             suggest(words.front(), names, fmt::format("there are {}", fmt::join(names, ", ")))},
+            kUsage);
 }
 
 Error out_of_memory(const std::string& what) {
@@ -125,18 +150,6 @@ std::string delay_warning(const GraphSpec& instrument, double delay_s) {
 
 void announce_delay(const GraphSpec& instrument, double delay_s) {
   if (const auto warning = delay_warning(instrument, delay_s); !warning.empty()) print_note(warning);
-}
-
-std::filesystem::path resolve_target(const std::string& target, const char* name) {
-  const std::filesystem::path path{target};
-  return std::filesystem::is_directory(path) ? path / name : path;
-}
-
-std::filesystem::path root_of(const std::filesystem::path& file) {
-  const auto absolute = std::filesystem::absolute(file).lexically_normal();
-  for (auto folder = absolute.parent_path(); folder.has_relative_path(); folder = folder.parent_path())
-    if (folder.filename() == "instruments") return folder;
-  return file.has_parent_path() ? file.parent_path() : std::filesystem::path{"."};
 }
 
 std::pair<std::string, std::string> parse_assignment(const std::string& text, const char* option,

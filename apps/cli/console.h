@@ -26,6 +26,8 @@ const char* version();
 
 /// Each command adds itself: its options, its help, and what it does (its result goes into `exit_code`).
 void add_play(CLI::App& app, int& exit_code);
+void add_list(CLI::App& app, int& exit_code);
+void add_new(CLI::App& app, int& exit_code);
 void add_render(CLI::App& app, int& exit_code);
 void add_check(CLI::App& app, int& exit_code);
 void add_explain(CLI::App& app, int& exit_code);
@@ -70,8 +72,12 @@ struct CommandError {
   int exit = 0;               ///< 0: of a bad file, or of wrong usage if all come from the command line
 };
 
-/// Prints errors on stderr and gives the exit code.
-int report(const CommandError& error);
+/// Prints errors on stderr and gives the exit code; `as_json`: on stdout too, as {"errors": […]}.
+int report(const CommandError& error, bool as_json = false);
+
+/// Ends with a suggestion where a word that must be a command is none: "plya", "study wall". Throws a
+/// CommandError.
+void check_commands(const CLI::App& app, const std::vector<std::string>& words);
 
 /// `what` needs more memory than there is.
 Error out_of_memory(const std::string& what);
@@ -120,11 +126,6 @@ class Progress {
 std::string delay_warning(const GraphSpec& instrument, double delay_s);
 /// The same on stderr.
 void announce_delay(const GraphSpec& instrument, double delay_s);
-
-/// Which file a person means: a file, or the `name` (scene.toml, instrument.toml) of a folder.
-std::filesystem::path resolve_target(const std::string& target, const char* name);
-/// The folder that the parts of a file may not leave: the "instruments" above it, or its own.
-std::filesystem::path root_of(const std::filesystem::path& file);
 
 // Options as they are written. Each throws a CommandError.
 

@@ -1,26 +1,25 @@
 #include "apps/cli/rig_files.h"
 
 #include "apps/cli/console.h"
+#include "apps/cli/target.h"
 #include "engine/core/files.h"
 
 namespace tactus::app {
 
 namespace fs = std::filesystem;
 
-fs::path shipped_instruments() {
-  std::error_code error;
-  const auto program = fs::read_symlink("/proc/self/exe", error);
-  const auto installed = program.parent_path().parent_path() / "share/tactus/instruments";
-  if (fs::is_directory(installed / "profiles", error)) return installed;
-  return fs::path{TACTUS_SOURCE_DIR} / "instruments";
-}
-
 ProfilePlaces profile_places(const fs::path& rig_file) {
   const auto folder = rig_file.parent_path();
-  return {folder, folder, {folder, root_of(rig_file), shipped_instruments()}};
+  ProfilePlaces places{folder, folder, {folder, root_of(rig_file)}};
+  for (const auto& named : instrument_folders()) places.named.push_back(named);
+  return places;
 }
 
-ProfileFolders option_profile_folders() { return {shipped_instruments(), ".", "instruments"}; }
+ProfileFolders option_profile_folders() {
+  auto folders = instrument_folders();
+  folders.insert(folders.end(), {".", "instruments"});
+  return folders;
+}
 
 Rig open_rig(const fs::path& file) { return or_exit(load_rig(file, profile_places(file)), kBadFile); }
 

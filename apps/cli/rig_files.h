@@ -11,16 +11,14 @@
 
 namespace tactus::app {
 
-/// The folder with the shipped instruments and profiles: that of the installation, else of the source code.
-std::filesystem::path shipped_instruments();
-
 /// Where the profiles of a rig are: a path is relative to the rig; a name is looked up in the folder of the
-/// rig, in the "instruments" above it and in the shipped instruments. The instrument that is played has no
+/// rig, in the "instruments" above it, in the
+/// user's own instruments and in the shipped ones. The instrument that is played has no
 /// say: it may be a stranger's, and the rig states the limits of the user's actuators.
 ProfilePlaces profile_places(const std::filesystem::path& rig_file);
 
-/// Where a name given to --profile is looked up: in the shipped instruments, then in the current folder and
-/// its "instruments".
+/// Where a name given to --profile is looked up: in the user's own and the shipped instruments, then in the
+/// current folder and its "instruments".
 ProfileFolders option_profile_folders();
 
 /// Throws a CommandError with all errors of the file.

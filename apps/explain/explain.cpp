@@ -4,6 +4,7 @@
 
 #include "apps/cli/console.h"
 #include "apps/cli/json.h"
+#include "apps/cli/target.h"
 #include "apps/play/play_report.h"
 #include "engine/graph/file/load.h"
 #include "engine/graph/plan/compile.h"
@@ -128,17 +129,13 @@ int finish(const ExplainOptions& options, std::vector<LeftOut> omitted,
   return kDone;
 }
 
-bool is_scene(const std::filesystem::path& file) {
-  const auto table = load_toml(file);
-  return table && find(*table, "parts") != nullptr;
-}
-
 int run_explain(const ExplainOptions& options) {
-  const auto file = resolve_target(options.target, "instrument.toml");
+  const auto target = resolve_target(options.target);
+  const auto& file = target.file;
   const auto rate = parse_rate(options.rate);
   std::vector<LeftOut> omitted;
-  if (is_scene(file)) {
-    const auto loaded = load_scene_leniently(file, root_of(file));
+  if (target.scene) {
+    const auto loaded = load_scene_leniently(target);
     SceneOptions with;
     with.rate = rate;
     const auto built = or_exit(build_scene(loaded, standard_nodes(), with));
@@ -148,7 +145,7 @@ int run_explain(const ExplainOptions& options) {
                   {{"instrument of " + loaded.scene->name, built.instrument.get()},
                    {"simulation of " + loaded.scene->name, built.plant.get()}});
   }
-  const auto loaded = load_graph_leniently(file, root_of(file));
+  const auto loaded = load_graph_leniently(file, target.root());
   CompileOptions compile_options;
   compile_options.sample_rate = rate;
   Player engine{or_exit(compile(loaded, standard_nodes(), compile_options))};
@@ -164,15 +161,16 @@ void add_explain(CLI::App& app, int& exit_code) {
       add_command(app, "explain", "Print the nodes that a graph runs, their order and their cost", exit_code,
                   run_explain);
   command
-      .add_option("FILE", options.target,
-                  "instrument, plant or scene file; for a folder, its instrument.toml")
+      .add_option(
+          "FILE", options.target,
+          "instrument, plant or scene file; for a folder, its scene.toml, or else its instrument.toml")
       ->required();
   command.add_option("--rate", options.rate, "sample rate")->capture_default_str();
   add_number(command, "--block", options.block, "block size in frames for the cost measurement", 1, 4096);
   command.add_flag("--json", options.json, "print the report as JSON");
   command.footer(
       "Examples:\n  tactus explain instruments/haptic_drum\n  tactus explain "
-      "instruments/haptic_drum/scene.toml --json");
+      "instruments/haptic_drum/instrument.toml --json");
 }
 
 }  // namespace tactus::app

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <sstream>
 
 #include "apps/cli/console.h"
 #include "apps/play/live/plan.h"
@@ -13,6 +14,7 @@ namespace {
 struct PlayOptions : LiveOptions {
   std::string folder = "out";
   std::vector<std::string> show;
+  bool all_signals = false;
   const CLI::App* command = nullptr;
 };
 
@@ -25,7 +27,7 @@ struct Report {
   bool passed() const {
     return played.recording.faults.empty() &&
            std::all_of(outcomes.begin(), outcomes.end(),
-                       [](const ExpectationResult& outcome) { return outcome.holds; });
+                       [](const ExpectationResult& outcome) { return outcome.holds || !outcome.reached; });
   }
   double delay_ms() const { return 1e3 * played.recording.delay_frames / played.recording.sample_rate.value; }
   double times_real_time() const { return played.recording.seconds() / played.recording.run_seconds; }
@@ -33,10 +35,10 @@ struct Report {
 
 Json outcome_json(const ExpectationResult& outcome) {
   return {{"name", outcome.name},
-          {"value", outcome.value},
+          {"value", known(outcome.reached, outcome.value)},
           {"unit", outcome.unit},
           {"wanted", outcome.wanted},
-          {"holds", outcome.holds}};
+          {"holds", known(outcome.reached, outcome.holds)}};
 }
 
 Json report_json(const Report& report) {
@@ -54,13 +56,29 @@ Json report_json(const Report& report) {
   return json;
 }
 
+/// A heading with its lines beside it.
+void print_lines(const char* heading, const std::string& lines) {
+  std::istringstream stream{lines};
+  for (std::string line; std::getline(stream, line); heading = "")
+    fmt::print("  {:<18}  {}\n", heading, line);
+}
+
+void print(const ExpectationResult& outcome) {
+  if (!outcome.reached)
+    return fmt::print("    --    {:16} not reached: the run ended before its time window did\n",
+                      outcome.name);
+  fmt::print("    {}  {:16} {:.4g}{}, {}\n", outcome.holds ? "ok  " : "FAIL", outcome.name, outcome.value,
+             outcome.unit.empty() ? "" : " " + outcome.unit, outcome.wanted);
+}
+
 void print(const Report& report) {
-  const auto& [scene, recording, networks] = report.played;
-  fmt::print("{}\n{}\n\n", scene.name, scene.about);
+  const auto& [scene, recording, networks, inputs] = report.played;
+  fmt::print("{}\n{}{}\n", scene.name, scene.about, scene.about.empty() ? "" : "\n");
   fmt::print(
       "  played              {:g} s at {:g} Hz with {:g} ms of delay, in {:.2f} s: {:.0f} times real time\n",
       recording.seconds(), recording.sample_rate.value, report.delay_ms(), recording.run_seconds,
       report.times_real_time());
+  print_lines("inputs", inputs);
   for (const auto& section : report.sections) fmt::print("{}", section.text);
   print_guard(recording.guard, recording.sample_rate);
   print_ports(recording.ports);
@@ -72,17 +90,16 @@ void print(const Report& report) {
   if (recording.bad_inputs != 0)
     fmt::print("                      {} non-finite sensor samples replaced by zero\n", recording.bad_inputs);
   if (!report.outcomes.empty()) fmt::print("\n  expectations of this scene\n");
-  for (const auto& outcome : report.outcomes)
-    fmt::print("    {}  {:16} {:.4g}{}, {}\n", outcome.holds ? "ok  " : "FAIL", outcome.name, outcome.value,
-               outcome.unit.empty() ? "" : " " + outcome.unit, outcome.wanted);
+  for (const auto& outcome : report.outcomes) print(outcome);
 }
 
 void add_live_options(CLI::App& command, LiveOptions& options) {
   auto* group = command.add_option_group("on a sound card");
   add_device_options(*group, options, "rig file: device, channels, actuators, sensors, measured delay");
   for (const auto& [name, channels, help] :
-       {std::tuple{"--inputs", &options.in, "channels of the device for the inputs, such as --inputs 2,5"},
-        {"--outputs", &options.out, "channels of the device for the outputs"}})
+       {std::tuple{"--inputs", &options.in_channels,
+                   "channels of the device for the inputs, such as --inputs 2,5"},
+        {"--outputs", &options.out_channels, "channels of the device for the outputs"}})
     group->add_option(name, *channels, help)->delimiter(',')->check(CLI::Range(1, 1024));
   add_number(*group, "--periods", options.periods, "blocks in the driver's buffer", 1, 64);
   group->add_option("--pad-delay", options.pad_delay,
@@ -116,14 +133,16 @@ void check_card_options(const CLI::App& command) {
 int run_play(const PlayOptions& options) {
   if (options.live()) return play_live(options);
   check_card_options(*options.command);
-  const auto file = resolve_target(options.target, "scene.toml");
-  const auto played = play_file(file, options);
+  const auto target = resolve_target(options.target);
+  const auto played = play_file(target, options);
   auto outcomes = or_exit(check_expectations(played.scene, played.recording));
   std::optional<PlayedScene> compared;
-  if (played.scene.compare) compared = play_file(file, options, &played.scene.compare->set);
+  if (played.scene.compare) compared = play_file(target, options, &played.scene.compare->set);
   const Report report{played, sections_of(played, compared ? &*compared : nullptr), std::move(outcomes)};
   auto json = report_json(report);
-  auto written = write_files(options.folder, options.show, played);
+  auto shown = shown_part(options.show, played);
+  shown.all = options.all_signals;
+  auto written = write_files(options.folder, played, compared ? &*compared : nullptr, shown);
   const auto report_file = base_of(options.folder, played) + ".json";
   or_exit(write_json(report_file, json));
   written.push_back(report_file + "  this report, with the actions of the guard");
@@ -145,20 +164,27 @@ void add_play(CLI::App& app, int& exit_code) {
   options.command = &command;
   command
       .add_option("FILE", options.target,
-                  "instrument or scene file; for a folder, its instrument.toml on a sound card, or its "
-                  "scene.toml in simulation")
+                  "instrument or scene file; for a folder, its scene.toml in simulation, its "
+                  "instrument.toml on a sound card or with --in")
       ->required();
   add_player_options(command, options);
+  command.add_option(
+      "--in", options.in,
+      "what the inputs of an instrument receive in simulation: a WAV file (channel k feeds the "
+      "k-th input), test-signal (default), silence, or with --listen keyboard (the space key "
+      "strikes)");
   command.add_option("--out", options.folder, "folder for the WAV files, the plot and the report")
       ->check(writable_folder())
       ->capture_default_str();
   command
       .add_option("--show", options.show, "FROM TO: time range of the plot, such as --show \"2 s\" \"3 s\"")
       ->expected(2);
+  command.add_flag("--all-signals", options.all_signals, "plot every signal, not only the first five plots");
   add_live_options(command, options);
   command.footer(
       "Examples:\n  tactus play instruments/haptic_drum\n  tactus play instruments/haptic_drum --device "
       "jack:system\n  tactus play instruments/haptic_drum --delay \"40 ms\" --set strength=0.5\n  tactus "
+      "play my.toml --listen\n  tactus play my.toml --in hits.wav\n  tactus "
       "play instruments/haptic_drum/galloping.toml --show \"2 s\" \"3 s\"\nExit code 1: an expectation of "
       "the scene was not met.");
 }

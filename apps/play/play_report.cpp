@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <iterator>
 #include <utility>
 
 #include "apps/cli/console.h"
 #include "apps/cli/rig_files.h"
+#include "apps/play/world.h"
 #include "engine/core/decibels.h"
 #include "engine/core/index.h"
 #include "engine/nodes/networks/solver_names.h"
@@ -27,23 +29,15 @@ std::string slug(const std::string& name) {
   return text.empty() ? "scene" : text;
 }
 
-std::pair<double, double> shown_times(const std::vector<std::string>& show, const SceneRecording& recording) {
-  if (show.empty())
-    return {0.0, melody_of(recording) ? recording.seconds() : std::min(1.0, recording.seconds())};
-  const double from = parse_option(show[0], "s", "show"), to = parse_option(show[1], "s", "show");
-  if (from < to && from < recording.seconds()) return {from, to};
-  exit_with({Errc::OutOfRange, "--show", "this range of time is outside the scene",
-             "give a start time before the end of the scene, and a later end time"});
-}
-
 Signals of_instrument(const SceneRecording& recording, const std::vector<std::string>& names) {
   Signals signals;
   for (const auto& name : names) signals.push_back(recording.find("instrument." + name));
   return signals;
 }
 
-Signals motion_in(const SceneRecording& recording) {
+Signals motion_in(const SceneSpec& scene, const SceneRecording& recording) {
   Signals signals;
+  if (scene.bench) return signals;  // they are the sensors
   for (const auto& signal : recording.signals)
     if (!signal.name.starts_with("instrument.") && !signal.dimension.plain()) signals.push_back(&signal);
   return signals;
@@ -57,14 +51,35 @@ std::string named(const Signals& signals) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-void write_sound(const std::string& path, const Signals& signals, Hertz rate,
-                 std::vector<std::string>& written) {
-  if (signals.empty()) return;
+Samples samples_of(const Signals& signals, Hertz rate) {
   Samples samples;
   samples.sample_rate = rate;
   for (const auto* signal : signals) samples.channels.push_back(signal->samples);
-  or_exit(write_wav(path, samples));
+  return samples;
+}
+
+void write_signals(const std::string& path, const Signals& signals, Hertz rate,
+                   std::vector<std::string>& written) {
+  if (signals.empty()) return;
+  or_exit(write_wav(path, samples_of(signals, rate)));
   written.push_back(path + "  " + named(signals));
+}
+
+/// The monitor output with its gain, as integers, which every program opens.
+void write_sound(const std::string& path, const Signals& signals, const PlayedScene& played,
+                 std::vector<std::string>& written) {
+  if (signals.empty()) return;
+  const double gain = played.scene.monitor_gain;
+  auto samples = samples_of(signals, played.recording.sample_rate);
+  double peak = 0;
+  for (auto& channel : samples.channels)
+    for (auto& sample : channel) peak = std::max(peak, std::abs(sample *= gain));
+  or_exit(write_wav(path, samples, WavEncoding::Pcm24));
+  written.push_back(
+      fmt::format("{}  {}, {}{}{}", path, named(signals),
+                  peak > 0 ? fmt::format("peak {:.0f} dBFS", amplitude_to_db(peak)) : "silent",
+                  gain != 1 ? fmt::format(", with a monitor gain of {:.0f} dB", amplitude_to_db(gain)) : "",
+                  peak > 1 ? ", clipped: lower 'monitor' in the scene" : ""));
 }
 
 LimitSource profile_of(const GuardOptions& options) {
@@ -181,10 +196,10 @@ void add_player_options(CLI::App& command, PlayerOptions& options) {
   command.add_flag("--json", options.json, "print the report as JSON");
 }
 
-PlayedScene play_file(const std::filesystem::path& file, const PlayerOptions& options,
+PlayedScene play_file(const Target& target, const PlayerOptions& options,
                       const std::map<std::string, double>* compared) {
   const bool first = compared == nullptr;
-  auto loaded = load_scene_leniently(file, root_of(file));
+  auto [loaded, inputs] = load_world(target, options.in, /*by_hand=*/false);
   if (!loaded.scene) throw CommandError{std::move(loaded.errors)};
   auto& scene = *loaded.scene;
   if (!options.duration.empty()) scene.duration = parse_duration(options.duration, 3600_s);
@@ -204,7 +219,7 @@ PlayedScene play_file(const std::filesystem::path& file, const PlayerOptions& op
   SceneTimes times{built, frames_in(scene.duration, built.plant->plan().sample_rate)};
   auto recording = or_exit(play_scene(
       scene, built, options.block.value_or(64), [&](double share) { progress(share); }, &times));
-  return {std::move(scene), std::move(recording), times.networks()};
+  return {std::move(scene), std::move(recording), times.networks(), std::move(inputs)};
 }
 
 Json faults_json(const std::vector<FaultCount>& faults) {
@@ -257,24 +272,36 @@ std::string base_of(const std::string& folder, const PlayedScene& played) {
   return (std::filesystem::path{folder} / slug(played.scene.name)).string();
 }
 
-std::vector<std::string> write_files(const std::string& folder, const std::vector<std::string>& show,
-                                     const PlayedScene& played) {
+ShownPart shown_part(const std::vector<std::string>& times, const PlayedScene& played) {
+  const double end_s = played.recording.seconds();
+  if (times.empty()) {
+    const auto& shown = played.scene.shown;
+    const double to_s = std::min(shown.to_s.value_or(end_s), end_s);
+    return shown.from_s < to_s ? ShownPart{shown.from_s, to_s} : ShownPart{0, end_s};
+  }
+  const double from = parse_option(times[0], "s", "show"), to = parse_option(times[1], "s", "show");
+  if (from < to && from < end_s) return {from, std::min(to, end_s)};
+  exit_with({Errc::OutOfRange, "--show", "this range of time is outside the scene",
+             "give a start time before the end of the scene, and a later end time"});
+}
+
+std::vector<std::string> write_files(const std::string& folder, const PlayedScene& played,
+                                     const PlayedScene* compared, const ShownPart& shown) {
   const auto& recording = played.recording;
-  const auto [from, to] = shown_times(show, recording);
   std::error_code ignored;
   std::filesystem::create_directories(folder, ignored);
   const auto base = base_of(folder, played);
   std::vector<std::string> written;
-  const std::pair<const char*, Signals> sounds[] = {
-      {"_sound.wav", of_instrument(recording, recording.sounds)},
+  write_sound(base + "_sound.wav", of_instrument(recording, recording.sounds), played, written);
+  const std::pair<const char*, Signals> files[] = {
       {"_drives.wav", of_instrument(recording, drive_names(recording))},
       {"_sensors.wav", of_instrument(recording, recording.inputs)},
-      {"_motion.wav", motion_in(recording)}};
-  for (const auto& [suffix, signals] : sounds)
-    write_sound(base + suffix, signals, recording.sample_rate, written);
+      {"_motion.wav", motion_in(played.scene, recording)}};
+  for (const auto& [suffix, signals] : files)
+    write_signals(base + suffix, signals, recording.sample_rate, written);
   const auto picture = base + ".svg";
-  or_exit(write_svg(picture, {scene_plot(played, from, to)}));
-  written.push_back(picture + fmt::format("  the plot, {:g} s to {:g} s", from, to));
+  or_exit(write_svg(picture, {scene_plot(played, compared, shown)}));
+  written.push_back(picture + fmt::format("  the plot, {:g} s to {:g} s", shown.from_s, shown.to_s));
   return written;
 }
 

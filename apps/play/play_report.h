@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apps/cli/json.h"
+#include "apps/cli/target.h"
 #include "backends/health.h"
 #include "backends/wav_file.h"
 #include "engine/core/error.h"
@@ -41,6 +42,7 @@ void print_guard(const GuardReport& report, Hertz sample_rate);
 /// Options of every run of an instrument or a scene.
 struct PlayerOptions {
   std::string target;
+  std::string in;                     ///< a sound file, or what else the inputs receive; empty: the default
   std::string rate, delay, duration;  ///< empty: as the file says
   std::optional<int> block;
   std::vector<std::string> set;  ///< NAME=VALUE
@@ -54,11 +56,13 @@ struct PlayedScene {
   SceneSpec scene;
   SceneRecording recording;
   std::vector<NetworkReport> networks;  ///< of all parts, then of the instrument
+  std::string inputs{};                 ///< as World::inputs
 };
 
-/// Loads, builds and plays a scene. `compared`: control values [SI] on top of the options, for a second run,
-/// which does not repeat the warnings of the first. Throws a CommandError with all errors of its files.
-PlayedScene play_file(const std::filesystem::path& file, const PlayerOptions& options,
+/// Loads, builds and plays a scene, or an instrument without its plant. `compared`: control values [SI] on
+/// top of the options, for a second run, which does not repeat the warnings of the first. Throws a
+/// CommandError with all errors of its files.
+PlayedScene play_file(const Target& target, const PlayerOptions& options,
                       const std::map<std::string, double>* compared = nullptr);
 
 Json faults_json(const std::vector<FaultCount>& faults);
@@ -87,15 +91,26 @@ std::vector<ReportSection> sections_of(const PlayedScene& played, const PlayedSc
 /// What the names of all files of a run begin with.
 std::string base_of(const std::string& folder, const PlayedScene& played);
 
-/// Two times of a scene on one axis: pitch, motion (a subplot for each unit of the plant), sensors with a
-/// mark at each trigger, and drives.
-Plot scene_plot(const PlayedScene& played, double from_s, double to_s);
+/// What the plot of a run shows.
+struct ShownPart {
+  double from_s = 0, to_s = 0;
+  bool all = false;  ///< every signal, else at most five subplots
+};
 
-/// The monitor output, the drives and the sensors as a sound file each, unscaled and unclipped; what moved as
-/// another, in metres and newtons; the plot. `show`: the two times that it shows; empty: a melody as a whole,
-/// otherwise the first second. No empty files. A line each: the path and its contents. Throws a CommandError:
-/// BadFile; OutOfRange for the times.
-std::vector<std::string> write_files(const std::string& folder, const std::vector<std::string>& show,
-                                     const PlayedScene& played);
+/// Pitch, motion (a subplot for the signals of one unit whose ranges differ by less than a factor of 20),
+/// sensors with a mark at each trigger, and drives, each with its unit. Constant signals are named, not
+/// drawn. `compared`: the other run of a scene with [compare], drawn dashed beside it, or nullptr. Where the
+/// guard acted it shows the ceiling and its events.
+Plot scene_plot(const PlayedScene& played, const PlayedScene* compared, const ShownPart& shown);
+
+/// The times that the plot shows: those of --show, else of [show], else all. Throws a CommandError:
+/// OutOfRange.
+ShownPart shown_part(const std::vector<std::string>& times, const PlayedScene& played);
+
+/// The monitor output as a sound file of 24 bits, with the gain of the scene; the drives and the sensors as
+/// one each, unscaled and unclipped; what moved as another, in metres and newtons; the plot. No empty files.
+/// A line each: the path and its contents. Throws a CommandError: BadFile.
+std::vector<std::string> write_files(const std::string& folder, const PlayedScene& played,
+                                     const PlayedScene* compared, const ShownPart& shown);
 
 }  // namespace tactus::app

@@ -53,8 +53,8 @@ void write_signals(RenderFiles& files, const SceneRecording& recording) {
   }
 }
 
-int render_scene(const RenderOptions& options, const std::filesystem::path& file) {
-  const auto [scene, recording, networks] = play_file(file, options);
+int render_scene(const RenderOptions& options, const Target& target) {
+  const auto [scene, recording, networks, inputs] = play_file(target, options);
   const auto rate = recording.sample_rate;
   RenderFiles files{options, recording.outputs, recording.sounds, rate};
   write_signals(files, recording);
@@ -106,8 +106,8 @@ std::string error_text(const WorkPrecision& result) {
 }
 
 /// Errors of one run and its time a frame.
-int report_accuracy(const RenderOptions& options, const std::filesystem::path& file) {
-  auto scene = or_exit(load_scene(file, root_of(file)));
+int report_accuracy(const RenderOptions& options, const Target& target) {
+  auto scene = or_exit(load_scene(target));
   if (!options.rate.empty()) scene.rate = parse_rate(options.rate);
   if (!options.delay.empty()) scene.delay = parse_delay(options.delay);
   if (!options.duration.empty()) scene.duration = parse_duration(options.duration, 3600_s);
@@ -121,15 +121,14 @@ int run_render(const RenderOptions& options) {
   if (!options.replay.empty()) return render_take(options);
   if (options.target.empty())
     exit_with({Errc::Missing, "", "there is nothing to render", "name an instrument, a scene or a take"});
-  const auto scene_file = resolve_target(options.target, "scene.toml");
-  const auto table = load_toml(scene_file);
-  const bool scene = table && find(*table, "parts") != nullptr;
-  if (options.error) return report_accuracy(options, scene_file);
-  if (options.in.empty() && scene) return render_scene(options, scene_file);
-  if (scene && !std::filesystem::is_directory(options.target))
-    exit_with({Errc::BadArgument, "--in", options.target + " is a scene, which makes its own sensor signals",
+  const auto target =
+      resolve_target(options.target, options.in.empty() ? FolderMeans::Scene : FolderMeans::Instrument);
+  if (options.error) return report_accuracy(options, target);
+  if (!target.scene) return render_instrument(options, target);
+  if (!options.in.empty())
+    exit_with({Errc::BadArgument, "--in", options.target + " is a scene, whose plant provides the inputs",
                "omit --in, or name the instrument"});
-  return render_instrument(options, resolve_target(options.target, "instrument.toml"));
+  return render_scene(options, target);
 }
 
 }  // namespace
@@ -140,7 +139,7 @@ void add_render(CLI::App& app, int& exit_code) {
                   exit_code, run_render);
   command.add_option(
       "FILE", options.target,
-      "instrument or scene file; for a folder, its scene.toml, or its instrument.toml if --in is given");
+      "instrument or scene file; for a folder, its scene.toml, or with --in its instrument.toml");
   command.add_option("--replay", options.replay,
                      "a recording made with --record: replay it and check that the drives match bit for bit; "
                      "with FILE, feed the recorded sensor signals to that instrument");

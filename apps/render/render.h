@@ -17,9 +17,9 @@
 namespace tactus::app {
 
 struct RenderOptions : PlayerOptions {
-  std::string replay;                  ///< a take's WAV file
-  std::string in, out, sound, events;  ///< files; empty: none
-  std::string format = "float";        ///< or "24"
+  std::string replay;              ///< a take's WAV file
+  std::string out, sound, events;  ///< files; empty: none
+  std::string format = "float";    ///< or "24"
   bool error = false;
 
   WavEncoding encoding() const { return format == "24" ? WavEncoding::Pcm24 : WavEncoding::Float32; }
@@ -45,7 +45,7 @@ class RenderFiles {
 };
 
 /// Runs an instrument on a WAV file or on silence. Gives the exit code, or throws a CommandError.
-int render_instrument(const RenderOptions& options, const std::filesystem::path& file);
+int render_instrument(const RenderOptions& options, const Target& target);
 
 /// All channels at another rate: see engine/dsp/delays/resample.h.
 Samples resample(const Samples& samples, Hertz to);

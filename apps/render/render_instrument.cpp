@@ -151,8 +151,8 @@ void print(const RenderOptions& options, const std::string& name, const OfflineI
 
 }  // namespace
 
-int render_instrument(const RenderOptions& options, const std::filesystem::path& file) {
-  const auto loaded = load_graph_leniently(file, root_of(file));
+int render_instrument(const RenderOptions& options, const Target& target) {
+  const auto loaded = load_graph_leniently(target.file, target.root());
   if (loaded.spec == nullptr) throw CommandError{loaded.errors};
   const auto input = input_of(options);
   CompileOptions compiling;

@@ -7,6 +7,7 @@
 
 #include "apps/cli/console.h"
 #include "apps/cli/take_files.h"
+#include "apps/cli/target.h"
 #include "apps/render/render.h"
 #include "backends/take/replay.h"
 #include "engine/core/index.h"
@@ -192,8 +193,8 @@ LimitBook recorded_limits(const TakeHeader& header) {
 
 int render_other(const RenderOptions& options, OpenTake& open) {
   const auto& header = open.take.header;
-  const auto file = resolve_target(options.target, "instrument.toml");
-  const auto loaded = load_graph_leniently(file, root_of(file));
+  const auto target = resolve_target(options.target, FolderMeans::Instrument);
+  const auto loaded = load_graph_leniently(target.file, target.root());
   const auto delay = options.delay.empty() ? header.system_delay : parse_delay(options.delay);
   Player engine{or_exit(compile(loaded, standard_nodes(),
                                 {.sample_rate = header.sample_rate,

@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 
+#include "apps/cli/target.h"
 #include "apps/study/study.h"
 #include "engine/core/dimension.h"
 #include "engine/graph/file/quantity.h"
@@ -201,8 +202,11 @@ CLI::Option* add_study_options(CLI::App& command, StudyOptions& options, const s
 }
 
 SceneSpec load_target(const StudyOptions& options) {
-  const auto file = resolve_target(options.target, "scene.toml");
-  return or_exit(load_scene(file, root_of(file)));
+  const auto target = resolve_target(options.target);
+  if (!target.scene && std::filesystem::is_directory(options.target))
+    exit_with({Errc::Missing, target.file.string(), "this is an instrument, and a study needs a scene",
+               "write a scene.toml that connects it to a plant"});
+  return or_exit(load_scene(target));
 }
 
 void publish(const StudyOptions& options, const std::string& text, const Json& json,

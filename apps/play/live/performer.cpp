@@ -9,6 +9,7 @@
 
 #include "apps/cli/console.h"
 #include "apps/cli/take_files.h"
+#include "apps/play/world.h"
 #include "backends/backend.h"
 #include "engine/core/index.h"
 #include "engine/core/named.h"
@@ -88,7 +89,7 @@ class LiveInstrument final : public Performer {
     return report_networks(engine_->plan(), time_steps(*engine_, block, kTimingDuration));
   }
   void describe(TakeHeader& header) const override {
-    header.files = take_files(loaded_, standard_nodes(), setup_.root);
+    header.files = take_files(loaded_, standard_nodes(), setup_.target.root());
     header.input_scales = wiring_.input_scales;
     header.padding_frames = setup_.padding_frames;
     if (setup_.rig) add_rig(*setup_.rig, to_text(*setup_.rig), header);
@@ -108,7 +109,7 @@ class LiveInstrument final : public Performer {
 
  private:
   LoadedGraph load() const {
-    auto loaded = load_graph_leniently(setup_.file, setup_.root);
+    auto loaded = load_graph_leniently(setup_.target.file, setup_.target.root());
     if (loaded.spec == nullptr) throw CommandError{loaded.errors};
     return loaded;
   }
@@ -155,15 +156,16 @@ constexpr int kStrikeControl = 0;        // the only one: see SceneOptions::by_h
 struct Read {
   SceneSpec scene;
   CompiledScene compiled;
+  std::string inputs;  ///< as World::inputs
 };
 
 Read read_scene(const PerformerSetup& setup) {
-  auto loaded = load_scene_leniently(setup.file, setup.root);
+  auto [loaded, inputs] = load_world(setup.target, setup.in, /*by_hand=*/true);
   if (!loaded.scene) throw CommandError{std::move(loaded.errors)};
   loaded.scene->drives = apply(setup.guard, std::move(loaded.scene->drives));
   auto compiled = or_exit(
       compile_scene(loaded, standard_nodes(), {setup.delay, setup.rate, setup.controls, /*by_hand=*/true}));
-  return {std::move(*loaded.scene), std::move(compiled)};
+  return {std::move(*loaded.scene), std::move(compiled), std::move(inputs)};
 }
 
 class LiveWorld final : public Performer, private BlockProcessor {
@@ -178,9 +180,11 @@ class LiveWorld final : public Performer, private BlockProcessor {
               scene_.converters),
         listener_([this](const ClosedLoop::Block& block) { copy_monitor(block); }) {
     name = scene_.name;
+    input_signals = std::move(read.inputs);
     files = files_of(scene_);
     const auto& plan = built_.instrument->plan();
     auto sounds = sound_names(plan, scene_.roles);
+    if (sounds.empty()) sounds = output_names(plan);
     plays_sensors_ = sounds.empty();
     const auto all = plays_sensors_ ? plan.input_names : output_names(plan);
     if (plays_sensors_) sounds = all;
@@ -201,8 +205,8 @@ class LiveWorld final : public Performer, private BlockProcessor {
       const auto read = std::make_shared<Read>(read_scene(setup_));
       edit.files = files_of(read->scene);
       if (read->compiled.delay_frames != built_.delay_frames)
-        exit_with({Errc::BadArgument, setup_.file.string(), "the delay cannot be changed during playback",
-                   "start again"});
+        exit_with({Errc::BadArgument, setup_.target.file.string(),
+                   "the delay cannot be changed during playback", "start again"});
       edit.take_over = [this, read](Guarded&) { take_over(read->compiled); };
     });
   }
@@ -227,7 +231,7 @@ class LiveWorld final : public Performer, private BlockProcessor {
 
  private:
   std::vector<std::filesystem::path> files_of(const SceneSpec& scene) const {
-    std::vector<std::filesystem::path> all = {setup_.file};
+    std::vector<std::filesystem::path> all = {setup_.target.file};
     for (const auto& part : scene.parts)
       if (part.graph != nullptr) add_files(*part.graph, all);
     return all;
@@ -261,7 +265,8 @@ class LiveWorld final : public Performer, private BlockProcessor {
   void copy_monitor(const ClosedLoop::Block& block) noexcept {
     const auto& from = plays_sensors_ ? block.sensors : block.drives;
     for (std::size_t c = 0; c < monitor_.size(); ++c)
-      std::copy_n(from[monitor_[c]], block.frames, io_->out[c] + done_);
+      std::transform(from[monitor_[c]], from[monitor_[c]] + block.frames, io_->out[c] + done_,
+                     [this](double sample) { return gain_ * sample; });
     done_ += block.frames;
     if (watching_.load(std::memory_order_relaxed)) ports_.take(*built_.plant, block.frames);
   }
@@ -273,6 +278,7 @@ class LiveWorld final : public Performer, private BlockProcessor {
   std::atomic<bool> watching_ = true;  ///< its signals lie where they did
   Guarded guarded_;
   ClosedLoop loop_;
+  double gain_ = scene_.monitor_gain;
   std::vector<int> monitor_;  ///< channels of the instrument's outputs, or of its inputs, for each speaker
   bool plays_sensors_ = false;
   ClosedLoop::Listener listener_;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/cli/target.h"
 #include "apps/play/play_report.h"
 #include "backends/take/take.h"
 #include "engine/graph/plan/compile.h"
@@ -44,6 +45,7 @@ class Performer {
   std::vector<std::string> inputs, outputs;  ///< channels of `processor`
   std::vector<GuardedChannel> guards;        ///< what is connected to each output
   std::vector<int> in_map, out_map;          ///< channels of the card, from 0 on; empty: the first ones
+  std::string input_signals;                 ///< as World::inputs
 
   /// What a Guarded is put around.
   virtual BlockProcessor& processor() = 0;
@@ -63,7 +65,8 @@ class Performer {
 };
 
 struct PerformerSetup {
-  std::filesystem::path file, root;
+  Target target;
+  std::string in{};  ///< what the inputs of a simulated instrument receive: see load_world
   Hertz rate = 48_kHz;
   std::optional<Seconds> delay{};  ///< of the card, as far as it is known; of a scene: instead of its own
   std::map<std::string, ControlValue> controls{};
@@ -77,8 +80,9 @@ struct PerformerSetup {
 /// then guarded as drives too, but without a slew limit. Throws a CommandError.
 std::unique_ptr<Performer> make_instrument(PerformerSetup setup);
 
-/// A scene, its simulated world run in real time: the monitor output goes to the speakers, the sensors where
-/// there is none. Edits of its instrument and of its plant take effect while it plays. Throws a CommandError.
+/// A scene or an instrument without its plant, simulated in real time: the monitor output goes to the
+/// speakers, where there is none the drives, and the sensors of a scene without drives. Edits of its
+/// instrument and of its plant take effect while it plays. Throws a CommandError.
 std::unique_ptr<Performer> make_world(PerformerSetup setup);
 
 }  // namespace tactus::app

@@ -9,6 +9,7 @@
 
 #include "apps/cli/console.h"
 #include "apps/cli/rig_files.h"
+#include "apps/cli/target.h"
 #include "apps/play/save_rig.h"
 #include "engine/core/decibels.h"
 #include "engine/core/named.h"
@@ -93,8 +94,10 @@ LearntSensor learn_sensitivity(const RigInput& input, Backend& backend, StreamRe
 class Planner {
  public:
   explicit Planner(const LiveOptions& options) : options_(options) {
-    plan_.file = resolve_target(options.target, options.listen ? "scene.toml" : "instrument.toml");
-    plan_.root = root_of(plan_.file);
+    const bool simulated = options.listen && options.in.empty();
+    plan_.target = resolve_target(options.target, simulated ? FolderMeans::Scene : FolderMeans::Instrument);
+    plan_.in = options.in;
+    if (!options.listen) check_instrument();
   }
 
   LivePlan run() {
@@ -112,6 +115,21 @@ class Planner {
   }
 
  private:
+  /// On a card the player and the hardware are the plant.
+  void check_instrument() const {
+    error_if(!options_.in.empty(), "--in", "the inputs of a sound card are the inputs of the instrument",
+             "omit --in, or omit the sound card to simulate");
+    if (!plan_.target.scene) return;
+    const auto loaded = load_scene_leniently(plan_.target);
+    const auto* part = loaded.scene ? loaded.scene->part("instrument") : nullptr;
+    const bool known = part != nullptr && part->graph != nullptr;
+    exit_with({Errc::BadArgument, plan_.target.file.generic_string(),
+               "this is a scene, whose plant is simulated; on a sound card the hardware is the plant",
+               known ? "play its instrument, " + *part->graph->file.file +
+                           ", or add --listen to hear the simulation"
+                     : "name the file of an instrument"});
+  }
+
   static void error_if(bool given, const char* option, const char* what, const char* remedy) {
     if (given) exit_with({Errc::BadArgument, option, what, remedy});
   }
@@ -130,8 +148,8 @@ class Planner {
                "cannot be combined with a rig, which names the actuator of each channel",
                "change the rig file; to raise a limit, use --raise-limit");
     // The rig says which actuator is on which channel of which card: no option may override it.
-    for (const auto& [given, option] :
-         {std::pair{!options_.in.empty(), "--inputs"}, {!options_.out.empty(), "--outputs"}})
+    for (const auto& [given, option] : {std::pair{!options_.in_channels.empty(), "--inputs"},
+                                        {!options_.out_channels.empty(), "--outputs"}})
       error_if(given && !plan_.rig_file.empty(), option,
                options_.rig.empty()
                    ? "cannot be combined with --save-rig, which asks for the channels"
@@ -150,7 +168,7 @@ class Planner {
   }
 
   void make_rig() {
-    const auto graph = or_exit(load_graph(plan_.file, plan_.root), kBadFile);
+    const auto graph = or_exit(load_graph(plan_.target.file, plan_.target.root()), kBadFile);
     const auto& [request, devices] = std::tie(plan_.request, plan_.devices);
     plan_.rig = ask_for_rig(*graph,
                             {{},
@@ -174,7 +192,7 @@ class Planner {
     if (!plan_.rig)
       exit_with({Errc::Missing, "--learn", "there is no rig file to store the sensitivity in",
                  "give --rig, or --save-rig to create one"});
-    const auto graph = or_exit(load_graph(plan_.file, plan_.root), kBadFile);
+    const auto graph = or_exit(load_graph(plan_.target.file, plan_.target.root()), kBadFile);
     const auto input = find_input(*plan_.rig, options_.learn);
     const auto learnt = learn_sensitivity(input, *plan_.devices.backend, plan_.request);
     const auto* port = find_named(graph->inputs, input.name);
@@ -190,6 +208,7 @@ class Planner {
     const auto of_rig = plan_.rig ? plan_.rig->measured_delay : std::nullopt;
     if (!options_.delay.empty()) {
       plan_.delay = parse_delay(options_.delay);
+      plan_.delay_assumed = true;
     } else if (of_rig) {
       plan_.delay = of_rig;
       plan_.delay_settings.block = plan_.rig->device.block;
@@ -236,8 +255,8 @@ class Planner {
     const auto& performer = *plan_.performer;
     request.in_channels = static_cast<int>(performer.inputs.size());
     request.out_channels = static_cast<int>(performer.outputs.size());
-    request.in_map = channels_or(options_.in, performer.in_map);
-    request.out_map = channels_or(options_.out, performer.out_map);
+    request.in_map = channels_or(options_.in_channels, performer.in_map);
+    request.out_map = channels_or(options_.out_channels, performer.out_map);
   }
 
   const LiveOptions& options_;
@@ -292,7 +311,8 @@ void check_delay(LivePlan& plan, const StreamGranted& granted) {
 
 std::string delay_text(const LivePlan& plan) {
   if (!plan.delay) return "delay     not measured: assumed to be 0; run tactus latency measure";
-  auto text = fmt::format("delay     {:.2f} ms measured", 1e3 * plan.delay->value);
+  auto text = fmt::format("delay     {:.2f} ms {}", 1e3 * plan.delay->value,
+                          plan.delay_assumed ? "assumed (--delay)" : "measured");
   const double padding_s = plan.padding_frames / plan.request.sample_rate->value;
   if (plan.padding_frames > 0)
     text += fmt::format(", extended to {:.2f} ms by {} frames", 1e3 * (plan.delay->value + padding_s),

@@ -15,7 +15,7 @@ namespace tactus::app {
 
 /// Options of playing on a sound card.
 struct LiveOptions : PlayerOptions, DeviceOptions {
-  std::vector<int> in, out;  ///< channels, from 1
+  std::vector<int> in_channels, out_channels;  ///< from 1
   std::string pad_delay;
   std::string record, save_rig, midi;
   std::string learn;  ///< an input, "*" for the first one; empty: no sensitivity is learnt
@@ -36,6 +36,7 @@ struct LivePlan : PerformerSetup {
   StreamRequest request;
   std::unique_ptr<Performer> performer;
   std::string rig_file;          ///< or empty
+  bool delay_assumed = false;    ///< given by hand, not measured
   DelaySettings delay_settings;  ///< that the delay was measured with, where that is known
 };
 

@@ -198,6 +198,13 @@ class LivePlay {
   std::future<std::string> saving_;  ///< the rig: what to report of it
 };
 
+/// Further lines below the first one, behind a heading of 10 columns.
+std::string aligned(std::string lines) {
+  for (auto at = lines.find('\n'); at != std::string::npos; at = lines.find('\n', at + 1))
+    lines.insert(at + 1, 10, ' ');
+  return lines;
+}
+
 /// What plays where, and the state of the drives.
 std::string announcement(const Session& session, const LivePlan& plan, const LiveOptions& options) {
   const auto& granted = session.granted();
@@ -205,6 +212,8 @@ std::string announcement(const Session& session, const LivePlan& plan, const Liv
   text += options.listen ? "the sound is played on the first channels of " + granted.device +
                                ": connect speakers there, not actuators"
                          : delay_text(plan);
+  if (const auto& inputs = plan.performer->input_signals; !inputs.empty())
+    text += "\ninputs    " + aligned(inputs);
   for (const auto& line : describe_limits(plan.performer->outputs, plan.performer->guards))
     text += "\nlimits    " + line;
   if (!options.arm && session.has_drives())
@@ -255,6 +264,7 @@ int play(const LiveOptions& options) {
                       .each_turn = [&](Clock::time_point now) { keys.begin_turn(now); },
                       .needs_input = [&] { return session.armed(); },
                       .inputs = {},
+                      .control_stalled = [&] { session.control_stalled(); },
                       .fade = session.closing_time()}};
   if (const auto opened = session.open(options.record); !opened)
     exit_with(opened.error(), exit_of(opened.error()));

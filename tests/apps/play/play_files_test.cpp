@@ -15,7 +15,7 @@ namespace {
 PlayedScene play(const char* scene, const char* duration) {
   PlayerOptions options;
   options.duration = duration;
-  return play_file(std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments" / scene, options);
+  return play_file(resolve_target(std::string{TACTUS_SOURCE_DIR} + "/instruments/" + scene), options);
 }
 
 /// The names of what is there, in order: "sound drives".
@@ -36,7 +36,7 @@ TEST_CASE("play files: the sound alone in one, the drives in another, as they ar
   const test::TemporaryFolder folder;
   const auto played = play("cellomobo/scene.toml", "0.5 s");
   const auto files = folder.path().string();
-  const auto written = write_files(files, {}, played);
+  const auto written = write_files(files, played, nullptr, shown_part({}, played));
   CHECK(kinds_of(written) == "sound drives sensors motion");
   for (const auto& [file, signal] :
        {std::pair{"_sound.wav", "instrument.sound"}, std::pair{"_drives.wav", "instrument.shaker"}}) {
@@ -55,7 +55,8 @@ TEST_CASE("play files: the sound alone in one, the drives in another, as they ar
 TEST_CASE("play files: there is no file of what does not sound or is not driven", "[apps]") {
   const test::TemporaryFolder folder;
   const auto kinds = [&](const char* scene) {
-    return kinds_of(write_files(folder.path().string(), {}, play(scene, "0.2 s")));
+    const auto played = play(scene, "0.2 s");
+    return kinds_of(write_files(folder.path().string(), played, nullptr, shown_part({}, played)));
   };
   CHECK(kinds("bouncing_ball/scene.toml") == "drives motion");
   CHECK(kinds("bouncing_ball/table_scene.toml") == "motion");
