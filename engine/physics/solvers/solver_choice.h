@@ -44,7 +44,7 @@ ContactDemand contact_demand(const NetworkElements& elements);
 
 /// What solvers other than `explicit` need of a spring that is made of two contacts: half a period lasts so
 /// many steps. The exact solver makes energy of springs of 1/300, where one contact returns what rounding has
-/// left of a force 10^6 times that of its mass; the others of 1/100,000.
+/// left of a force 10^6 times that of its mass; the others of 1/250,000.
 inline constexpr double kShortestSpring = 0.01;
 
 /// What a step of a solver makes of y'' + c y' + w^2 y = 0.
