@@ -148,9 +148,10 @@ class Checks {
     if (fact.kind != UnitKind::Known || fact.dimension.plain()) return;
     const auto exponent = constant_of(expression.arguments[1]);
     if (exponent && std::round(*exponent) == *exponent) return;
-    errors_.add(Errc::UnitMismatch, expression.arguments[1].at,
-                quoted(type) + " takes " + unit_phrase(fact.dimension) + " to whole constant powers only",
-                "divide the first value by a quantity in " + to_string(fact.dimension));
+    errors_.add(
+        Errc::UnitMismatch, expression.arguments[1].at,
+        quoted(type) + " raises what is " + unit_phrase(fact.dimension) + " to whole constant powers only",
+        "divide the first value by a quantity in " + to_string(fact.dimension));
   }
 
   /// A signal may leave the domain, which is then a fault; what is never inside was not meant.

@@ -12,7 +12,8 @@ namespace {
 nlohmann::ordered_json ball_of(const char* scene, const char* duration = "") {
   PlayerOptions options;
   options.duration = duration;
-  const auto played = play_file(std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments" / scene, options);
+  const auto played =
+      play_file(resolve_target(std::string{TACTUS_SOURCE_DIR} + "/instruments/" + scene), options);
   nlohmann::ordered_json json;
   for (const auto& section : sections_of(played, nullptr)) json.update(section.json);
   return json["ball"];

@@ -136,7 +136,7 @@ TEST_CASE("math_functions: roundings and remainders are those of exact arithmeti
 }
 
 TEST_CASE("math_functions: whole powers of a base have whole logarithms", "[core]") {
-  for (int n = -300; n <= 300; ++n) CHECK(math::log10(std::pow(10.0L, n)) == n);
+  for (int n = -300; n <= 300; ++n) CHECK(math::log10(static_cast<double>(std::pow(10.0L, n))) == n);
   for (int n = -1022; n <= 1023; ++n) CHECK(math::log2(std::ldexp(1.0, n)) == n);
   CHECK(math::exp(0) == 1);
   CHECK(math::pow(3, 4) == 81);

@@ -37,7 +37,7 @@ TEST_CASE("live instrument: without a rig sound needs arming but passes up to -6
   const test::TemporaryFolder folder;
   const std::string from = GENERATE("hiss", "tone");
   const auto file = folder.write("test.toml", graph(from, "audio"));
-  const auto instrument = make_instrument({file, folder.path()});
+  const auto instrument = make_instrument({resolve_target(file.string())});
   REQUIRE(instrument->guards.size() == 1);
   const auto& [kind, limits, feedback, origins] = instrument->guards.front();
   CHECK(kind == DriveGuard::Kind::Drive);
@@ -56,7 +56,7 @@ TEST_CASE("live instrument: without a rig sound needs arming but passes up to -6
 TEST_CASE("live instrument: a drive without a rig takes 1 kHz at its ceiling", "[live]") {
   const test::TemporaryFolder folder;
   const auto file = folder.write("test.toml", graph("tone", "drive"));
-  const auto instrument = make_instrument({file, folder.path()});
+  const auto instrument = make_instrument({resolve_target(file.string())});
   Guarded guarded{instrument->processor(), instrument->guards, true};
   REQUIRE(guarded.prepare({48_kHz, 1, 1, 96'000}));
   guarded.skip_soft_start();
@@ -74,7 +74,7 @@ TEST_CASE("live instrument: the slew limit of a drive without a rig lets 1 kHz a
 TEST_CASE("live instrument: an edit that leads an input to an output has it watched for feedback", "[live]") {
   const test::TemporaryFolder folder;
   const auto file = folder.write("test.toml", graph("tone", "drive"));
-  const auto instrument = make_instrument({file, folder.path()});
+  const auto instrument = make_instrument({resolve_target(file.string())});
   Guarded guarded{instrument->processor(), instrument->guards, true};
   REQUIRE(guarded.prepare({48_kHz, 1, 1, 4096}));
   folder.write("test.toml", graph("0.5 * tone + 0.1 * x", "drive"));
@@ -99,7 +99,7 @@ x = {}
 [outputs]
 y = { from = "drum.ear.position / 1 m" }
 )");
-  const auto instrument = make_instrument({file, folder.path()});
+  const auto instrument = make_instrument({resolve_target(file.string())});
   Guarded guarded{instrument->processor(), instrument->guards, false};
   REQUIRE(guarded.prepare({48_kHz, 1, 1, 64}));
   run(guarded, 64);

@@ -80,8 +80,8 @@ TEST_CASE("live limits: no option replaces what the rig says of device, channels
   auto saved = options;
   saved.save_rig = std::exchange(saved.rig, {});
   auto in = saved, out = saved;
-  in.in = {2};
-  out.out = {2, 1};
+  in.in_channels = {2};
+  out.out_channels = {2, 1};
   CHECK(refused(in) == std::pair{std::string{"--inputs"}, int{app::kUsage}});
   CHECK(refused(out) == std::pair{std::string{"--outputs"}, int{app::kUsage}});
 }

@@ -50,7 +50,7 @@ struct Fixture {
   explicit Fixture(bool armed = true, const std::string& graph = tone("0.4"), int outputs_ = 1)
       : outputs(outputs_) {
     const auto file = folder.write("tone.toml", graph);
-    performer = make_instrument({file, folder.path()});
+    performer = make_instrument({resolve_target(file.string())});
     StreamRequest request;
     request.out_channels = outputs;
     session = std::make_unique<Session>(*performer, backend, request, armed);

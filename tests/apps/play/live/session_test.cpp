@@ -55,7 +55,7 @@ tone = { from = "x" }
 
 struct Stage {
   explicit Stage(const std::string& graph = constant("0.1"))
-      : performer{make_instrument({folder.write("tone.toml", graph), folder.path()})} {
+      : performer{make_instrument({resolve_target(folder.write("tone.toml", graph).string())})} {
     request.out_channels = 1;
   }
   bool says(Session& session, const std::string& words) {

@@ -12,7 +12,7 @@ namespace {
 
 std::unique_ptr<Performer> single_strike() {
   const std::filesystem::path root = std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments";
-  return make_world({root / "haptic_drum/single_strike.toml", root});
+  return make_world({resolve_target((root / "haptic_drum/single_strike.toml").string())});
 }
 
 /// The highest sample that the speakers get in so many seconds.
@@ -78,7 +78,7 @@ TEST_CASE("live world: after a reconnection a strike does not wait for one from 
 TEST_CASE("live world: the watch at a port finds the same energy as when the scene is rendered", "[live]") {
   const std::filesystem::path root = std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments";
   const auto file = root / "exploding/scene.toml";
-  const auto world = make_world({file, root});
+  const auto world = make_world({resolve_target(file.string())});
   Guarded guarded{world->processor(), world->guards, false};
   REQUIRE(guarded.prepare({48_kHz, 0, 2, 256}));
   loudest(guarded, 0.64);  // 120 blocks

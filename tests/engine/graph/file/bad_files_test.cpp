@@ -390,9 +390,9 @@ a = "x ^ 2"
 [inputs]
 x = {}
 [nodes]
-a = "sin(x)"
+a = "sinh(x)"
 )toml",
-     "test.toml:5:6 Syntax 'sin'"},
+     "test.toml:5:6 Syntax 'sinh' 'sin'"},
     {"a comma for a point",
      R"(format = 1
 [inputs]

@@ -87,7 +87,7 @@ y = { from = "k", unit = "N" }
 z = { from = "k", unit = "parsec" }
 )toml") ==
         R"(test.toml:6:10 UnitMismatch
-test.toml:7:13 UnitMismatch
+test.toml:7:13 UnitMismatch 'min'
 test.toml:8:34 UnitMismatch
 test.toml:9:32 UnitMismatch 'in' 'd'
 test.toml:9:53 UnitMismatch 'stiffness' 'd'
