@@ -128,7 +128,7 @@ LoadedScene scene_around(LoadedGraph instrument, const BenchInputs& inputs, Hert
   scene.about = graph.about;
   scene.source = graph.source;
   scene.rate = rate;
-  scene.duration = duration;
+  scene.duration = scene.whole = duration;
   scene.bench = true;
   const auto folder = inputs.file.parent_path();
   auto plant =

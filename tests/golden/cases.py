@@ -60,6 +60,8 @@ def shipped():
     """Paths of graphs and scenes, relative to the checkout."""
     graphs, scenes = [], []
     for file in sorted((ROOT / "instruments").rglob("*.toml")):
+        if "templates" in file.parts:  # to be changed freely; tests play them
+            continue
         content = tomllib.loads(file.read_text())
         kind = scenes if "parts" in content else graphs if "outputs" in content else None
         if kind is not None:

@@ -127,7 +127,8 @@ class Planner {
                "this is a scene, whose plant is simulated; on a sound card the hardware is the plant",
                known ? "play its instrument, " + *part->graph->file.file +
                            ", or add --listen to hear the simulation"
-                     : "name the file of an instrument"});
+                     : "name the file of an instrument"},
+              kUsage);
   }
 
   static void error_if(bool given, const char* option, const char* what, const char* remedy) {

@@ -9,9 +9,9 @@
 namespace tactus {
 namespace {
 
-const std::vector<std::string> kSceneKeys = {"rate",   "duration",    "parts",  "gestures", "converters",
-                                             "expect", "seed",        "drives", "accuracy", "ports",
-                                             "roles",  "playability", "compare"};
+const std::vector<std::string> kSceneKeys = {"rate",   "duration",    "parts",   "gestures", "converters",
+                                             "expect", "seed",        "drives",  "accuracy", "ports",
+                                             "roles",  "playability", "compare", "show",     "monitor"};
 
 bool among(const std::vector<std::string>& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();

@@ -351,6 +351,7 @@ class SceneReader {
     if (const auto delay = fields.number("delay")) scene_.delay = Seconds{*delay};
     if (const auto gain = fields.number("monitor")) scene_.monitor_gain = *gain;
     if (const auto duration = fields.number("duration")) scene_.duration = Seconds{*duration};
+    scene_.whole = scene_.duration;
     scene_.duration_at = fields.at("duration", scene_.file);
     if (!fields.has("duration"))
       errors_.add(Errc::Missing, {scene_.file.file, 1, 1}, "'duration' is missing",

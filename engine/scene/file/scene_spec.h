@@ -156,6 +156,7 @@ struct SceneSpec {
   Hertz rate = 48_kHz;
   Seconds delay;  ///< system delay
   Seconds duration;
+  Seconds whole;                 ///< the duration as the file gives it, when another one is played
   std::vector<ScenePart> parts;  ///< in file order; mostly `instrument` and `plant`
   std::vector<Gesture> gestures;
   Converters converters;

@@ -158,6 +158,10 @@ TEST_CASE("own instrument: a window that the run does not reach is not judged", 
   CHECK(ran.exit == 0);
   CHECK(has(ran, "--    roll             not reached"));
   CHECK(has(ran, "ok    missed"));
+  // The detent is reached after 1.2 s: too weak a pull before that is no failure.
+  const auto detent = folder.run("play wall/detent.toml --duration '0.1 s'");
+  CHECK(detent.exit == 0);
+  CHECK(has(detent, "--    pull"));
 }
 
 TEST_CASE("own instrument: list shows it, and every name of the list plays", "[apps]") {

@@ -179,6 +179,7 @@ const std::vector<FileKind>& file_kinds() {
       {"playability", "hits", "\"instrument.hit\""},
       {"compare", "name", "\"weaker\""},
       {"compare", "strength", "0.1"},
+      {"show", "from", "\"1 ms\""},
   };
   static const std::vector<FileKind::Entry> tone = [] {
     auto entries = scene;

@@ -96,13 +96,12 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 a = 1
 )",
      "scene.toml:6:2 UnknownName 'nodes'"},
-    {"no plant",
+    {"no parts",
      R"(format = 1
 duration = "1 s"
 [parts]
-instrument = { use = "instrument.toml", mic = 0, pedal = 0 }
 )",
-     R"(scene.toml:3:1 Missing 'plant' [parts] plant use "plant.toml")"},
+     R"(scene.toml:3:2 Missing [parts] instrument use "instrument.toml")"},
     {"a part in quotes",
      R"(format = 1
 duration = "1 s"

@@ -178,11 +178,14 @@ scene.toml:21:25 UnknownName 'mx' 'max'
 plant.toml:2:1 UnknownName 'nods' 'nodes')");
 }
 
-TEST_CASE("scene: a plant is required, and so is a duration", "[scene]") {
+TEST_CASE("scene: an instrument or a plant is required, and so is a duration", "[scene]") {
   const Folder folder;
   CHECK(folder.errors_of("format = 1\n") ==
         R"(scene.toml:1:1 Missing 'duration' duration "6 s"
-scene.toml:1:1 Missing 'plant' [parts] plant use "plant.toml")");
+scene.toml:1:1 Missing [parts] instrument use "instrument.toml")");
+  CHECK(folder.errors_of(
+            "format = 1\nduration = \"1 s\"\n[parts]\ninstrument = { use = \"instrument.toml\", mic = 0, "
+            "pedal = 0 }\n") == "");
 }
 
 TEST_CASE("scene: nothing is measured after its end", "[scene]") {
