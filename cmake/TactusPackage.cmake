@@ -32,8 +32,8 @@ set(CPACK_PACKAGE_VENDOR "The Tactus authors")
 set(CPACK_PACKAGE_CONTACT "The Tactus authors <tactus@localhost>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "haptic instruments on ordinary sound cards")
 set(CPACK_PACKAGE_DESCRIPTION "Reads sensors and drives actuators through an audio interface, as text files say.
- It simulates instruments without hardware, checks their stability, limits what reaches an actuator, and measures
- the round-trip latency of the interface.")
+It simulates instruments without hardware, checks their stability, limits what reaches an actuator, and measures
+the round-trip latency of the interface.")
 set(CPACK_DEBIAN_PACKAGE_SECTION sound)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS jackd2)

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <ranges>
 
 namespace tactus::plot {
 namespace {
@@ -225,7 +226,10 @@ double widest(const std::vector<std::string>& texts) {
 
 PlotColor color_of(const Subplot& subplot, std::size_t series) {
   const auto chosen = subplot.series[series].color;
-  return chosen != PlotColor::Auto ? chosen : static_cast<PlotColor>(1 + series % 6);
+  if (chosen != PlotColor::Auto) return chosen;
+  const auto before =
+      std::ranges::count(subplot.series | std::views::take(series), PlotColor::Auto, &PlotSeries::color);
+  return static_cast<PlotColor>(1 + before % 6);
 }
 
 Layout::Layout(const Plot& plot, const Subplot& of, const Range& xs)

@@ -125,7 +125,7 @@ TEST_CASE_METHOD(OnServer, "play: a rig is made from what is proposed, and plays
   CHECK_THAT(second.log(), Catch::Contains("--pad-delay"));  // it was never measured
   Playing third{{tone, "--rig", rig, "--duration", "0.2 s", "--delay", "12 ms", "--pad-delay", "20 ms"}};
   CHECK(third.ends() == 0);
-  CHECK_THAT(third.log(), Catch::Contains("12.00 ms measured, extended to 20.00 ms by 384 frames"));
+  CHECK_THAT(third.log(), Catch::Contains("12.00 ms assumed (--delay), extended to 20.00 ms by 384 frames"));
 }
 
 TEST_CASE_METHOD(OnServer, "play: five soft hits teach the rig how sensitive a sensor is", "[cards]") {

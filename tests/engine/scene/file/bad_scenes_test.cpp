@@ -101,7 +101,7 @@ a = 1
 duration = "1 s"
 [parts]
 )",
-     R"(scene.toml:3:2 Missing [parts] instrument use "instrument.toml")"},
+     R"(scene.toml:3:1 Missing [parts] instrument use "instrument.toml")"},
     {"a part in quotes",
      R"(format = 1
 duration = "1 s"
