@@ -107,9 +107,9 @@ Measured measure(const std::string& text) {
   const double* from[] = {in.data()};
   double* to[] = {out.data()};
   const auto play = [&](int blocks) {
-    const double start = cpu_seconds();
+    const double before_s = cpu_seconds();
     for (int i = 0; i < blocks; ++i) engine.process({from, to, kBlock});
-    return cpu_seconds() - start;
+    return cpu_seconds() - before_s;
   };
   int blocks = 1;
   while (play(blocks) < kRun_s) blocks *= 2;
