@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
 #include <map>
 #include <string>
 
@@ -139,7 +140,8 @@ class Study {
                thirds = play(random, Solver::Reference, 3, start);
     ++networks_;
     const Expected expected{whole.path,
-                            whole.finite && thirds.finite ? apart(thirds.path, whole.path) : INFINITY,
+                            whole.finite && thirds.finite ? apart(thirds.path, whole.path)
+                                                          : std::numeric_limits<double>::infinity(),
                             true_motion(random)};
     unsolved_ += !expected.solved();
     without_truth_ += !expected.truth;
