@@ -1,16 +1,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <regex>
-#include <sstream>
 
 #include "apps/cli/console.h"
 #include "apps/cli/target.h"
 #include "engine/core/files.h"
 #include "engine/graph/file/error_list.h"
 #include "engine/graph/file/load.h"
-#include "engine/scene/file/scene_spec.h"
 
 namespace tactus::app {
 namespace {
@@ -35,17 +32,9 @@ std::vector<std::string> template_names() {
   return names;
 }
 
-std::string text_of(const fs::path& file) {
-  std::ifstream stream{file};
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
 std::string about_of(const std::string& name) {
-  const auto table = load_toml(templates() / name / "instrument.toml");
-  const auto* about = table ? find(*table, "about") : nullptr;
-  return about != nullptr && about->text() != nullptr ? *about->text() : std::string{};
+  const auto graph = load_graph(templates() / name / "instrument.toml");
+  return graph ? (*graph)->about : std::string{};
 }
 
 /// The file of a template for another place: the schema of the installation, which editors read, and in the
@@ -99,7 +88,8 @@ int run_new(const NewOptions& options) {
               kBadFile);
   for (const auto& entry : fs::directory_iterator{templates() / options.from}) {
     const auto file = entry.path().filename();
-    or_exit(write_file(folder / file, adapted(text_of(entry.path()), name, file == "instrument.toml")));
+    or_exit(write_file(folder / file,
+                       adapted(or_exit(read_graph_text(entry.path())), name, file == "instrument.toml")));
   }
   const auto path = folder.generic_string();
   or_exit(write_file(folder / "README.md", readme(name, path, about_of(options.from))));
