@@ -68,6 +68,11 @@ class ScenePlotter {
     Subplot subplot;
     double range = 0;  ///< of its first series
   };
+  struct Line {
+    std::string name;  ///< of its signal
+    double range = 0;
+    PlotSeries series;
+  };
 
   PlotSeries trace(const std::string& label, const std::string& name, const PlayedScene& of) const {
     const auto* signal = of.recording.find(name);
@@ -80,16 +85,19 @@ class ScenePlotter {
                       {signal->samples.begin() + first, signal->samples.begin() + last});
   }
 
-  /// The line of the other run, where it is another one.
-  void add_compared(Subplot& subplot, const std::string& name, const PlotSeries& shown) const {
-    if (compared_ == nullptr) return;
-    auto other = trace(scene_.compare->name, name, *compared_);
-    if (other.y.empty() || other.y == shown.y) return;
-    other.color = PlotColor::Grey;
-    // Behind the lines of the run itself, and named once.
+  /// The line of a signal; behind those of this run, the one of the other run where it is another, named
+  /// once.
+  void add_lines(Subplot& subplot, const std::string& name, PlotSeries line) const {
     auto& series = subplot.series;
-    if (std::ranges::count(series, other.label, &PlotSeries::label) > 0) other.label.clear();
-    series.insert(series.begin(), std::move(other));
+    if (compared_ != nullptr) {
+      auto other = trace(scene_.compare->name, name, *compared_);
+      if (!other.y.empty() && other.y != line.y) {
+        other.color = PlotColor::Grey;
+        if (std::ranges::count(series, other.label, &PlotSeries::label) > 0) other.label.clear();
+        series.insert(series.begin(), std::move(other));
+      }
+    }
+    series.push_back(std::move(line));
   }
 
   static std::string short_name(const std::string& name) { return name.substr(name.rfind('.') + 1); }
@@ -119,24 +127,22 @@ class ScenePlotter {
   /// The plant's outputs: those of one unit together, as far as their ranges fit one axis.
   void add_motion() {
     if (scene_.bench) return;  // the sensors show it
-    std::vector<std::pair<std::string, std::vector<std::pair<double, const RecordedSignal*>>>> units;
+    std::vector<std::pair<std::string, std::vector<Line>>> units;
     for (const auto& signal : recording_.signals) {
       if (signal.name.starts_with("instrument.") || signal.dimension.plain() ||
           signal.dimension == Dimension{.second = -1})
         continue;
-      const auto series = trace("", signal.name, played_);
-      if (is_constant(series))
+      auto series = trace(short_name(signal.name), signal.name, played_);
+      if (is_constant(series)) {
         constant_.push_back(short_name(signal.name));
-      else
-        entry_of(units, to_string(signal.dimension)).emplace_back(range_of(series), &signal);
-    }
-    for (auto& [unit, signals] : units) {
-      std::ranges::stable_sort(signals, std::greater{}, [](const auto& entry) { return entry.first; });
-      for (const auto& [range, signal] : signals) {
-        auto& subplot = subplot_for(unit, range);
-        subplot.series.push_back(trace(short_name(signal->name), signal->name, played_));
-        add_compared(subplot, signal->name, PlotSeries{subplot.series.back()});
+        continue;
       }
+      const double range = range_of(series);
+      entry_of(units, to_string(signal.dimension)).push_back({signal.name, range, std::move(series)});
+    }
+    for (auto& [unit, lines] : units) {
+      std::ranges::stable_sort(lines, std::greater{}, &Line::range);
+      for (auto& line : lines) add_lines(subplot_for(unit, line.range), line.name, std::move(line.series));
     }
   }
 
@@ -178,8 +184,7 @@ class ScenePlotter {
       constant_.push_back(input);
       return;
     }
-    sensor.subplot.series.push_back(std::move(series));
-    add_compared(sensor.subplot, signal->name, PlotSeries{sensor.subplot.series.front()});
+    add_lines(sensor.subplot, signal->name, std::move(series));
     add_triggers(sensor.subplot);
     candidates_.push_back(std::move(sensor));
   }
@@ -212,8 +217,7 @@ class ScenePlotter {
       constant_.push_back(output);
       return;
     }
-    drive.subplot.series.push_back(std::move(series));
-    add_compared(drive.subplot, name, PlotSeries{drive.subplot.series.front()});
+    add_lines(drive.subplot, name, std::move(series));
     add_ceiling(drive.subplot, output);
     candidates_.push_back(std::move(drive));
   }
