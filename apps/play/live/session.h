@@ -131,8 +131,8 @@ class Session {
   void mute(bool on) { switches_.mute(on); }
   /// [any] For the stop loop.
   DriveSwitches& switches() { return switches_; }
-  /// [any] For the stop loop: `tick` is not called, so nobody watches the device. Disarms, but not while
-  /// `tick` may be opening a device that was lost.
+  /// [any] The stop loop calls it when `tick` has not run for 0.5 s, so that nothing watches the device:
+  /// disarms the drives. Does nothing while `tick` may be reopening a lost device.
   void control_stalled();
   /// The longest time that fading out takes.
   Seconds closing_time() const { return guarded_.closing_time(); }

@@ -22,7 +22,7 @@ std::string example_of(const Dimension& dimension) {
   return dimension.plain() ? "a number without a unit, such as 0.5" : "a quantity in " + to_string(dimension);
 }
 
-/// What follows the number, however large that is; nullopt: no number begins the text.
+/// The text after the leading number, whatever its size; nullopt: the text does not begin with a number.
 std::optional<std::string_view> behind_number(std::string_view text) {
   const auto start = std::min(text.find_first_not_of(" +"), text.size());
   double value = 0;

@@ -48,8 +48,8 @@ std::vector<ReachedValue> reached_values(const std::vector<JournalEntry>& journa
   return reached;
 }
 
-/// The states of the controls where two of them or more have moved within 20 ms, in the same frame
-/// or not. A control that moves alone is judged at its lowest and highest value.
+/// The states of the controls at each time when two or more of them have moved within 20 ms, in the same
+/// frame or not. A control that moves alone needs none: its lowest and highest values are analysed elsewhere.
 std::vector<ControlState> moving_states(const std::vector<JournalEntry>& journal, Hertz rate) {
   constexpr double kTogether = 0.02;
   std::vector<ControlState> states;

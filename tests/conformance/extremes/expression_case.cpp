@@ -105,7 +105,7 @@ bool is_whole_period(const ExpressionCase& c, const OperandValues& at, double y,
   return c.op == Op::Mod && y == 0 && static_cast<double>(exact) == at[1];
 }
 
-/// Operands for which no number is promised, only bounds.
+/// Whether the operator only specifies bounds of its value for these operands, not the value itself.
 bool only_bounded(const ExpressionCase& c, const OperandValues& at) {
   if (c.op == Op::Sin || c.op == Op::Cos || c.op == Op::Tan) return std::abs(at[0]) > kLargestAngle;
   return c.op == Op::Mod && std::abs(at[0] / at[1]) > 0x1p51;
