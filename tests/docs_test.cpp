@@ -55,28 +55,6 @@ TEST_CASE("docs: every shipped graph file names the schema in its first line", "
   CHECK(files > 0);
 }
 
-TEST_CASE("docs: links between files lead somewhere", "[docs]") {
-  const fs::path root = TACTUS_SOURCE_DIR;
-  std::vector<fs::path> pages = {root / "README.md"};
-  for (const auto& entry : fs::directory_iterator(root / "docs"))
-    if (entry.path().extension() == ".md") pages.push_back(entry.path());
-  const std::regex link{R"(\]\(([^)#\s]+)[^)\s]*\))"};  // a lambda in an example has spaces
-  int links = 0;
-  for (const auto& page : pages) {
-    const auto text = text_of(page);
-    for (std::sregex_iterator it{text.begin(), text.end(), link}, end; it != end; ++it) {
-      const auto target = (*it)[1].str();
-      const bool generated =
-          target == "nodes.md" || target == "docs/nodes.md" || target == "tactus.schema.json";
-      if (target.find("://") != std::string::npos || generated) continue;
-      ++links;
-      INFO(page.filename().string() << ": " << target);
-      CHECK(fs::exists(page.parent_path() / target));
-    }
-  }
-  CHECK(links > 3);
-}
-
 TEST_CASE("docs: the reference as text is at most 100 columns wide, but for examples", "[docs]") {
   for (const auto* type : standard_nodes().types) {
     std::istringstream text{reference_text(*type)};
