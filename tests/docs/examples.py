@@ -10,6 +10,7 @@ import pathlib
 import re
 import shlex
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -22,9 +23,16 @@ ROOT = pages.ROOT
 FILES = pathlib.Path(__file__).parent / "files"
 COMMAND = re.compile(r"^(?:\$ )?(?:build/\w+/)?(?:tactus|scripts/\w+)\b")
 GALLERY = pages.DOCS / "gallery/index.md"
-# Its examples are the declarations' own: tests/conformance runs them.
-TESTED_ELSEWHERE = {"docs/nodes.md"}
+NODES = pages.DOCS / "nodes.md"
 SECONDS = 120  # for one command
+UNITS = ["full scale", "m", "N", "m/s", "Hz", "m/s^2"]  # of the signals that examples of the reference name
+
+
+def silent_wav():
+    """A tenth of a second of silence."""
+    samples = bytes(9600)
+    return (b"RIFF" + struct.pack("<I", 36 + len(samples)) + b"WAVEfmt " + struct.pack("<IHHIIHH", 16, 1, 1, 48000, 96000, 2, 16)
+            + b"data" + struct.pack("<I", len(samples)) + samples)
 
 
 def logical_lines(text, prompt):
@@ -54,6 +62,7 @@ class Examples:
         self.helps = {}
         self.in_gallery = {line.removesuffix(" --out media") for line in GALLERY.read_text().split("\n")}
         self.folders = {}
+        self.instruments = shutil.copytree(ROOT / "instruments", work / ".instruments")
 
     def error(self, place, message):
         self.errors.append(f"{place}: {message}")
@@ -65,7 +74,7 @@ class Examples:
         if page not in self.folders:
             name = str(page.relative_to(ROOT).with_suffix(""))
             folder = self.work / name.replace("/", "_")
-            shutil.copytree(ROOT / "instruments", folder / "instruments")
+            shutil.copytree(self.instruments, folder / "instruments", copy_function=os.link)
             for place in ("build/release", "build/dev"):
                 (folder / place).mkdir(parents=True)
                 (folder / place / "tactus").symlink_to(self.program)
@@ -86,9 +95,13 @@ class Examples:
                         "COLUMNS": "120"}
         began = time.monotonic()
         try:
-            done = subprocess.run(["bash", "-o", "pipefail", "-c", command], cwd=folder, env=environment, text=True, timeout=SECONDS,
+            plain = not re.search(r"[|&;<>$*~()`]", command)  # most need no shell
+            words = shlex.split(command, comments=True) if plain else ["bash", "-o", "pipefail", "-c", command]
+            done = subprocess.run(words, cwd=folder, env=environment, text=True, timeout=SECONDS,
                                   stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
             code, output = done.returncode, done.stdout
+        except FileNotFoundError as error:
+            code, output = 127, str(error)
         except subprocess.TimeoutExpired:
             code, output = "none", f"not finished after {SECONDS} s"
         self.slow.append((time.monotonic() - began, command))
@@ -204,6 +217,38 @@ class Examples:
         if code not in codes:
             self.error(fence.place, f"is refused by '{command}':\n" + "\n".join(f"    {line}" for line in output.strip().split("\n")[:6]))
 
+    def declaration(self, fence):
+        """An example of the reference, which names signals and bodies that it does not have: they are declared for it."""
+        self.graphs += 1
+        text = fence.text if re.match(r"\s*\w+ *=", fence.text) else f"example = {fence.text}"
+        folder = self.folder(fence.page)
+        file = folder / f"example_{fence.line}.toml"
+        (folder / "thud.wav").write_bytes(silent_wav())
+        element = re.search(r"between = |\bon = |type = \"(?:mass|oscillator|ground|motion|chain|ring|grid)\"", text)
+        bodies = {name.partition(".")[0] for names in re.findall(r"(?:between = \[|on = )([^\],}]*(?:, *\"[^\"]*\")?)", text)
+                  for name in re.findall(r"\"([\w.]+)\"", names)} if element else set()
+        network = "[networks.example]\n" + "".join(
+            f'{body} = {{ type = "chain", masses = 80, mass = "1 g", stiffness = "1 kN/m" }}\n' if f'"{body}.' in text else
+            f'{body} = {{ type = "mass", mass = "10 g" }}\n' for body in sorted(bodies))
+        # A wave comes from a port of a network of the example's impedance.
+        waves = re.findall(r"wave = \"(\w+)\.(\w+)\.wave\", impedance = \"([^\"]*)\"", text)
+        waves += [(*wave, "1 N s/m") for wave in re.findall(r"wave = \"(\w+)\.(\w+)\.wave\", (?!impedance)", text)]
+        ports = "".join(f'[networks.{name}]\nspot = {{ type = "mass", mass = "10 g" }}\n'
+                        f'{port} = {{ type = "port", on = "spot", impedance = "{impedance}", wave = "example" }}\n' for name, port, impedance in waves)
+        text = f"{ports}{network if element else '[nodes]'}\n{text}" if not text.startswith("[") else text
+        names, output, attempt = [], "", 0
+        while attempt < len(UNITS) ** len(names):
+            units = [UNITS[attempt // len(UNITS) ** index % len(UNITS)] for index in range(len(names))]
+            declared = "".join(f'{name} = {{ unit = "{unit}" }}\n' for name, unit in zip(names, units))
+            file.write_text(f"format = 1\n[inputs]\n{declared}{text}\n")
+            code, output = self.execute(f"tactus explain {file.name}", folder)
+            if code == 0:
+                return
+            new = [name for name in dict.fromkeys(re.findall(r"there is no '(\w+)'", output)) if name not in names]
+            names += new
+            attempt = 0 if new else attempt + 1
+        self.error(fence.place, f"is refused by 'tactus explain':\n    {output.strip()[:300]}")
+
     # Pages
 
     def page(self, page):
@@ -215,7 +260,7 @@ class Examples:
                 if fence.language in ("sh", "console"):
                     printed = self.commands(fence)
                 elif fence.language == "toml":
-                    self.graph(fence)
+                    self.declaration(fence) if page == NODES else self.graph(fence)
                 elif "output" in fence.options:
                     self.compare_output(fence, printed)
                 elif any(COMMAND.match(line) for line in fence.text.split("\n")):
@@ -271,8 +316,7 @@ def main():
         chosen = [page for page in pages.pages() if re.search(options.only, str(page.relative_to(ROOT)))]
 
         def check(page):
-            if str(page.relative_to(ROOT)) not in TESTED_ELSEWHERE:
-                examples.page(page)
+            examples.page(page)
             examples.check_links(page)
 
         with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:  # playing in real time is mostly waiting

@@ -159,6 +159,7 @@ class Source:
         if GALLERY.exists():
             work = ROOT / "build/site_gallery"
             shutil.rmtree(work, ignore_errors=True)
+            work.mkdir()
             self.gallery(work)
             shutil.rmtree(work)
         for file in sorted(self.named):
