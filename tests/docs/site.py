@@ -10,6 +10,7 @@ import re
 import shutil
 import subprocess
 import sys
+import textwrap
 import threading
 import time
 import tomllib
@@ -37,6 +38,13 @@ def site_path(file):
     if (file / "README.md").exists() and name.parts[0] == "instruments":
         return pathlib.Path("instruments") / f"{name.parts[1]}.md"
     return pathlib.Path("source") / (name / "index.md" if file.is_dir() else f"{name}.txt")
+
+
+def wrapped(line, columns=100):
+    """A line of a help text, its description wrapped below itself."""
+    start = re.match(r"( +\S.*?  +)\S", line) or re.match(r"( +)", line)
+    indent = " " * len(start[1]) if start else ""
+    return "\n".join(textwrap.wrap(line, columns, subsequent_indent=indent, drop_whitespace=True, replace_whitespace=False)) if len(line) > columns else line
 
 
 class Source:
@@ -99,7 +107,7 @@ class Source:
         text = ["# Commands", "What `tactus COMMAND --help` prints."]
 
         def add(words):
-            printed = self.run(*words, "--help")
+            printed = "\n".join(wrapped(line) for line in self.run(*words, "--help").split("\n"))
             text.append(f"{'##' if len(words) < 2 else '###'} {' '.join(('tactus', *words))}\n\n```text\n{printed.strip()}\n```")
             listed = printed.partition("Subcommands:")[2].partition("\n\n\n")[0]
             for name in re.findall(r"^  ([a-z-]+)  ", re.split(r"\n\n(?=\S)", listed)[0], re.M):
