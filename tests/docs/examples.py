@@ -306,7 +306,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--program", type=pathlib.Path, default=ROOT / "build/dev/tactus", help="[build/dev/tactus]")
     parser.add_argument("--only", default="", metavar="REGEX", help="pages whose path matches")
-    parser.add_argument("--jobs", type=int, default=2, help="pages at a time [2]")
+    parser.add_argument("--jobs", type=int, default=3, help="pages at a time [3]")
     parser.add_argument("--keep", type=pathlib.Path, metavar="FOLDER", help="keep the scratch folders here")
     parser.add_argument("--verbose", action="store_true", help="list what is not run, and the slowest commands")
     options = parser.parse_args()
