@@ -69,9 +69,17 @@ class Source:
 
     def convert(self, page):
         """What GitHub and mkdocs read differently: links, info strings, and lists and tables right below a paragraph."""
-        lines, fence, above = [], None, ""
+        lines, fence, above, marker, loose = [], None, "", 0, False
         for line in page.read_text().split("\n"):
             match = pages.FENCE.match(line)
+            item = re.match(r"((?:[-*]|\d+\.) +)\S", line) if fence is None else None
+            if item:
+                marker = len(item[1])
+            elif fence is None and line.strip() and not line.startswith(" ") and (match or not above.strip()):
+                marker = 0
+            if marker and line.startswith(" " * marker):  # mkdocs wants four spaces in the items of a list
+                line = "    " + line[marker:]
+                match = pages.FENCE.match(line)
             if match and fence is None:
                 fence = match[2]
                 language, options = pages.options_of(match[3])
@@ -81,11 +89,13 @@ class Source:
                 line = f"{match[1]}{fence}{(language or 'text') + title}"
             elif fence is not None:
                 if line.strip() == fence:
+                    line += "\n" if match[1] else ""
                     fence = None
             else:
-                item, row = re.match(r" *(?:[-*]|\d+\.) ", line), line.startswith("|")
-                in_list = re.match(r" *(?:[-*]|\d+\.) |  +\S", above)
-                if above.strip() and ((item and not in_list) or (row and not above.startswith("|"))):
+                row = line.startswith("|")
+                listed = re.match(r"(?:[-*]|\d+\.) " if loose else r"(?:[-*]|\d+\.) |  +\S", above)
+                loose = bool(marker) and not item and (loose or not line.strip())
+                if above.strip() and ((item and not listed) or (row and not above.startswith("|"))):
                     lines.append("")
                 line = re.sub(r"\]\(([^()\s]+)", lambda match: f"]({self.link(page, match[1])}", line)
                 if re.fullmatch(r"!\[[^\]]*\]\([^)]*\)", line):
