@@ -15,9 +15,14 @@ import subprocess
 import sys
 import tempfile
 import time
-import tomllib
 
 import pages
+
+try:
+    import tomllib
+except ImportError:
+    print("SKIPPED: python3 is older than 3.11")
+    sys.exit(77)
 
 ROOT = pages.ROOT
 FILES = pathlib.Path(__file__).parent / "files"
