@@ -67,16 +67,37 @@ void ReconnectingStream::tick(Clock::time_point now, std::chrono::nanoseconds su
 
 void ReconnectingStream::lose(Clock::time_point now) {
   if (!wanted_) return;
+  wanted_ = granted_.comes_back;
+  if (!wanted_) return report("disconnected; restart the program to reopen it");
+  close(now);
+  report("disconnected; outputs are silent until it reconnects");
+}
+
+void ReconnectingStream::close(Clock::time_point now) {
   stalled_at_.reset();
   lost_at_ = std::exchange(last_running_, std::nullopt).value_or(now);  // before, it may have hung for long
   suspended_while_lost_ = {};
-  wanted_ = granted_.comes_back;
-  if (!wanted_) return report("disconnected; restart the program to reopen it");
   before_ = health();
   stream_.reset();
-  report("disconnected; outputs are silent until it reconnects");
   last_error_.clear();
   next_try_ = now;
+}
+
+Status ReconnectingStream::restart(Clock::time_point now) {
+  wanted_ = true;
+  if (stream_) close(now);
+  const auto before = request_.previous = granted_;
+  auto status = reopen();
+  if (status)
+    status = stream_->start([&] {
+      const Return back{{}, differences_between_openings(*before, granted_, true)};
+      for (const auto& difference : back.differences) report(difference);
+      if (returned_) returned_(back);
+    });
+  if (status) return status;
+  stream_.reset();
+  granted_ = *before;
+  return status;
 }
 
 void ReconnectingStream::try_again(Clock::time_point now) {

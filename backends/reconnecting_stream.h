@@ -49,6 +49,10 @@ class ReconnectingStream {
   /// [control] As in Stream. What is stopped does not come back by itself.
   [[nodiscard]] Status start(const std::function<void()>& ready = [] {});
   [[nodiscard]] Status stop();
+  /// [control] Closes the device and opens it again at once, so that the processor starts again at frame 0;
+  /// `returned` is called as after a loss. Unknown hardware is no difference here. Errors: those of
+  /// Backend::open and Stream::start; the device then counts as lost, and is looked for by `tick`.
+  [[nodiscard]] Status restart(Clock::time_point now = Clock::now());
   /// [control] Checks the stream and reopens it; to be called some 20 times a second, in any state. It may
   /// take as long as Backend::open does. `now` and `suspended` (see `time_suspended`) never go back.
   void tick(Clock::time_point now = Clock::now(), std::chrono::nanoseconds suspended = time_suspended());
@@ -74,6 +78,7 @@ class ReconnectingStream {
       : backend_(backend), request_(std::move(request)), processor_(processor) {}
 
   Status reopen();
+  void close(Clock::time_point now);
   void lose(Clock::time_point now);
   void try_again(Clock::time_point now);
   Return how_it_came_back(Clock::time_point now, const StreamGranted& before) const;

@@ -367,3 +367,34 @@ TEST_CASE("reconnecting stream: the program may be stopped for a part of that ti
     CHECK(f.events().back() == "'fake:one': responds again after 10.4 s");
   }
 }
+
+TEST_CASE("reconnecting stream: a restart prepares the processor again, on the same device", "[backends]") {
+  Fixture f;
+  f.world.output = {"", 2, {"card:playback_1"}, false};  // unknown hardware: no difference within a moment
+  f.open();
+  f.run(500ms);
+  const int prepared = f.silence.prepared;
+  f.world.default_device = "fake:two";
+  REQUIRE(f.stream->restart(f.now));
+  CHECK(f.stream->state() == StreamState::Running);
+  CHECK(f.silence.prepared == prepared + 1);
+  CHECK(f.world.opened.back() == "fake:one");
+  REQUIRE(f.returns.size() == 1);
+  CHECK(f.returns[0].same());
+  f.world.output.ports = {"card:playback_2"};
+  REQUIRE(f.stream->restart(f.now));
+  CHECK_FALSE(f.returns.back().same());
+}
+
+TEST_CASE("reconnecting stream: a device that is gone at a restart is looked for", "[backends]") {
+  Fixture f;
+  f.run(500ms);
+  f.world.there = false;
+  CHECK_FALSE(f.stream->restart(f.now));
+  CHECK(f.stream->state() == StreamState::Lost);
+  CHECK(f.returns.empty());
+  f.world.there = true;
+  f.run(250ms);
+  CHECK(f.stream->state() == StreamState::Running);
+  CHECK(f.returns.size() == 1);
+}
