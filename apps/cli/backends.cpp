@@ -108,6 +108,14 @@ StreamRequest request_for(const ChosenDevices& devices, const Rig::Device& rig, 
   return request;
 }
 
+bool has_midi([[maybe_unused]] const std::string& api) {
+#if defined(TACTUS_HAS_RTMIDI)
+  return true;
+#else
+  return api == "jack";
+#endif
+}
+
 std::shared_ptr<MidiInputs> make_midi_inputs(const std::string& api, Backend& backend) {
   if (api == "jack") return backend.midi_inputs(kMidiInterval);
 #if defined(TACTUS_HAS_RTMIDI)

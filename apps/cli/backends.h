@@ -50,5 +50,7 @@ StreamRequest request_for(const ChosenDevices& devices, const Rig::Device& rig, 
 /// `api`: "jack": those of the stream over `backend`; others: see make_rtmidi. nullptr: there are none, since
 /// the program was built without MIDI, or the stream is not one over JACK.
 std::shared_ptr<MidiInputs> make_midi_inputs(const std::string& api, Backend& backend);
+/// There may be MIDI inputs by this API.
+bool has_midi(const std::string& api);
 
 }  // namespace tactus::app

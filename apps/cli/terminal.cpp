@@ -17,11 +17,14 @@ void open_standard_streams() {
   if (stream > STDERR_FILENO) close(stream);
 }
 
-int terminal_columns() {
+static int terminal_size(unsigned short winsize::*of, int otherwise) {
   if (isatty(STDERR_FILENO) == 0) return 0;
   winsize size{};
-  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.*of > 0 ? size.*of : otherwise;
 }
+
+int terminal_columns() { return terminal_size(&winsize::ws_col, 80); }
+int terminal_rows() { return terminal_size(&winsize::ws_row, 24); }
 
 bool write_to_stderr(std::string_view text) noexcept {
   while (!text.empty()) {
@@ -44,6 +47,7 @@ namespace tactus::app {
 
 void open_standard_streams() {}
 int terminal_columns() { return 0; }
+int terminal_rows() { return 0; }
 bool write_to_stderr(std::string_view text) noexcept {
   return std::fwrite(text.data(), 1, text.size(), stderr) == text.size();
 }

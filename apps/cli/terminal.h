@@ -11,6 +11,8 @@ void open_standard_streams();
 
 /// Columns of the terminal at standard error; 0 if it is none.
 int terminal_columns();
+/// Lines of it; 0 if it is none.
+int terminal_rows();
 
 /// Writes to standard error as long as it takes. Holds no lock, so that other threads can end the program
 /// meanwhile. False: nobody reads it any more.

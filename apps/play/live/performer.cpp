@@ -219,9 +219,10 @@ class LiveWorld final : public Performer, private BlockProcessor {
     return times.networks();
   }
 
+  bool can_strike() const override { return !built_.plant->plan().controls.empty(); }
   bool strike() override {
     auto& plant = *built_.plant;
-    if (plant.plan().controls.empty()) return false;
+    if (!can_strike()) return false;
     const auto down = std::llround(frames_in(Seconds{kStrikeSeconds}, setup_.rate));
     const std::int64_t up = plant.frame() + max_frames_ + down;
     using Kind = JournalEntry::Kind;

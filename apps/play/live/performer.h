@@ -60,6 +60,8 @@ class Performer {
   /// [control & stopped, after it has played] The networks; runs for a moment, in blocks of `block` frames,
   /// to time them.
   virtual std::vector<NetworkReport> networks(int /*block*/) { return {}; }
+  /// [any] It can be struck by hand.
+  virtual bool can_strike() const { return false; }
   /// [control, while it plays] Strikes once, where the scene can be played by hand.
   virtual bool strike() { return false; }
 };

@@ -1,6 +1,9 @@
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <cctype>
 #include <chrono>
+#include <filesystem>
 #include <future>
 #include <new>
 #include <set>
@@ -26,9 +29,26 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Ending = StopLoop::Ending;
 
-constexpr const char* kHelp =
-    "keys: a, then Enter: arm | a: disarm | m: mute | space: strike | up, down: select a control | left, "
-    "right: change it | l: MIDI learn | s: save the rig | q: quit";
+constexpr const char* kLoadHelp = "load: share of a block's time in use, 99.9th percentile (and maximum)";
+
+/// "keys: …" in lines of at most `columns` characters.
+std::string keys_text(const std::vector<std::string>& keys, std::size_t columns) {
+  std::string text, line = "keys: ";
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    const auto key = keys[k] + (k + 1 < keys.size() ? " | " : "");
+    if (line.size() + keys[k].size() > columns && k > 0) text += std::exchange(line, "      ") + "\n";
+    line += key;
+  }
+  return text + line;
+}
+
+/// NAME-2026-11-26_05-37-08.wav in the current folder; of the name letters and digits are kept.
+std::filesystem::path take_of_now(const std::string& name) {
+  std::string file;
+  for (const char byte : name) file += std::isalnum(static_cast<unsigned char>(byte)) != 0 ? byte : '_';
+  const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  return fmt::format("{}-{:%Y-%m-%d_%H-%M-%S}.wav", file, fmt::localtime(now));
+}
 
 constexpr const char* kForeignTerminal =
     "note: keys are not read, because this terminal belongs to another session (setsid, su -c); run the "
@@ -58,15 +78,15 @@ std::string save_and_report(const std::string& file, const Rig::Device& device,
 class LivePlay {
  public:
   LivePlay(Session& session, LivePlan& plan, StopLoop& stop_loop, Printer& printer,
-           const std::string& midi_api)
+           const LiveOptions& options)
       : session_(session),
         controls_(session.controls()),
         plan_(plan),
         stop_loop_(stop_loop),
         printer_(printer),
-        midi_api_(midi_api),
+        options_(options),
         midi_map_(plan.rig ? plan.rig->midi : std::vector<RigMidi>{}) {
-    if (!midi_map_.bindings().empty() || !midi_api.empty()) open_midi();
+    if (!midi_map_.bindings().empty() || !options.midi.empty()) open_midi();
   }
 
   /// `duration`: 0: until it is ended. Returns the exit code.
@@ -118,10 +138,12 @@ class LivePlay {
   }
 
   void draw() {
-    if (const int columns = terminal_columns(); columns > 0)
-      printer_.status(status_line(session_.view(), any() ? controls_.text(selected_) : "", columns - 1));
-    else
-      session_.view();  // levels are those since the last view
+    const auto& view = session_.view();  // levels are those since the last view
+    const int columns = terminal_columns() - 1;
+    if (columns < 0) return;
+    auto lines = status_line(view, any() && !listed_ ? controls_.text(selected_) : "", columns);
+    if (listed_ && any()) lines += "\n" + control_list(controls_, selected_, columns, terminal_rows() - 2);
+    printer_.status(std::move(lines));
   }
   void print(const std::string& message) { printer_.print(message); }
 
@@ -135,7 +157,9 @@ class LivePlay {
       if (key == pressed) print(text);
     for (const auto& [key, act] : {std::pair{kArmKey, &LivePlay::arm},
                                    {Key{' '}, &LivePlay::strike},
+                                   {Key{'c'}, &LivePlay::list},
                                    {Key{'l'}, &LivePlay::learn},
+                                   {Key{'r'}, &LivePlay::record},
                                    {Key{'s'}, &LivePlay::save},
                                    {Key{'?'}, &LivePlay::help},
                                    {Key{'h'}, &LivePlay::help}})
@@ -148,7 +172,7 @@ class LivePlay {
   const std::string& name() const { return controls_.all()[selected_].control.name; }
 
   bool open_midi() {
-    if (midi_ == nullptr) midi_ = make_midi_inputs(midi_api_, *plan_.devices.backend);
+    if (midi_ == nullptr) midi_ = make_midi_inputs(options_.midi, *plan_.devices.backend);
     return midi_ != nullptr;
   }
 
@@ -158,9 +182,53 @@ class LivePlay {
     if (session_.armed()) print("drives armed");
   }
   void strike() {
-    if (!plan_.performer->strike()) print("this scene has no strike gesture; m mutes; a, then Enter, arms");
+    if (!plan_.performer->can_strike()) return print("there is nothing to strike here");
+    (void)plan_.performer->strike();
   }
-  void help() { print(kHelp); }
+  /// Only the keys that do something here.
+  void help() {
+    const bool controls = any(), changes = changeable();
+    std::vector<std::string> keys;
+    for (const auto& [works, key] : {std::pair{session_.has_drives(), "a, then Enter: arm"},
+                                     {session_.has_drives(), "a: disarm"},
+                                     {true, "m: mute"},
+                                     {plan_.performer->can_strike(), "space: strike"},
+                                     {controls, "c: list the controls"},
+                                     {controls, "up, down: select one"},
+                                     {changes, "left, right: change it"},
+                                     {changes && has_midi(options_.midi), "l: MIDI learn"},
+                                     {plan_.rig.has_value(), "s: save the rig"},
+                                     {!options_.listen, "r: record, or stop"},
+                                     {true, "?: keys"},
+                                     {true, "q: quit"}})
+      if (works) keys.emplace_back(key);
+    const int columns = terminal_columns();
+    print(keys_text(keys, columns > 0 ? index(columns - 1) : 79) + "\n" + kLoadHelp);
+  }
+  bool changeable() const {
+    for (std::size_t c = 0; c < controls_.all().size(); ++c)
+      if (controls_.can_change(c)) return true;
+    return false;
+  }
+  void list() {
+    if (!any()) return print("there are no controls");
+    listed_ = !listed_;
+  }
+  void record() {
+    if (options_.listen)
+      return print("a simulated scene is not recorded; without --listen its signals are written to files");
+    if (session_.recording()) return session_.stop_recording();
+    const auto file =
+        options_.record.empty() ? take_of_now(plan_.performer->name) : std::filesystem::path{options_.record};
+    const auto takes = session_.takes().size();
+    if (const auto started = session_.start_recording(file); !started)
+      return print(to_string(started.error()));
+    if (session_.takes().size() > takes)
+      print("recording to " + session_.takes().back().string() +
+            "; the instrument started again from rest, so that the take can be replayed bit for bit");
+    else if (session_.recording())
+      print("recording begins when the device is back");
+  }
   void select(int step) {
     const auto count = static_cast<int>(controls_.all().size());
     if (count > 0) selected_ = index((static_cast<int>(selected_) + step + count) % count);
@@ -190,11 +258,12 @@ class LivePlay {
   LivePlan& plan_;
   StopLoop& stop_loop_;
   Printer& printer_;
-  std::string midi_api_;
+  const LiveOptions& options_;
   MidiMap midi_map_;
   std::shared_ptr<MidiInputs> midi_;  ///< opened when something is bound or MIDI learn is on
   std::set<std::string> refused_;     ///< controls that MIDI cannot turn, once reported
   std::size_t selected_ = 0;
+  bool listed_ = false;              ///< all controls are shown
   std::future<std::string> saving_;  ///< the rig: what to report of it
 };
 
@@ -206,7 +275,8 @@ std::string aligned(std::string lines) {
 }
 
 /// What plays where, and the state of the drives.
-std::string announcement(const Session& session, const LivePlan& plan, const LiveOptions& options) {
+std::string announcement(const Session& session, const LivePlan& plan, const LiveOptions& options,
+                         bool keys) {
   const auto& granted = session.granted();
   auto text = plan.performer->name + "\n" + granted_text(plan, granted) + "\n";
   text += options.listen ? "the sound is played on the first channels of " + granted.device +
@@ -218,6 +288,8 @@ std::string announcement(const Session& session, const LivePlan& plan, const Liv
     text += "\nlimits    " + line;
   if (!options.arm && session.has_drives())
     text += "\nthe drives are disarmed: press a, then Enter, or start with --arm";
+  if (!keys && options.duration.empty())
+    text += "\nit plays until a signal (kill, Ctrl-C); --duration \"10 s\" ends it by itself";
   return text;
 }
 
@@ -237,9 +309,9 @@ int play(Session& session, LivePlan& plan, StopLoop& stop_loop, const LiveOption
   const bool terminal = stop_loop.reads_terminal() && terminal_columns() > 0;
   Printer printer{terminal ? kMarkPastedText : "", terminal ? kDoNotMarkPastedText : ""};
   or_exit(session.start(), kDevice);
-  printer.print(announcement(session, plan, options));
+  printer.print(announcement(session, plan, options, stop_loop.reads_terminal()));
   if (stop_loop.in_foreign_terminal()) printer.print(kForeignTerminal);
-  LivePlay live{session, plan, stop_loop, printer, options.midi};
+  LivePlay live{session, plan, stop_loop, printer, options};
   const int ended = live.run(duration);
   const auto& view = session.view();
   const auto stopped = session.stop();

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <memory>
 #include <thread>
 
 #include "apps/cli/console.h"
@@ -87,17 +88,24 @@ Session::Session(Performer& performer, Backend& backend, StreamRequest request, 
   for (const auto& input : performer.inputs) view_.inputs.push_back({input});
   for (const auto& output : performer.outputs) view_.outputs.push_back({output});
   guarded_.set_tap(&meter_);
+  meter_.set_next(&take_);
+  performer.instrument().set_tap(&take_);
   guarded_.set_dead_mans_switch(dead_man);
   guarded_.suppose_worst();
 }
 
-Session::~Session() { (void)stop(); }
+Session::~Session() {
+  (void)stop();
+  performer_.instrument().set_tap(nullptr);
+}
 
 Status Session::stop() {
   if (stream_ == nullptr) return {};
   fade_out();
   auto stopped = stream_->stop();
   end_take();
+  if (ended_take_.valid()) ended_take_.wait();
+  report_ended_take();
   return stopped;
 }
 
@@ -129,6 +137,7 @@ void Session::tick() {
   while (auto event = stream_->take_event()) messages_.push_back(std::move(*event));
   for (auto& note : std::exchange(notes_, {})) messages_.push_back(std::move(note));
   report_recording();
+  report_ended_take();
   report_guard_events();
   report_faults();
   check_delay_after_gap();
@@ -182,26 +191,61 @@ Status Session::begin_take() {
   auto header = take_header(performer_.instrument(), guarded_);
   header.program = version();
   performer_.describe(header);
+  if (std::exchange(first_take_, record_) != record_) takes_of_name_ = 0;
   auto file = record_;
-  if (!takes_.empty())
+  if (takes_of_name_ > 0)
     file.replace_filename(
-        fmt::format("{}-{}{}", record_.stem().string(), takes_.size() + 1, record_.extension().string()));
+        fmt::format("{}-{}{}", record_.stem().string(), takes_of_name_ + 1, record_.extension().string()));
   auto begun = TakeRecorder::start(file, std::move(header));
   if (!begun) return tl::unexpected(begun.error());
   recorder_ = std::move(*begun);
+  ++takes_of_name_;
   takes_.push_back(file);
   recording_ = {};
-  meter_.set_next(&recorder_->tap());
-  performer_.instrument().set_tap(&recorder_->tap());
+  take_.set(&recorder_->tap());
   return {};
 }
 
+/// What is left of it is written on a thread of its own: the disk may be slow.
 void Session::end_take() {
   if (recorder_ == nullptr) return;
-  meter_.set_next(nullptr);
-  performer_.instrument().set_tap(nullptr);
-  for (auto& message : recorder_->finish()) messages_.push_back(std::move(message));
-  recorder_.reset();
+  take_.set(nullptr);
+  if (ended_take_.valid()) ended_take_.wait();
+  report_ended_take();
+  ended_take_ = std::async(
+      std::launch::async, [recorder = std::shared_ptr{std::move(recorder_)}, file = takes_.back()] {
+        auto messages = recorder->finish();
+        messages.push_back(
+            fmt::format("recorded {:.1f} s: {}", recorder->status().recorded.value, file.string()));
+        return messages;
+      });
+}
+
+void Session::report_ended_take() {
+  if (!ended_take_.valid() || ended_take_.wait_for(std::chrono::seconds{0}) == std::future_status::timeout)
+    return;
+  for (auto& message : ended_take_.get()) messages_.push_back(std::move(message));
+}
+
+Status Session::start_recording(const std::filesystem::path& wav) {
+  const auto state = stream_->state();
+  if (state != StreamState::Running && state != StreamState::Lost)
+    return fail(Errc::BadArgument, "", "nothing is recorded: the device does not respond",
+                "try again when blocks come");
+  if (performer_.instrument().replacing())
+    return fail(Errc::BadArgument, "", "nothing is recorded: an edit is being applied", "try again");
+  record_ = wav;
+  if (state == StreamState::Lost) return {};
+  device_runs_ = false;  // nobody is to watch it meanwhile
+  fade_out();
+  (void)stream_->stop();
+  guarded_.fade(false);
+  return stream_->restart();
+}
+
+void Session::stop_recording() {
+  record_.clear();
+  end_take();
 }
 
 void Session::note_edit() {

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 #include <filesystem>
+#include <future>
 #include <map>
 #include <memory>
 #include <optional>
@@ -16,6 +17,7 @@
 #include "apps/play/live/controls/live_controls.h"
 #include "apps/play/live/edit_reader.h"
 #include "apps/play/live/performer.h"
+#include "apps/play/live/tap_gate.h"
 #include "backends/reconnecting_stream.h"
 #include "backends/take/take_recorder.h"
 #include "engine/core/index.h"
@@ -112,8 +114,7 @@ class Session {
   /// [before start] Drives may be armed although other programs write to their ports.
   void share_ports(bool on) { shared_ports_ = on; }
   /// Opens the device; nothing flows yet. `record`: records takes into this WAV file, empty: into none. A
-  /// stream that begins again is another take: take.wav, take-2.wav and so on, one more for each reconnection
-  /// of the device. Errors: of ReconnectingStream.
+  /// stream that begins again is another take: take.wav, take-2.wav and so on. Errors: of ReconnectingStream.
   [[nodiscard]] Status open(const std::filesystem::path& record);
   /// Errors: of ReconnectingStream; of TakeRecorder::start.
   [[nodiscard]] Status start();
@@ -121,6 +122,15 @@ class Session {
   Status stop();
   /// To be called about 20 times a second.
   void tick();
+  /// Records from now on, into this WAV file or, where takes of it were recorded before, into the next one of
+  /// its name. A take replays only from frame 0 of its stream: the outputs fade out, the device is reopened,
+  /// and the instrument starts again from rest, its controls where they are. While the device is away, the
+  /// take begins when it returns. A take that cannot be written is reported, and `recording` is false then.
+  /// Errors: BadArgument while no blocks come or an edit is applied; of ReconnectingStream::restart.
+  [[nodiscard]] Status start_recording(const std::filesystem::path& wav);
+  /// Ends the take; what plays goes on. The files are complete when `tick` reports it.
+  void stop_recording();
+  bool recording() const { return !record_.empty(); }
   /// Messages for the user since the last call.
   std::vector<std::string> take_messages() { return std::exchange(messages_, {}); }
 
@@ -175,6 +185,7 @@ class Session {
   void check_delay_after_gap();
   Status begin_take();
   void end_take();
+  void report_ended_take();
   void note_edit();
 
   Performer& performer_;
@@ -182,6 +193,7 @@ class Session {
   StreamRequest request_;
   Guarded guarded_;
   DriveSwitches switches_;
+  TapGate take_;  ///< to the recorder
   LevelMeter meter_;
   LiveControls controls_;
   std::unique_ptr<ReconnectingStream> stream_;
@@ -196,9 +208,12 @@ class Session {
   std::map<std::string, std::int64_t> fault_counts_;  ///< by node
   std::vector<GuardEvent> events_;
   std::vector<std::string> messages_;
-  std::filesystem::path record_;
+  std::filesystem::path record_;      ///< where takes are recorded; empty: nowhere
+  std::filesystem::path first_take_;  ///< of the name that takes were recorded to last
+  int takes_of_name_ = 0;
   std::vector<std::filesystem::path> takes_;
   std::unique_ptr<TakeRecorder> recorder_;
+  std::future<std::vector<std::string>> ended_take_;  ///< that is being completed: what to report of it
   RecordingMonitor recording_;
   EditReader edits_;
 };

@@ -46,8 +46,10 @@ void Session::device_returned(const Return& back) {
   watch_writers();
   if (record_.empty()) return;
   end_take();
-  if (const auto status = begin_take(); !status)
-    messages_.push_back("recording stopped: " + to_string(status.error()));
+  const auto begun = begin_take();
+  if (begun) return;
+  record_.clear();
+  notes_.push_back("nothing is recorded: " + to_string(begun.error()));
 }
 
 Status Session::arm(bool on) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/core/dimension.h"
+#include "engine/graph/file/quantity.h"
 #include "engine/graph/file/read_graph.h"
 
 namespace tactus::app {
@@ -37,10 +39,14 @@ double LiveControls::position(std::size_t index) const {
   return (control.value - low) / (high - low);
 }
 
+bool LiveControls::can_change(std::size_t index) const {
+  return !controls_[index].frozen && controls_[index].control.range.bounded();
+}
+
 bool LiveControls::turn(std::size_t index, double position) {
   auto& live = controls_[index];
   auto& control = live.control;
-  if (live.frozen || !control.range.bounded()) return false;
+  if (!can_change(index)) return false;
   const double low = control.range.low, high = control.range.high, at = std::clamp(position, 0.0, 1.0);
   control.value = control.unit.decibel && low > 0 ? low * std::pow(high / low, at) : low + (high - low) * at;
   live.sent = false;
@@ -72,8 +78,18 @@ void LiveControls::post_all() {
 }
 
 std::string LiveControls::text(std::size_t index) const {
+  return controls_[index].control.name + " = " + value_text(index);
+}
+
+std::string LiveControls::value_text(std::size_t index) const {
   const auto& control = controls_[index].control;
-  return control.name + " = " + in_unit(control.value, control.unit);
+  // Units besides those of SI that people write.
+  for (const auto* name : {"rpm", "deg"}) {
+    const auto unit = *parse_unit(name);
+    if (control.unit.dimension == unit.dimension && control.unit.factor == unit.factor && unit.factor != 1.0)
+      return short_number(unit.from_si(control.value)) + " " + name;
+  }
+  return in_unit(control.value, control.unit);
 }
 
 }  // namespace tactus::app

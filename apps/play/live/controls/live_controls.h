@@ -39,9 +39,13 @@ class LiveControls {
   /// [control & stopped, prepared] Every control starts at its current value, without a ramp. In place of the
   /// player's journal, and of what was posted before.
   void post_all();
+  /// Not frozen, and with a range.
+  bool can_change(std::size_t index) const;
   double position(std::size_t index) const;
   /// "strength = 0.6"
   std::string text(std::size_t index) const;
+  /// "0.6", "-34 dB"
+  std::string value_text(std::size_t index) const;
 
  private:
   Player& player_;

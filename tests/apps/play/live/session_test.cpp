@@ -9,6 +9,7 @@
 #include "backends/loop/loop.h"
 #include "backends/take/take.h"
 #include "backends/wav_file.h"
+#include "engine/core/index.h"
 #include "tests/support/keyboard.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/wait_until.h"
@@ -128,6 +129,57 @@ TEST_CASE("session: a key, a signal or a further stop input ends it while a file
   CHECK(read_wav(wav)->channels[0].back() == 0.0);
   CHECK(stage.performer.reading);
   stage.performer.allowed = true;
+}
+
+TEST_CASE("session: a recording that begins while it plays begins at rest, and ends without a gap",
+          "[live]") {
+  Stage stage{R"(format = 1
+name = "ramp"
+[nodes]
+ramp = { type = "delay", in = "ramp + 0.000001", time = "1 ms" }
+[outputs]
+tone = { from = "0.5 * ramp" }
+)"};
+  Session session{stage.performer, stage.backend, stage.request, true};
+  REQUIRE(session.open({}));
+  REQUIRE(session.start());
+  CHECK_FALSE(session.recording());
+  const auto wav = stage.folder.path() / "take.wav";
+  for (int take = 1; take <= 2; ++take) {
+    REQUIRE(session.start_recording(wav));
+    CHECK(session.recording());
+    CHECK(session.armed());
+    REQUIRE(wait_until([&] {
+      session.tick();
+      return session.view().recorded_s > 0.1;
+    }));
+    session.stop_recording();
+    CHECK_FALSE(session.recording());
+    const auto blocks = session.view().health.blocks;
+    REQUIRE(stage.says(session, "recorded "));
+    CHECK_FALSE(session.view().recorded_s);
+    CHECK(wait_until([&] { return session.view().health.blocks > blocks + 10; }));
+    REQUIRE(session.takes().size() == index(take));
+    const auto read = read_take(session.takes().back());
+    REQUIRE(read);
+    CHECK(read->finished);
+    CHECK(read->gaps.empty());
+    CHECK(read->header.armed);
+    CHECK(read->complete == read_wav(session.takes().back())->frames());
+  }
+  CHECK(session.takes() == std::vector{wav, stage.folder.path() / "take-2.wav"});
+  CHECK(session.view().health.xruns == 0);
+}
+
+TEST_CASE("session: a recording that cannot be written is reported, and the instrument plays", "[live]") {
+  Stage stage;
+  Session session{stage.performer, stage.backend, stage.request, true};
+  REQUIRE(session.open({}));
+  REQUIRE(session.start());
+  REQUIRE(session.start_recording(stage.folder.path() / "missing" / "take.wav"));
+  CHECK_FALSE(session.recording());
+  CHECK(stage.says(session, "nothing is recorded: "));
+  CHECK(wait_until([&] { return Stage::highest_of_ten_blocks(session) > 0.05; }));
 }
 
 TEST_CASE("session: a compiled edit takes over, and a broken one changes nothing", "[live]") {

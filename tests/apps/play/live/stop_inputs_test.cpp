@@ -338,6 +338,70 @@ TEST_CASE("play: a, then Enter, arms, and a held key, a paste and a stray escape
   CHECK(play.output().find("\x1b[?2004l") != std::string::npos);
 }
 
+TEST_CASE("play: r ends a take and begins another, and both replay bit for bit", "[live]") {
+  Stage stage;
+  stage.folder.write("tone.toml", R"(format = 1
+name = "swinging tone"
+[controls]
+level = { value = 0.5, range = [0, 1], smooth = "30 ms" }
+[nodes]
+wave = { type = "sine", frequency = "97 Hz", level = "0.1 * level" }
+swing = { type = "noise", level = 0.01 }
+[outputs]
+tone = { from = "wave + swing" }
+)");
+  test::TerminalProcess play{stage.command()};
+  REQUIRE(stage.sounds());
+  play.type("\x1b[C");
+  play.type("r");
+  REQUIRE(play.shows("recorded "));
+  play.type("r");
+  REQUIRE(play.shows("take-2.wav; the instrument started again from rest"));
+  stage.wav = stage.folder.path() / "take-2.wav";
+  REQUIRE(stage.sounds());
+  play.type("\x1b[C");
+  REQUIRE(play.shows("level = 0.6"));
+  play.type("q");
+  CHECK(play.wait() == 0);
+  for (const auto* name : {"take.wav", "take-2.wav"}) {
+    test::ChildProcess replay{{TACTUS_PROGRAM, "render", "--replay", (stage.folder.path() / name).string()},
+                              kLogged};
+    CHECK(replay.wait(kPatience) == 0);
+  }
+}
+
+TEST_CASE("play: without --record, r names the take by the instrument and the time, in the current folder",
+          "[live]") {
+  const Stage stage;
+  test::TerminalProcess play{{"sh", "-c", "cd \"$1\"; exec \"$0\" play tone.toml --backend loop",
+                              TACTUS_PROGRAM, stage.folder.path().string()}};
+  REQUIRE(play.shows("r: record, or stop"));
+  play.type("r");
+  REQUIRE(play.shows("recording to tone-20"));
+  play.type("q");
+  CHECK(play.wait() == 0);
+  int takes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(stage.folder.path()))
+    if (entry.path().extension() == ".wav") {
+      ++takes;
+      CHECK(read_take(entry.path())->finished);
+    }
+  CHECK(takes == 1);
+}
+
+TEST_CASE("play: only keys that do something are listed, in lines that fit the terminal", "[live]") {
+  const Stage stage;  // no controls, no rig, nothing to strike
+  test::TerminalProcess play{stage.command()};
+  REQUIRE(play.shows("q: quit"));
+  const auto output = play.output();
+  for (const auto* other : {"strike", "controls", "MIDI", "save"})
+    CHECK(output.find(other) == std::string::npos);
+  for (const auto* key : {"a, then Enter: arm", "m: mute", "r: record", "?: keys"})
+    CHECK(output.find(key) != std::string::npos);
+  play.type("q");
+  CHECK(play.wait() == 0);
+}
+
 TEST_CASE("play: Ctrl-C stops it too where the terminal makes no signal of it", "[live]") {
   const Stage stage;
   test::TerminalProcess play{in_shell("stty raw; exec \"$0\" \"$@\"", stage.command())};

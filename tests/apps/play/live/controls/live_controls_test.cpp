@@ -120,3 +120,18 @@ TEST_CASE("live controls: an edit moves a control only if its value in the file 
   CHECK(controls.all()[0].control.value == out[0][1999]);
   CHECK(controls.all()[1].control.value == out[1][1999]);
 }
+
+TEST_CASE("live controls: a value is shown in the unit of its file", "[live]") {
+  const auto engine = test::engine_of(R"(
+format = 1
+[controls]
+tempo = { value = "120 rpm", range = ["30 rpm", "240 rpm"] }
+pitch = { value = "2 Hz", range = ["1 Hz", "4 Hz"] }
+[outputs]
+y = { from = "tempo + pitch", unit = "Hz" }
+z = { from = "tempo", unit = "Hz" }
+)");
+  const LiveControls controls{*engine};
+  CHECK(controls.text(0) == "tempo = 120 rpm");
+  CHECK(controls.text(1) == "pitch = 2 Hz");
+}
