@@ -23,12 +23,11 @@ std::string without_address(const std::string& name) {
   return address ? name.substr(0, client) : name;
 }
 
-/// What the library reports, or its cause where that is known.
-std::string explained(const std::string& error) {
+/// Without it, RtMidi's constructor prints an error of its own.
+void check_sequencer(RtMidi::Api api) {
   std::error_code ignored;
-  if (error.find("ALSA sequencer") != std::string::npos && !std::filesystem::exists("/dev/snd/seq", ignored))
-    return "the kernel's MIDI sequencer is not loaded; load it with: sudo modprobe snd-seq";
-  return error;
+  if (api == RtMidi::LINUX_ALSA && !std::filesystem::exists("/dev/snd/seq", ignored))
+    throw RtMidiError("the kernel's MIDI sequencer is not loaded; load it with: sudo modprobe snd-seq");
 }
 
 /// Its thread is the library's.
@@ -64,7 +63,7 @@ class RtMidiWorker final : public MidiWorker {
       if (scout_ != nullptr) update_ports();
     } catch (const RtMidiError& error) {
       scout_.reset();
-      throw std::runtime_error{explained(error.what())};
+      throw std::runtime_error{error.what()};
     }
   }
 
@@ -79,6 +78,7 @@ class RtMidiWorker final : public MidiWorker {
     const auto api = std::ranges::find_if(available, named);
     if (api == available.end())
       throw RtMidiError("this program was built without the MIDI backend '" + api_ + "'");
+    check_sequencer(*api);
     auto client = std::make_unique<RtMidiIn>(*api, "tactus_midi");
     client->setErrorCallback(ignore_error);
     return client;
