@@ -122,6 +122,7 @@ class RigReader {
     RigOutput output;
     read_port(entry, fields, output);
     output.drive = read_drive(entry, section, fields, places_, errors_);
+    if (const auto highpass = fields.number("output_highpass")) output.highpass = Hertz{*highpass};
     return output;
   }
 
@@ -234,7 +235,9 @@ const SectionType& rig_fields() {
       {},
       {"sensitivity", "volts_per_full_scale"}};
   static const SectionType output{"an output and its actuator",
-                                  joined({channel}, actuator_fields()),
+                                  joined(joined({channel}, actuator_fields()),
+                                         {quantity_field("output_highpass", "Hz", 0.001, 1000,
+                                                         "cut-off frequency of the card's AC coupling")}),
                                   {},
                                   {"profile", "volts_per_full_scale"}};
   static const SectionType midi{
@@ -333,6 +336,7 @@ std::string line(const RigOutput& output) {
   if (!drive.profile.empty()) text += ", profile = " + in_quotes(drive.profile);
   if (drive.volts) text += ", volts_per_full_scale = " + exact_quantity(*drive.volts, kVolt);
   if (drive.ceiling) text += fmt::format(", ceiling = {}", *drive.ceiling);
+  if (output.highpass) text += ", output_highpass = " + exact_quantity(output.highpass->value, kHertz);
   return text + about_text(output) + " }\n";
 }
 

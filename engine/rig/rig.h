@@ -41,6 +41,8 @@ struct RigInput : RigPort {
 /// An output of an instrument, or an actuator that other instruments use.
 struct RigOutput : RigPort {
   DriveEntry drive;
+  /// Cut-off frequency of the one-pole high-pass that the card's AC coupling is; nothing: not known.
+  std::optional<Hertz> highpass;
 
   bool has_actuator() const { return !drive.profile.empty(); }
 };

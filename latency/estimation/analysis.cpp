@@ -157,6 +157,21 @@ std::array<std::optional<double>, 4> harmonics_of(LoopEstimator& estimator, cons
                                                                                                differences);
 }
 
+/// Far above the corners f_k of one-pole high-passes their phase is sum f_k / f: `shape[0]`. The model's
+/// series in S / f, S their sum, ends before its fourth power.
+void report_high_pass(const LoopEstimate& loop, Hertz rate, Analysis& analysis) {
+  const double unit_hz = PathModel::kScale * rate.value / (2 * std::numbers::pi);
+  analysis.high_pass_hz = std::max(0.0, -loop.fit.model.shape[0] * unit_hz);
+  analysis.fitted_from_hz =
+      static_cast<double>(loop.mean.lowest_bin) * rate.value / static_cast<double>(loop.mean.size);
+  if (!loop.fit.high_pass_deviation) return;
+  const double by_noise =
+      *loop.fit.high_pass_deviation * std::sqrt(std::max(1.0, loop.fit.chi_squared)) * unit_hz;
+  const double left_out =
+      analysis.high_pass_hz * std::pow(analysis.high_pass_hz / analysis.fitted_from_hz, 4);
+  analysis.high_pass_error_hz = std::hypot(by_noise, left_out);
+}
+
 void report_details(LoopEstimator& estimator, const LoopEstimate& loop, const Response& response,
                     Analysis& analysis) {
   const double shift = loop.captured_delay(static_cast<double>(loop.at), 0.0);
@@ -174,8 +189,7 @@ void report_details(LoopEstimator& estimator, const LoopEstimate& loop, const Re
     analysis.low_hz = low->frequency_hz;
   if (const auto high = std::find_if(points.rbegin(), points.rend(), within); high != points.rend())
     analysis.high_hz = high->frequency_hz;
-  analysis.high_pass_hz = std::max(
-      0.0, -loop.fit.model.shape[0] * PathModel::kScale * estimator.rate.value / (2 * std::numbers::pi));
+  report_high_pass(loop, estimator.rate, analysis);
 }
 
 constexpr double kSoftest = 0.01;  // of the path: it moves no delay by a thousandth of a frame

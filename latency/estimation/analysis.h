@@ -117,10 +117,12 @@ struct Analysis : DelayEstimate {
   bool compared = true;    ///< at least three probes, so that drift and lost frames show
   double drift_ppm = 0.0;  ///< by which the delay grows: a millionth of a frame in every frame
   double drift_standard_error_ppm = 0.0;
-  double low_hz = 0.0, high_hz = 0.0;  ///< where the gain is within 3 dB of its middle
-  double high_pass_hz = 0.0;           ///< sum of the corners of coupling capacitors
-  double misfit_frames = 0.0;          ///< what that may do to the delay
-  double misfit = 0.0;                 ///< share of the captured power that the model does not explain
+  double low_hz = 0.0, high_hz = 0.0;        ///< where the gain is within 3 dB of its middle
+  double high_pass_hz = 0.0;                 ///< sum of the corners of coupling capacitors
+  std::optional<double> high_pass_error_hz;  ///< standard error of it; nothing: it was not fitted
+  double fitted_from_hz = 0.0;               ///< lowest frequency that delay and high-pass were fitted to
+  double misfit_frames = 0.0;                ///< what that may do to the delay
+  double misfit = 0.0;                       ///< share of the captured power that the model does not explain
   std::array<std::optional<double>, 4> harmonics_db;  ///< H2 … H5, relative to the fundamental
   std::optional<int> echo_frames;                     ///< from the first arrival to a second one
   std::vector<BandDelay> group_delay;

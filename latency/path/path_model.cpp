@@ -142,6 +142,8 @@ PathFit fit_path(const CapturedWindow& window, const PathModel& start, PathShape
   std::copy_n(row.data(), fit.delay_row.size(), fit.delay_row.begin());
   fit.delay_deviation = std::sqrt(row[0]);
   fit.gain_deviation = std::sqrt(solver.solve(Step::Unit(1).head(free))[1]);
+  if (shape == PathShape::Free)
+    fit.high_pass_deviation = std::sqrt(solver.solve(Step::Unit(2).head(free))[2]);
   Step end = Step::Zero();  // where v is that of 0.42 of the sample rate
   end[5] = kDroopEnd;
   end[6] = kDroopEnd * kDroopEnd;

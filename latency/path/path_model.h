@@ -4,6 +4,7 @@
 #include <array>
 #include <complex>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -47,6 +48,8 @@ struct PathFit {
   PathModel model;
   double delay_deviation = 0.0;  ///< [frames] as the noise makes it
   double gain_deviation = 0.0;   ///< of the log gain
+  /// Of shape[0], as the noise makes it. Nothing: the shape was kept.
+  std::optional<double> high_pass_deviation;
   double droop = 0.0;  ///< of the log gain up to the highest bin that matters, beyond what the noise makes
   std::array<double, 7> delay_row{};  ///< of the inverse of the equations' matrix
   double chi_squared = 0.0;           ///< per bin: 1 when the model explains all but the noise

@@ -99,6 +99,7 @@ TEST_CASE("rig: a written rig reads back the same, to the last bit", "[rig]") {
   rig.controls[0].value.si = 1.0 / 3;
   rig.inputs[0].volts = 1.2345678901234567;
   rig.outputs[1].channels = {4, 5, 6};
+  rig.outputs[1].highpass = Hertz{1.0 / 3};
   rig.midi.push_back({"a", {}, "", 0, RigMidi::Kind::Note, 36, false, true});
   rig.midi.push_back({"b", {}, "x", 16, RigMidi::Kind::PitchBend, 0, false, false});
   rig.midi.push_back({"c", {}, "", 0, RigMidi::Kind::Controller, 1, true, false});
@@ -114,6 +115,8 @@ TEST_CASE("rig: a written rig reads back the same, to the last bit", "[rig]") {
   CHECK(again.controls[1].value.si == rig.controls[1].value.si);
   CHECK(again.inputs[0].scale() == rig.inputs[0].scale());
   CHECK(again.outputs[1].channels == rig.outputs[1].channels);
+  CHECK(again.outputs[1].highpass == rig.outputs[1].highpass);
+  CHECK_FALSE(again.outputs[0].highpass);
   CHECK(again.midi[1].gate);
   CHECK(again.midi[2].kind == RigMidi::Kind::PitchBend);
   CHECK(again.midi[3].fine);

@@ -95,6 +95,30 @@ TEST_CASE("analysis: coupling capacitors change the delay by no more than the no
         Approx(corners[0] * static_cast<double>(corners.size())).epsilon(0).margin(2.0));
 }
 
+TEST_CASE("analysis: the corners of high-passes add up, and lie within the stated error", "[latency]") {
+  const double corner = GENERATE(1.0, 5.0, 10.0, 20.0);
+  const int poles = GENERATE(1, 2);  // output alone; output and input
+  const double snr_db = GENERATE(40.0, 80.0);
+  CAPTURE(corner, poles, snr_db);
+  const auto analysis =
+      analysis_of({.delay_frames = 960.25,
+                   .high_pass_hz = std::vector<double>(static_cast<std::size_t>(poles), corner),
+                   .noise = noise_for(snr_db)});
+  REQUIRE(analysis.high_pass_error_hz);
+  CHECK(std::abs(analysis.high_pass_hz - poles * corner) < 4 * *analysis.high_pass_error_hz);
+  // At 80 dB the noise hides a hundredth of what it hides at 40 dB; the series of the model hides
+  // S (S / 150 Hz)^4.
+  const double sum = poles * corner;
+  CHECK(*analysis.high_pass_error_hz < (snr_db > 60 ? 0.02 : 2.0) + 2 * sum * std::pow(sum / 150, 4));
+  CHECK(analysis.fitted_from_hz == Approx(150).margin(1));
+}
+
+TEST_CASE("analysis: without a high-pass none stands out of the error", "[latency]") {
+  const auto analysis = analysis_of({.delay_frames = 960.25, .noise = noise_for(60.0)});
+  REQUIRE(analysis.high_pass_error_hz);
+  CHECK(analysis.high_pass_hz < 4 * *analysis.high_pass_error_hz);
+}
+
 TEST_CASE("analysis: DC and hum are distinguished from what was played", "[latency]") {
   auto recording = SimulatedLoop{.delay_frames = 960.25, .gain = 0.1, .noise = 1e-5}.record(probe(), 48_kHz);
   for (std::size_t n = 0; n < recording.captured[0].size(); ++n)
