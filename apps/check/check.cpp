@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "apps/cli/target.h"
 #include "engine/core/decibels.h"
 #include "engine/core/index.h"
+#include "engine/core/prefixed.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/nodes/networks/solver_names.h"
 #include "engine/nodes/table.h"
@@ -23,7 +25,8 @@ namespace {
 /// What `tactus check` found.
 struct CheckReport : StabilityReport {
   std::string name;
-  std::string delay_source;  ///< where the delay comes from
+  std::string delay_source;                 ///< where the delay comes from
+  std::vector<std::string> highpass_lines;  ///< what the high-passes of the rig do
 };
 
 const char* word_of(Stability stability) {
@@ -139,51 +142,111 @@ Json open_json(const OpenPair& open) {
       {"input", open.input}, {"output", open.output}, {"peak_gain", open.peak}, {"peak_hz", open.peak_hz}};
 }
 
-std::string cell(const Json& value) {
-  if (value.is_null()) return "-";
-  if (value.is_string()) return value.get<std::string>();
-  if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
-  const auto number = value.get<double>();
-  return std::abs(number - 1) < 1e-3 ? fmt::format("{:.10g}", number) : fmt::format("{:.5g}", number);
-}
-
-/// Some values of JSON objects, under their names.
-void print_table(const Json& rows, const std::vector<std::string>& columns) {
-  if (rows.empty()) return;
-  std::vector<std::string> lines(rows.size() + 1);
-  for (const auto& column : columns) {
-    std::vector<std::string> cells{column};
-    for (const auto& row : rows) cells.push_back(cell(row[column]));
-    const auto width = std::ranges::max(cells, {}, &std::string::size).size();
-    for (std::size_t i = 0; i < lines.size(); ++i) lines[i] += fmt::format("  {:{}}", cells[i], width);
+/// Rows of cells; the first row is the heading.
+void print_table(const std::vector<std::vector<std::string>>& rows) {
+  if (rows.size() < 2) return;
+  std::vector<std::string> lines(rows.size());
+  for (std::size_t column = 0; column < rows.front().size(); ++column) {
+    std::size_t width = 0;
+    for (const auto& row : rows) width = std::max(width, row[column].size());
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      const bool last = column + 1 == rows.front().size();
+      lines[r] += "  " + rows[r][column] + (last ? "" : std::string(width - rows[r][column].size(), ' '));
+    }
   }
   fmt::print("\n{}\n", fmt::join(lines, "\n"));
 }
 
-/// The entries of all regimes called `list`.
-Json of_regimes(const Json& regimes, const char* list) {
-  Json rows = Json::array();
-  for (const auto& regime : regimes)
-    for (auto row : regime[list]) {
-      row["regime"] = regime["regime"];
-      row["held"] = regime["held"];
-      rows.push_back(std::move(row));
-    }
-  return rows;
+const char* yes(bool is) { return is ? "yes" : "no"; }
+std::string decibels(double factor) {
+  const double db = amplitude_to_db(factor);
+  return std::isfinite(db) ? fmt::format("{:.1f} dB", db) : "unlimited";
 }
 
-void print_tables(const Json& json) {
-  const auto& regimes = json["regimes"];
-  print_table(of_regimes(regimes, "loops"), {"regime", "held", "at", "gain_margin_db", "border_hz",
-                                             "peak_gain", "more_delay_ms", "joint", "integrates"});
-  print_table(of_regimes(regimes, "stiff"),
-              {"regime", "held", "name", "n_per_m", "stable_up_to_n_per_m", "passive_up_to_n_per_m"});
-  print_table(json["networks"],
-              {"name", "regime", "solver", "spectral_radius", "rate_hz", "needs_hz", "weakest"});
-  print_table(json["controls"], {"name", "holds_at_low", "holds_at_high", "border"});
-  print_table(json["gestures"], {"control", "value", "seconds", "verdict"});
-  print_table(json["runs"], {"what", "rate_hz", "delay_ms", "seconds", "peak", "before", "after",
-                             "expected_to_hold", "finite", "faults", "grew", "exploded", "as_expected"});
+void print_regimes(const StabilityVerdict& verdict) {
+  std::vector<std::vector<std::string>> loops{{"operating point", "held", "loop cut at", "gain margin", "at",
+                                               "largest gain", "delay margin", "network port", "integrates"}};
+  std::vector<std::vector<std::string>> stiff{
+      {"operating point", "held", "force", "stiffness", "stable up to", "passive up to"}};
+  for (const auto& regime : verdict.regimes) {
+    for (const auto& loop : regime.loops)
+      loops.push_back({regime.name, yes(regime.held), loop.at, decibels(loop.margin.border),
+                       prefixed(loop.margin.border_hz, "Hz"), decibels(loop.margin.peak),
+                       prefixed(loop.margin.more_delay_s, "s"), yes(loop.wave_port), yes(loop.integrates())});
+    for (const auto& one : regime.stiff)
+      stiff.push_back({regime.name, yes(regime.held), one.path, prefixed(one.stiffness, "N/m"),
+                       prefixed(one.stable_up_to, "N/m"),
+                       one.passive_up_to ? prefixed(*one.passive_up_to, "N/m") : "-"});
+  }
+  print_table(loops);
+  print_table(stiff);
+}
+
+void print_networks(const StabilityVerdict& verdict) {
+  std::vector<std::vector<std::string>> rows{
+      {"network", "operating point", "solver", "spectral radius", "steps at", "needs", "least stable mode"}};
+  for (const auto& network : verdict.networks)
+    rows.push_back({network.path, network.regime, name_of(network.solver),
+                    fmt::format("{:.10g}", network.radius), prefixed(network.rate_hz, "Hz"),
+                    network.needed_hz ? prefixed(*network.needed_hz, "Hz") : "any rate", network.weakest});
+  print_table(rows);
+}
+
+void print_controls(const StabilityVerdict& verdict) {
+  std::vector<std::vector<std::string>> rows{
+      {"control", "lowest", "stable there", "highest", "stable there", "limit"}};
+  for (const auto& one : verdict.controls) {
+    const auto text = [&](double si) { return std::isfinite(si) ? in_unit(si, one.control.unit) : "-"; };
+    rows.push_back({one.control.name, text(one.control.range.low), yes(one.stable_low),
+                    text(one.control.range.high), yes(one.stable_high),
+                    one.border ? text(*one.border) : "none"});
+  }
+  print_table(rows);
+  rows = {{"control set by a gesture", "to", "at", "verdict"}};
+  for (const auto& gesture : verdict.gestures)
+    rows.push_back({gesture.control, in_unit(gesture.value, gesture.unit), prefixed(gesture.seconds, "s"),
+                    word_of(gesture.stability)});
+  print_table(rows);
+}
+
+void print_runs(const std::vector<ExtremeRun>& runs) {
+  std::vector<std::vector<std::string>> rows{{"simulation run", "rate", "delay", "duration",
+                                              "peak of the drives", "energy first", "and last", "predicted",
+                                              "result"}};
+  for (const auto& run : runs) {
+    const auto* const unit = run.linear ? "" : "J";
+    rows.push_back({run.what, prefixed(run.rate.value, "Hz"), prefixed(run.delay_s, "s"),
+                    prefixed(run.seconds, "s"), fmt::format("{:.3g} FS", run.peak),
+                    prefixed(run.energy_before, unit), prefixed(run.energy_after, unit),
+                    run.expected ? "stable" : "grows",
+                    !run.finite      ? "not finite"
+                    : run.exploded   ? "beyond 120 dB"
+                    : run.grew       ? "grows"
+                    : run.faults > 0 ? fmt::format("{} faults", run.faults)
+                                     : "stable"});
+  }
+  print_table(rows);
+}
+
+std::string counted(std::size_t count, const char* what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+/// One line of what was checked.
+std::string checked_text(const CheckReport& report) {
+  const auto& verdict = report.verdict;
+  std::size_t loops = 0;
+  for (const auto& regime : verdict.regimes) loops += regime.loops.size();
+  std::vector<std::string> parts{counted(verdict.regimes.size(), "operating point"), counted(loops, "loop")};
+  const auto add = [&](std::size_t count, const char* what) {
+    if (count > 0) parts.push_back(counted(count, what));
+  };
+  add(verdict.networks.size(), "network");
+  add(verdict.controls.size(), "control");
+  add(verdict.gestures.size(), "gesture");
+  parts.push_back(report.runs.empty() ? "no simulation (--quick)"
+                                      : counted(report.runs.size(), "simulation run"));
+  return fmt::format("checked: {}", fmt::join(parts, ", "));
 }
 
 /// Every number of it.
@@ -198,6 +261,7 @@ Json check_json(const CheckReport& report) {
           {"delay_ms", 1e3 * verdict.delay_s},
           {"delay_from", report.delay_source},
           {"words", describe(verdict)},
+          {"output_highpass", report.highpass_lines},
           {"regimes", list_of(verdict.regimes, regime_json)},
           {"networks", list_of(verdict.networks, network_json)},
           {"controls", list_of(verdict.controls, control_json)},
@@ -221,7 +285,13 @@ void print(const CheckReport& report, bool verbose) {
     if (!run.as_expected())
       fmt::print("  not as predicted: {}{}\n", run.what,
                  run.exploded ? ": a loop grew until an output, ahead of its guard, was beyond 120 dB" : "");
-  if (verbose) print_tables(check_json(report));
+  for (const auto& line : report.highpass_lines) fmt::print("  {}\n", line);
+  fmt::print("{}{}\n", checked_text(report), verbose ? "" : "; --verbose prints the tables");
+  if (!verbose) return;
+  print_regimes(verdict);
+  print_networks(verdict);
+  print_controls(verdict);
+  print_runs(report.runs);
 }
 
 struct CheckOptions {
@@ -236,6 +306,7 @@ struct CheckOptions {
 struct CheckJob {
   std::optional<LoadedScene> scene;
   std::optional<LoadedGraph> instrument;
+  std::optional<Rig> rig;
   StabilityOptions options;
 
   StabilitySubject subject() const {
@@ -257,6 +328,32 @@ std::string load(const CheckOptions& options, CheckJob& job) {
   return job.instrument->spec->name;
 }
 
+/// The card's high-passes are part of the loops of an instrument; a scene has a plant of its own.
+void read_rig(const CheckOptions& options, CheckJob& job) {
+  if (options.rig.empty()) return;
+  if (job.scene)
+    exit_with({Errc::BadArgument, "--rig", "a scene has its own plant and delay",
+               "omit --rig, or check the instrument of the scene"});
+  job.rig = open_rig(options.rig);
+  for (const auto& output : job.rig->outputs)
+    if (output.highpass) job.options.world.output_highpass[output.name] = *output.highpass;
+}
+
+/// What the high-passes do to the forces of this instrument.
+std::vector<std::string> highpass_lines(const CheckJob& job, const StabilityVerdict& verdict) {
+  std::vector<std::string> lines;
+  for (const auto& [output, highpass] : job.options.world.output_highpass)
+    lines.push_back(fmt::format("output '{}' passes a high-pass of {} (rig): {}", output,
+                                prefixed(highpass.value, "Hz"), decay_text(highpass)));
+  std::set<std::string> held;
+  for (const auto& regime : verdict.regimes)
+    for (const auto& stiff : regime.stiff) held.insert("'" + stiff.path + "'");
+  if (!lines.empty() && !held.empty())
+    lines.push_back(fmt::format("warning: {} must hold a force, which leaks away: use a DC-coupled output",
+                                fmt::join(held, ", ")));
+  return lines;
+}
+
 /// --delay, else the scene's, else the measured one of the rig, else the longest of what was tested. Gives
 /// its source.
 std::string choose_delay(const CheckOptions& options, CheckJob& job) {
@@ -270,7 +367,7 @@ std::string choose_delay(const CheckOptions& options, CheckJob& job) {
     return "delay of the scene";
   }
   if (!options.rig.empty()) {
-    const auto rig = open_rig(options.rig);
+    const auto& rig = *job.rig;
     if (!rig.measured_delay)
       exit_with(
           {Errc::Missing, options.rig, "this rig has no measured delay",
@@ -299,6 +396,7 @@ std::string read_options(const CheckOptions& options, CheckJob& job) {
                   size(options.device_damping, "N s/m", "device-damping")};
   job.options.push = size(options.push, "N", "push");
   world.set = parse_settings(options.set);
+  read_rig(options, job);
   return choose_delay(options, job);
 }
 
@@ -313,6 +411,7 @@ int run_check(const CheckOptions& options) {
     static_cast<StabilityReport&>(report) =
         or_exit(check_stability(job.subject(), job.options, options.quick, show));
   }
+  report.highpass_lines = highpass_lines(job, report.verdict);
   options.json ? print_json(check_json(report)) : print(report, options.verbose);
   return report.stability() == Stability::Stable ? kDone : kNo;
 }
@@ -330,22 +429,22 @@ void add_check(CLI::App& app, int& exit_code) {
       ->required();
   command.add_option("--rate", options.rate, "sample rate; default: the scene's, or 48 kHz");
   command.add_option("--delay", options.delay, "system delay; default: the scene's or the rig's");
-  command.add_option("--rig", options.rig, "rig file; its measured delay is used as the system delay");
+  command.add_option("--rig", options.rig,
+                     "rig file: measured delay, and high-passes of its outputs (output_highpass)");
   command.add_option("--set", options.set, "NAME=VALUE: sets a control");
   for (const auto& [name, value, help] :
        {std::tuple{"--hand-damping", &options.hand_damping, "damping added to the device by a fingertip"},
         {"--hand-mass", &options.hand_mass, "mass added to the device by a fingertip"},
         {"--push", &options.push, "contact force assumed in the analysis of a contact that touches"},
         {"--device-mass", &options.device_mass,
-         "mass of the haptic device assumed for an instrument without a scene"},
+         "moving mass of the device; assumed for an instrument without a scene"},
         {"--device-damping", &options.device_damping,
-         "damping of the haptic device assumed for an instrument without a scene"}})
+         "viscous damping of the device; assumed for an instrument without a scene"}})
     command.add_option(name, *value, help)->capture_default_str();
   command.add_flag("--quick", options.quick, "analyse the graph only; do not simulate");
-  command.add_flag(
-      "--verbose", options.verbose,
-      "also print tables of all loops, networks, controls and simulation runs, named as in --json");
-  command.add_flag("--json", options.json, "print every number as JSON");
+  command.add_flag("--verbose", options.verbose,
+                   "also print tables of all loops, networks, controls and simulation runs");
+  command.add_flag("--json", options.json, "print the report as JSON");
   command.footer(
       "Examples:\n  tactus check instruments/haptic_drum\n  tactus check my_wall.toml --delay \"1 ms\" "
       "--device-mass \"30 g\"\n  tactus check my_scene.toml --quick --json\n\nExit code 1: unstable or "

@@ -1,12 +1,23 @@
 #include "apps/cli/rig_files.h"
 
+#include <fmt/format.h>
+
+#include <numbers>
+
 #include "apps/cli/console.h"
 #include "apps/cli/target.h"
 #include "engine/core/files.h"
+#include "engine/core/prefixed.h"
 
 namespace tactus::app {
 
 namespace fs = std::filesystem;
+
+std::string decay_text(Hertz highpass) {
+  return fmt::format("a constant force decays with a time constant of {} = 1/(2 pi {})",
+                     prefixed(1 / (2 * std::numbers::pi * highpass.value), "s"),
+                     prefixed(highpass.value, "Hz"));
+}
 
 ProfilePlaces profile_places(const fs::path& rig_file) {
   const auto folder = rig_file.parent_path();

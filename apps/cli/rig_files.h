@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "engine/core/error.h"
@@ -20,6 +21,10 @@ ProfilePlaces profile_places(const std::filesystem::path& rig_file);
 /// Where a name given to --profile is looked up: in the user's own and the shipped instruments, then in the
 /// current folder and its "instruments".
 ProfileFolders option_profile_folders();
+
+/// "a constant force decays with a time constant of 79.58 ms = 1/(2 pi 2 Hz)": what a card's AC coupling
+/// does.
+std::string decay_text(Hertz highpass);
 
 /// Throws a CommandError with all errors of the file.
 Rig open_rig(const std::filesystem::path& file);

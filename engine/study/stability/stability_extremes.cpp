@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "engine/core/channels.h"
+#include "engine/graph/file/quantity.h"
 #include "engine/guard/guarded.h"
 #include "engine/nodes/networks/network.h"
 #include "engine/scene/closed_loop.h"
@@ -210,7 +211,7 @@ std::vector<ExtremePlan> extremes_of(const WorldOptions& world, const Plan& inst
     const auto& control = planned.control;
     for (const double end : {control.range.low, control.range.high}) {
       if (!std::isfinite(end)) continue;
-      auto& made = elsewhere(fmt::format("{} = {:g}", control.name, control.unit.from_si(end)));
+      auto& made = elsewhere(control.name + " = " + in_unit(end, control.unit));
       made.world.set[control.name] = ControlValue{end};
       made.control = control.name;
     }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "engine/core/decibels.h"
+#include "engine/core/prefixed.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/study/stability/stability.h"
 
@@ -12,7 +13,7 @@ namespace tactus {
 namespace {
 
 std::string newtons_per_metre(double stiffness) {
-  return std::isfinite(stiffness) ? fmt::format("{:.4g} N/m", std::abs(stiffness)) : "any stiffness";
+  return std::isfinite(stiffness) ? prefixed(std::abs(stiffness), "N/m") : "any stiffness";
 }
 
 /// Where one change has the largest effect: in a stable system the place with the least margin, else the one
@@ -86,14 +87,15 @@ class Report {
   }
 
   void add_headline() {
-    const auto at = fmt::format("at {:g} kHz with a delay of {:.4g} ms", verdict_.rate.value / 1e3,
-                                1e3 * verdict_.delay_s);
+    const auto at = fmt::format("at {:g} kHz with a delay of {}", verdict_.rate.value / 1e3,
+                                prefixed(verdict_.delay_s, "s"));
     const auto* const stable = verdict_.outside_known ? "stable" : "stable by itself";
     if (!verdict_.stable())
       return add("{} {}", verdict_.stability == Stability::Undecided ? "undecided" : "unstable", at);
     if (critical_.regime == nullptr) return add("{} {}: no loop is closed", stable, at);
-    add("{} {}: margin {:.1f} dB at {:.4g} Hz", stable, at, amplitude_to_db(critical_.border),
-        critical_.stiff != nullptr ? critical_.stiff->border_hz : critical_.loop->margin.border_hz);
+    add("{} {}: margin {:.1f} dB at {}", stable, at, amplitude_to_db(critical_.border),
+        prefixed(critical_.stiff != nullptr ? critical_.stiff->border_hz : critical_.loop->margin.border_hz,
+                 "Hz"));
   }
 
   static std::string added(const HeldVerdict& held) {
@@ -106,8 +108,9 @@ class Report {
     add("{}{}: {} root{} grow{}", regime.name, regime.held ? ", held by a fingertip" : "", regime.growing,
         one ? "" : "s", one ? "s" : "");
     if (!regime.roots.empty() && regime.roots.front().growth_per_s > 0)
-      lines_.back() += fmt::format(", the fastest at {:.4g} Hz with a time constant of {:.3g} s",
-                                   regime.roots.front().frequency_hz, 1 / regime.roots.front().growth_per_s);
+      lines_.back() += fmt::format(", the fastest at {} with a time constant of {}",
+                                   prefixed(regime.roots.front().frequency_hz, "Hz"),
+                                   prefixed(1 / regime.roots.front().growth_per_s, "s"));
   }
 
   void add_gesture(const GestureVerdict& gesture) {
@@ -124,8 +127,9 @@ class Report {
         network.radius);
     if (!network.weakest.empty()) lines_.back() += ", mode of " + network.weakest;
     if (network.needed_hz && std::isfinite(*network.needed_hz))
-      lines_.back() += fmt::format("; it needs {:.4g} Hz: oversample = {:.0f}, or solver = \"passive\"",
-                                   *network.needed_hz, std::ceil(*network.needed_hz / verdict_.rate.value));
+      lines_.back() += fmt::format("; it needs {}: oversample = {:.0f}, or solver = \"passive\"",
+                                   prefixed(*network.needed_hz, "Hz"),
+                                   std::ceil(*network.needed_hz / verdict_.rate.value));
   }
 
   void add_contacts(const NetworkVerdict& network) {
@@ -186,7 +190,7 @@ class Report {
     const auto& own = critical_.regime->loops;
     const auto drive = std::ranges::find(own, true, &LoopVerdict::drive);
     if (drive != own.end() && drive->margin.more_delay_s > 0 && std::isfinite(drive->margin.more_delay_s))
-      add("delay margin: {:.3g} ms", 1e3 * drive->margin.more_delay_s);
+      add("delay margin: {}", prefixed(drive->margin.more_delay_s, "s"));
   }
 
   void add_controls() {
@@ -235,9 +239,8 @@ class Report {
     add("not analysed: the external path from the outputs to the inputs; check a scene with a plant instead "
         "(for outputs in N and inputs in m, a device is assumed)");
     for (const auto& pair : verdict_.open)
-      add("{} -> {}: gain at most {:.3g} (at {:.4g} Hz): stable at every delay if the external gain is below "
-          "{:.3g}",
-          pair.input, pair.output, pair.peak, pair.peak_hz, 1 / pair.peak);
+      add("{} -> {}: gain at most {:.3g} (at {}): stable at every delay if the external gain is below {:.3g}",
+          pair.input, pair.output, pair.peak, prefixed(pair.peak_hz, "Hz"), 1 / pair.peak);
   }
 
   const StabilityVerdict& verdict_;

@@ -102,16 +102,27 @@ std::vector<Dimension> dimensions_of(const GraphSpec& graph) {
 
 bool from_device(const Dimension& dimension) { return dimension == kMetre || dimension == kMetrePerSecond; }
 
-/// The assumed device as a graph: forces act on it, its position and velocity are the sensors; other channels
-/// stay open.
+/// "woofer" of "woofer[1]".
+std::string port_name(const std::string& channel) { return channel.substr(0, channel.find('[')); }
+
+/// The assumed device as a graph: forces act on it behind the card's high-passes, its position and velocity
+/// are the sensors; other channels stay open.
 std::string device_text(const Plan& instrument, const std::vector<Dimension>& sensors,
-                        const AssumedDevice& device) {
-  std::string inputs, push, outputs;
+                        const WorldOptions& options) {
+  const auto& device = options.device;
+  std::string inputs, push, outputs, nodes;
   int drives = 0;
   for (const auto& channel : instrument.channels) {
     if (channel.use == OutputUse::Tap) continue;
     inputs += fmt::format("d{} = {{ unit = \"{}\" }}\n", drives, to_string(channel.dimension));
-    if (channel.dimension == kNewton) push += fmt::format("{}d{}", push.empty() ? "" : " + ", drives);
+    const auto highpass = options.output_highpass.find(port_name(channel.name));
+    const bool coupled = highpass != options.output_highpass.end();
+    if (coupled)
+      nodes += fmt::format("h{0} = {{ type = \"one_pole\", in = \"d{0}\", cutoff = \"{1:.17g} Hz\" }}\n",
+                           drives, highpass->second.value);
+    if (channel.dimension == kNewton)
+      push += fmt::format("{}{}", push.empty() ? "" : " + ",
+                          coupled ? fmt::format("h{}.high", drives) : fmt::format("d{}", drives));
     ++drives;
   }
   const bool joined = !push.empty() && std::ranges::any_of(sensors, from_device);
@@ -123,7 +134,7 @@ std::string device_text(const Plan& instrument, const std::vector<Dimension>& se
                                    : "0",
                            to_string(sensors[s]));
   }
-  std::string text = "format = 1\n[inputs]\n" + inputs + "[outputs]\n" + outputs;
+  std::string text = "format = 1\n[inputs]\n" + inputs + "[nodes]\n" + nodes + "[outputs]\n" + outputs;
   if (joined)
     text += fmt::format(
         "[networks.device]\nframe = {{ type = \"ground\" }}\ntip = {{ type = \"mass\", mass = \"{:.17g} kg\" "
@@ -146,7 +157,7 @@ Checked<BuiltScene> build_alone(const StabilitySubject& subject, const WorldOpti
   scene.delay_frames = static_cast<int>(std::lround(frames_in(with.system_delay, with.sample_rate)));
   with.controls.clear();
   with.closed_outside = scene.delay_frames == 0;
-  const auto text = device_text(**instrument, dimensions_of(*subject.instrument->spec), options.device);
+  const auto text = device_text(**instrument, dimensions_of(*subject.instrument->spec), options);
   auto plant = compile(parse_graph_leniently(text, "the assumed device"), *subject.table, with);
   if (!plant) return tl::unexpected(plant.error());
   scene.instrument = std::move(*instrument);

@@ -3,6 +3,7 @@
 // Thread: [control].
 
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,9 @@ struct OpenPair {
 /// Conditions of the analysis; of an instrument alone 48 kHz without delay, unless given.
 struct WorldOptions : SceneOptions {
   AssumedDevice device = {};
+  /// Of outputs of an instrument alone: the cut-off frequency of the card's AC coupling, a one-pole high-pass
+  /// between the output and the device.
+  std::map<std::string, Hertz> output_highpass = {};
   bool friction = true;  ///< false: the networks of the scene have no friction
 };
 

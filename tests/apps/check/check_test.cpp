@@ -1,4 +1,5 @@
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -47,6 +48,62 @@ TEST_CASE("check: the exit code says whether it holds", "[check]") {
           Approx(0.1 / (0.002 + 0.5 / 48000)).epsilon(0.01));
     CHECK(answer.json["runs"].size() > 15);
   }
+}
+
+TEST_CASE("check: a high-pass of the rig's output is part of the loop", "[check]") {
+  const test::TemporaryFolder folder;
+  const auto file = (folder.path() / "spring.toml").string();
+  const auto rig = (folder.path() / "desk.toml").string();
+  std::ofstream{file} << spring_of(45);
+  std::ofstream{rig}
+      << "format = 1\n[device]\noutput = \"x\"\n[inputs]\nplace = { channel = 1 }\n[outputs]\npush "
+         "= { channel = 1, output_highpass = \"2 Hz\" }\n[delay]\nmeasured = \"2 ms\"\n";
+  // m s^2 + (b + m wc) s + b wc + k e^(-s T) = 0 on the border s = jw, with the device of 50 g and 0.1 N s/m:
+  // k sin wT = w (b + m wc), k cos wT = m w^2 - b wc.
+  const double m = 0.05, b = 0.1, wc = 2 * 3.14159265358979 * 2, T = 0.002 + 0.5 / 48000;
+  double low = 1, high = 0.5 * 3.14159265358979 / T;
+  for (int step = 0; step < 100; ++step) {
+    const double w = 0.5 * (low + high);
+    const bool below = std::tan(w * T) * (m * w * w - b * wc) < w * (b + m * wc);
+    (below ? low : high) = w;
+  }
+  const double border = low * (b + m * wc) / std::sin(low * T);
+  const auto answer = check(folder, file + " --rig " + rig);
+  CHECK(answer.exit == 0);
+  REQUIRE(answer.json.is_object());
+  CHECK(answer.json["delay_ms"].get<double>() == Approx(2));
+  CHECK(answer.json["regimes"][0]["stiff"][0]["stable_up_to_n_per_m"].get<double>() ==
+        Approx(border).epsilon(0.01));
+  const auto lines = answer.json["output_highpass"].dump();
+  CHECK(lines.find("79.58 ms") != std::string::npos);  // 1 / (2 pi 2 Hz)
+  CHECK(lines.find("'instrument.pull' must hold a force") != std::string::npos);
+  for (const auto& run : answer.json["runs"]) {
+    INFO(run["what"]);
+    CHECK(run["as_expected"] == true);
+  }
+}
+
+TEST_CASE("check: verdict first, one line of what was checked, tables when asked for", "[check]") {
+  const test::TemporaryFolder folder;
+  const auto file = (folder.path() / "spring.toml").string();
+  std::ofstream{file} << spring_of(45);
+  const auto print = [&](const std::string& options) {
+    const auto out = folder.path() / "out.txt";
+    (void)std::system(
+        (std::string{TACTUS_PROGRAM} + " check " + file + options + " > " + out.string() + " 2>&1").c_str());
+    std::ifstream text{out};
+    return std::string{std::istreambuf_iterator<char>{text}, {}};
+  };
+  const auto brief = print("");
+  CHECK(brief.starts_with("stable\n"));
+  CHECK(brief.find("\nchecked: ") != std::string::npos);
+  CHECK(brief.find("simulation runs; --verbose") != std::string::npos);
+  CHECK(brief.find("full-scale square") == std::string::npos);
+  const auto all = print(" --verbose");
+  CHECK(all.find("full-scale square") != std::string::npos);
+  CHECK(all.find("45 N/m") != std::string::npos);
+  CHECK(all.find("192 kHz") != std::string::npos);
+  CHECK(all.find("e+0") == std::string::npos);
 }
 
 TEST_CASE("check: the haptic drum holds in its scene", "[check]") {
