@@ -8,11 +8,16 @@
 #include <sstream>
 #include <thread>
 
+#include "apps/cli/backends.h"
 #include "apps/cli/console.h"
 #include "apps/cli/json.h"
+#include "apps/cli/rig_files.h"
 #include "apps/doctor/findings.h"
+#include "apps/doctor/support_report.h"
 #include "backends/realtime_thread.h"
 #include "engine/core/named.h"
+#include "engine/core/prefixed.h"
+#include "latency/measured.h"
 
 namespace tactus::app {
 namespace {
@@ -361,8 +366,51 @@ Json finding_json(const SystemFinding& finding) {
 }
 
 struct DoctorOptions {
+  std::string rig, report;
   bool json = false;
 };
+
+/// The devices of every backend as `tactus devices` knows them.
+std::string devices_text() {
+  std::string text;
+  for (const auto& backend : sound_backends()) {
+    const auto devices = backend.make()->devices();
+    if (!devices) {
+      text += backend.name + ": " + to_string(devices.error()) + "\n";
+      continue;
+    }
+    for (const auto& device : *devices) {
+      std::vector<double> rates;
+      for (const auto& rate : device.sample_rates) rates.push_back(rate.value / 1e3);
+      text += fmt::format("{}: {} in, {} out, {:g} kHz ({:g})\n", device.id, device.in_channels,
+                          device.out_channels, device.default_rate.value / 1e3, fmt::join(rates, ", "));
+    }
+  }
+  return text.empty() ? "none" : text;
+}
+
+std::string delay_line(const MeasuredDelay& measured) {
+  return fmt::format("{}: {:.4f} ms, {:g} Hz, {} frames per block{}, {}\n", measured.key.output,
+                     1e3 * measured.delay.value, measured.key.sample_rate.value, measured.key.block_frames,
+                     measured.key.periods > 0 ? fmt::format(", {} periods", measured.key.periods) : "",
+                     measured.when);
+}
+
+void write_report(const DoctorOptions& options, const SystemState& system,
+                  const std::vector<SystemFinding>& findings) {
+  std::string delays;
+  const auto known = MeasuredDelays::load();
+  for (const auto& measured : known.all()) delays += delay_line(measured);
+  std::vector<std::pair<std::string, std::string>> sections{
+      {"devices", devices_text()}, {"measured latencies", delays.empty() ? "none on this computer" : delays}};
+  if (!options.rig.empty())
+    if (const auto text = SystemFiles{""}.text(options.rig)) sections.emplace_back("rig", *text);
+  const auto report = support_report(system, findings, sections, PersonalNames::of_process());
+  if (!(std::ofstream{options.report, std::ios::binary} << report))
+    exit_with({Errc::BadFile, options.report, "it cannot be written", "choose another file"}, kBadFile);
+  fmt::print(stderr, "written: {}; read it through, then attach it to the description of your problem\n",
+             options.report);
+}
 
 int run_doctor(const DoctorOptions& options) {
   SystemState system;
@@ -370,7 +418,10 @@ int run_doctor(const DoctorOptions& options) {
   std::thread{[&] { system.priority = become_realtime(kPriority); }}.join();
   system.memory = lock_memory();
   system.pipewire = pipewire_settings(system);
-  const auto findings = check_system(system);
+  auto findings = check_system(system);
+  if (!options.rig.empty())
+    for (auto& finding : check_rig_outputs(open_rig(options.rig), options.rig))
+      findings.push_back(std::move(finding));
   const bool warned = std::ranges::count(findings, SystemFinding::State::Warn, &SystemFinding::state) > 0;
   if (options.json) print_json({{"ok", !warned}, {"findings", list_of(findings, finding_json)}});
   for (const auto& [state, what, command, name] : findings) {
@@ -378,6 +429,7 @@ int run_doctor(const DoctorOptions& options) {
     fmt::print("{:8} {:18}  {}\n", name_of(state), name, what);
     if (!command.empty()) fmt::print("{:29}{}\n", "", command);
   }
+  if (!options.report.empty()) write_report(options, system, findings);
   return warned ? kNo : kDone;
 }
 
@@ -399,12 +451,42 @@ std::vector<SystemFinding> check_system(const SystemState& system) {
   return all;
 }
 
+std::vector<SystemFinding> check_rig_outputs(const Rig& rig, const std::string& file) {
+  Findings all;
+  for (const auto& output : rig.outputs) {
+    if (output.channels.empty()) continue;
+    const auto name = "output '" + output.name + "'";
+    if (output.highpass)
+      all.add("rig",
+              warn(fmt::format("{} passes a high-pass of {}: {}; walls, springs and detents leak away", name,
+                               prefixed(output.highpass->value, "Hz"), decay_text(*output.highpass)),
+                   "tactus check INSTRUMENT --rig " + file));
+    else
+      all.add("rig", unknown(name + ": it is not known whether it is AC-coupled (output_highpass)",
+                             "tactus latency measure --rig " + file));
+  }
+  return all;
+}
+
 void add_doctor(CLI::App& app, int& exit_code) {
   auto [command, options] = add_command(
       app, "doctor", "Check whether this system is set up for low-latency audio", exit_code, run_doctor);
-  command.add_flag("--json", options.json, "print the findings as JSON");
+  command.add_option("--rig", options.rig, "rig file; what its outputs can hold");
+  command
+      .add_option_function<std::string>(
+          "--report",
+          [&report = options.report](const std::string& file) {
+            if (file.empty()) throw CLI::ValidationError{"--report", "the text is empty; give a file"};
+            report = file;
+          },
+          "text file to send to who helps you; no names of users and computers are in it")
+      ->expected(0, 1)
+      ->default_str("tactus_report.txt")
+      ->check(writable_file());
+  command.add_flag("--json", options.json, "print the report as JSON");
   command.footer(
-      "Example:\n  tactus doctor\nIt only reads settings. Each finding is followed by the command that fixes "
+      "Examples:\n  tactus doctor\n  tactus doctor --rig desk.toml --report problem.txt\nIt only reads "
+      "settings. Each finding is followed by the command that fixes "
       "it or shows more.\nExit code 1: at least one warning.");
 }
 

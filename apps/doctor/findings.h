@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/core/error.h"
+#include "engine/rig/rig.h"
 
 namespace tactus::app {
 
@@ -74,5 +75,8 @@ struct SystemFinding {
 /// All findings, the most important first. Each sound server that runs and each sound card on USB has its
 /// own.
 std::vector<SystemFinding> check_system(const SystemState& system);
+
+/// Of each connected output of a rig: can it hold a constant force?
+std::vector<SystemFinding> check_rig_outputs(const Rig& rig, const std::string& file);
 
 }  // namespace tactus::app

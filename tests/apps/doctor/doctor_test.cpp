@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/doctor/findings.h"
+#include "apps/doctor/support_report.h"
 #include "engine/core/named.h"
 #include "tests/support/error_summary.h"
 #include "tests/support/temporary_folder.h"
@@ -245,4 +246,50 @@ TEST_CASE("doctor: the command runs without a card, and its exit code says wheth
   for (const auto& finding : json["findings"]) warns = warns || finding["state"] == "warn";
   CHECK(json["ok"] == !warns);
   CHECK(status == (warns ? 256 : 0));  // as wait() reports an exit code of 1
+}
+
+TEST_CASE("doctor: an AC-coupled output of a rig is a warning with its time constant, an unknown one is said",
+          "[doctor]") {
+  Rig rig;
+  rig.outputs.push_back({{"motor", {}, {1}, ""}, {}, Hertz{2.0}});
+  rig.outputs.push_back({{"sound", {}, {2}, ""}, {}, {}});
+  rig.outputs.push_back({{"spare", {}, {}, ""}, {}, {}});  // not connected
+  const auto findings = check_rig_outputs(rig, "desk.toml");
+  REQUIRE(findings.size() == 2);
+  CHECK(findings[0].state == State::Warn);
+  // 1 / (2 pi 2 Hz)
+  CHECK(findings[0].what.find("79.58 ms") != std::string::npos);
+  CHECK(findings[1].state == State::Unknown);
+  CHECK(findings[1].command == "tactus latency measure --rig desk.toml");
+}
+
+TEST_CASE("doctor: its report has system, servers, formats of cards and findings, and no personal names",
+          "[doctor]") {
+  const FakeSystem system;
+  system.write("etc/os-release", "NAME=x\nPRETTY_NAME=\"Debian GNU/Linux 12 (bookworm)\"\n");
+  system.write("proc/sys/kernel/osrelease", "6.1.0-13-amd64\n");
+  system.write("proc/cpuinfo", "model name\t: Some CPU\nflags\t: a b\nmodel name\t: Some CPU\n");
+  system.write("proc/asound/cards", " 0 [USB            ]: USB-Audio - Box\n");
+  system.write("proc/asound/card0/stream0",
+               "Box at usb-1, high speed : USB Audio\n\nPlayback:\n  Status: Stop\n    Format: S24_3LE\n    "
+               "Rates: 44100, 48000\n");
+  system.write("proc/12/comm", "jackd\n");
+  system.write("proc/12/cmdline", std::string{"jackd\0-dalsa\0-p64\0", 17});
+  const std::vector<SystemFinding> findings{{State::Warn, "the governor 'ondemand'", "", "CPU governor"}};
+  const auto text =
+      support_report(system, findings,
+                     {{"rig",
+                       "name = \"desk of anna\"\nprofile = \"/home/anna/woofer.toml\"\noutput = "
+                       "\"hw:USB@1-2 serial 4711\"\n# annas box at pultpc\n"}},
+                     {"/home/anna", "anna", "pultpc"});
+  for (const auto* part : {"tactus 0.1.0", "Debian GNU/Linux 12 (bookworm)", "6.1.0-13-amd64", "2 x Some CPU",
+                           "jackd -dalsa -p64", "Format: S24_3LE", "Rates: 44100, 48000", "CPU governor",
+                           "desk of USER", "~/woofer.toml", "serial (left out)", "annas box at HOST"}) {
+    CAPTURE(part);
+    CHECK(text.find(part) != std::string::npos);
+  }
+  for (const auto* part : {"/home/anna", " anna\"", "pultpc", "4711", "Status"}) {
+    CAPTURE(part);
+    CHECK(text.find(part) == std::string::npos);
+  }
 }
