@@ -4,12 +4,14 @@
 #include <exception>
 #include <iostream>
 #include <new>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "apps/cli/console.h"
 #include "apps/cli/manual.h"
 #include "apps/cli/terminal.h"
+#include "engine/graph/file/error_list.h"
 
 namespace {
 
@@ -28,9 +30,50 @@ class HelpFormatter : public CLI::Formatter {
   }
   std::string make_option_desc(const CLI::Option* option) const override {
     const auto value = option->get_default_str();
-    return option->get_description() + (value.empty() ? "" : "; default: " + value);
+    return wrapped(option->get_description() + (value.empty() ? "" : "; default: " + value));
+  }
+
+  /// For the column of descriptions on 100 columns.
+  std::string wrapped(std::string text) const {
+    const auto width = 98 - get_column_width();
+    for (std::size_t start = 0; text.size() - start > width;) {
+      const auto space = text.rfind(' ', start + width);
+      if (space == std::string::npos || space <= start) break;
+      text[space] = '\n';
+      start = space + 1;
+    }
+    return text;
   }
 };
+
+/// The command that was called.
+const CLI::App& called(const CLI::App& app) {
+  const auto inner = app.get_subcommands();
+  return inner.empty() ? app : called(*inner.front());
+}
+
+void add_option_names(const CLI::App& command, std::vector<std::string>& names) {
+  for (const auto* option : command.get_options())
+    for (const auto& name : option->get_lnames()) names.push_back("--" + name);
+  for (const auto* group :
+       command.get_subcommands([](const CLI::App* inner) { return inner->get_name().empty(); }))
+    add_option_names(*group, names);
+}
+
+/// What is wrong with the command line; of an unknown option with the nearest one of its command.
+tactus::Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
+  const bool unknown = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
+  std::istringstream unexpected{unknown ? error.what() : ""};
+  for (std::string word; unexpected >> word;) {
+    if (!word.starts_with("--")) continue;
+    const auto name = word.substr(0, word.find('='));
+    std::vector<std::string> names;
+    add_option_names(called(app), names);
+    return {tactus::Errc::UnknownName, "", "there is no option '" + name + "'",
+            tactus::suggest(name, names, "see --help")};
+  }
+  return {tactus::Errc::Syntax, "", error.what(), "see --help"};
+}
 
 /// An option for packages, not in the help: prints a text and ends.
 void add_hidden_text(CLI::App& app, const char* option, std::string (*text)(const CLI::App&)) {
@@ -67,7 +110,8 @@ static int run(int argc, char** argv) {
     std::ranges::reverse(words);  // as CLI11 wants them
     app.parse(std::move(words));
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kDone : kUsage;
+    if (error.get_exit_code() == 0) return app.exit(error);
+    return report({{usage_error(app, error)}, kUsage}, as_json);
   } catch (const CommandError& error) {
     return report(error, as_json);
   } catch (const std::bad_alloc&) {

@@ -96,6 +96,11 @@ void check_commands(const CLI::App& app, const std::vector<std::string>& words) 
     names.push_back(command->get_name());
   }
   const auto& group = app.get_name();
+  const auto& word = words.front();
+  if (app.get_parent() != nullptr && (word.find_first_of("/.") != std::string::npos || fs::exists(word)))
+    exit_with({Errc::Missing, "", fmt::format("'{} {}' names no {}", group, word, group),
+               fmt::format("write tactus {} NAME {}, where NAME is {}", group, word, fmt::join(names, ", "))},
+              kUsage);
   exit_with({Errc::UnknownName, "",
              fmt::format("there is no command '{}{}'", app.get_parent() != nullptr ? group + " " : "",
                          words.front()),
@@ -180,8 +185,13 @@ double parse_option(const std::string& text, const char* unit, const std::string
   if (!value) exit_with(value.error().at("--" + option));
   if (*value >= least && *value <= most) return *value;
   const bool sign = least == kAboveZero && *value <= 0;
+  const bool milliseconds = std::string_view{unit} == "s" &&
+                            text.find_first_not_of("0123456789. ") == text.npos && *value > most &&
+                            *value <= 1e3 * most;
   exit_with({Errc::OutOfRange, "--" + option, "'" + text + "' is out of range",
-             sign ? "it must be above 0" : limits_text(least, most, known_unit)});
+             sign           ? "it must be above 0"
+             : milliseconds ? fmt::format("{0} counts as {0} s; write \"{0} ms\"", text)
+                            : limits_text(least, most, known_unit)});
 }
 
 }  // namespace tactus::app

@@ -107,15 +107,11 @@ void print(const Json& json) {
     fmt::print("{}: {}\n", text_of(about, "name"), text_of(about, "what"));
   for (const auto& left : json["left_out"])
     fmt::print("omitted: {} {}\n", text_of(left, "name"), text_of(left, "why"));
-  if (json["left_out"].empty()) fmt::print("omitted: nothing\n");
 }
 
 /// `omitted`: what lies around the engines and is not there.
-int finish(const ExplainOptions& options, std::vector<LeftOut> omitted,
-           std::vector<std::pair<std::string, Player*>> engines) {
-  omitted.insert(omitted.begin(),
-                 {{"sound card", "is not opened: everything runs in the simulation or offline"},
-                  {"threads", "are not started: everything runs on the calling thread"}});
+int finish(const ExplainOptions& options, const std::vector<LeftOut>& omitted,
+           const std::vector<std::pair<std::string, Player*>>& engines) {
   Json all = Json::array();
   for (const auto& [title, engine] : engines) {
     or_exit(engine->prepare(
@@ -141,7 +137,7 @@ int run_explain(const ExplainOptions& options) {
     const auto built = or_exit(build_scene(loaded, standard_nodes(), with));
     if (!loaded.scene->converters.on) omitted.push_back({"converters", "are off in this scene"});
     if (built.delay_frames == 0) omitted.push_back({"delay line", "the system delay is 0 frames"});
-    return finish(options, std::move(omitted),
+    return finish(options, omitted,
                   {{"instrument of " + loaded.scene->name, built.instrument.get()},
                    {"simulation of " + loaded.scene->name, built.plant.get()}});
   }
@@ -151,7 +147,7 @@ int run_explain(const ExplainOptions& options) {
   Player engine{or_exit(compile(loaded, standard_nodes(), compile_options))};
   for (const auto& tap : event_taps(*loaded.spec, standard_nodes()))
     omitted.push_back({"tap " + tap, "is not read here; scenes and `tactus render --events` read it"});
-  return finish(options, std::move(omitted), {{loaded.spec->name, &engine}});
+  return finish(options, omitted, {{loaded.spec->name, &engine}});
 }
 
 }  // namespace
@@ -166,7 +162,7 @@ void add_explain(CLI::App& app, int& exit_code) {
           "instrument, plant or scene file; for a folder, its scene.toml, or else its instrument.toml")
       ->required();
   command.add_option("--rate", options.rate, "sample rate")->capture_default_str();
-  add_number(command, "--block", options.block, "block size in frames for the cost measurement", 1, 4096);
+  add_number(command, "--block", options.block, "block size in frames; for the cost measurement", 1, 4096);
   command.add_flag("--json", options.json, "print the report as JSON");
   command.footer(
       "Examples:\n  tactus explain instruments/haptic_drum\n  tactus explain "

@@ -124,6 +124,8 @@ int run_render(const RenderOptions& options) {
   const auto target =
       resolve_target(options.target, options.in.empty() ? FolderMeans::Scene : FolderMeans::Instrument);
   if (options.error) return report_accuracy(options, target);
+  if (options.out.empty() && options.sound.empty() && options.events.empty() && !options.json)
+    print_note("note: nothing is written; --out FILE writes the outputs");
   if (!target.scene) return render_instrument(options, target);
   if (!options.in.empty())
     exit_with({Errc::BadArgument, "--in", options.target + " is a scene, whose plant provides the inputs",
@@ -144,9 +146,11 @@ void add_render(CLI::App& app, int& exit_code) {
                      "a recording made with --record: replay it and check that the drives match bit for bit; "
                      "with FILE, feed the recorded sensor signals to that instrument");
   command.add_option("--in", options.in,
-                     "input WAV file: channel k feeds the k-th input; its rate and duration are "
-                     "the defaults; it is resampled if --rate differs");
-  command.add_option("--out", options.out, "WAV file for all outputs, in the order of the instrument file")
+                     "what the inputs of an instrument receive: a WAV file (channel k feeds the k-th input); "
+                     "its rate and duration are the defaults; it is resampled if --rate differs");
+  command
+      .add_option("--out", options.out,
+                  "file to write: a WAV file of all outputs, in the order of the instrument file")
       ->check(writable_file());
   command.add_option("--sound", options.sound, "WAV file for the monitor output, without the drives")
       ->check(writable_file());

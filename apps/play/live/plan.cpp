@@ -256,8 +256,31 @@ class Planner {
     const auto& performer = *plan_.performer;
     request.in_channels = static_cast<int>(performer.inputs.size());
     request.out_channels = static_cast<int>(performer.outputs.size());
+    check_channels("input", performer.inputs, options_.in_channels, plan_.devices.input);
+    check_channels("output", performer.outputs, options_.out_channels, plan_.devices.output);
     request.in_map = channels_or(options_.in_channels, performer.in_map);
     request.out_map = channels_or(options_.out_channels, performer.out_map);
+  }
+
+  /// Without a rig every port has a channel.
+  void check_channels(const char* what, const std::vector<std::string>& ports, const std::vector<int>& given,
+                      const Device& device) const {
+    if (plan_.rig) return;
+    const bool input = what[0] == 'i';
+    const int channels =
+        given.empty() ? (input ? device.in_channels : device.out_channels) : static_cast<int>(given.size());
+    const auto count = static_cast<int>(ports.size());
+    if (given.empty() ? count <= channels : count == channels) return;
+    const auto there = given.empty() ? fmt::format("'{}' has {}", device.id, channels)
+                                     : fmt::format("--{}s names {}", what, channels);
+    exit_with(
+        {Errc::BadArgument, given.empty() ? "--device" : fmt::format("--{}s", what),
+         fmt::format("the instrument has {} {}s ({}), but {} channels", count, what, fmt::join(ports, ", "),
+                     there),
+         fmt::format("write a rig with --save-rig desk.toml, in which {} = {{ channel = \"none\" }} leaves "
+                     "one out",
+                     ports.empty() ? "NAME" : ports.back())},
+        kUsage);
   }
 
   const LiveOptions& options_;
