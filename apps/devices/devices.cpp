@@ -91,9 +91,9 @@ void add_devices(CLI::App& app, int& exit_code) {
   auto [command, options] = add_command(app, "devices", "List the sound devices that instruments can play on",
                                         exit_code, run_devices);
   command.add_option("--backend", options.backend,
-                     fmt::format("list only the devices of this backend: {}, or loop (simulated cards)",
+                     fmt::format("audio backend: only its devices; {}, or loop (simulated cards)",
                                  fmt::join(names_of(sound_backends()), ", ")));
-  command.add_flag("--json", options.json, "print the list as JSON");
+  command.add_flag("--json", options.json, "print the report as JSON");
   command.footer(
       "Examples:\n  tactus devices\n  tactus devices --backend jack --json\nPass an id, or an unambiguous "
       "part of a device name, to --device:\n  tactus play instruments/haptic_drum --device jack:system\nExit "

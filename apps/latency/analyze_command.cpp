@@ -49,7 +49,7 @@ int captured_channel(const AnalyzeOptions& options, int first, int channels) {
   const int asked = options.channel.value_or(first);
   if (asked >= first && asked < first + channels) return asked - first;
   exit_with({Errc::BadArgument, "--channel",
-             first == 2 && asked == 1 ? "without --probe, channel 1 must be the played signal"
+             first == 2 && asked == 1 ? "without --played, channel 1 must be the played signal"
                                       : fmt::format("'{}' has no channel {}", options.capture, asked),
              channels == 1 ? fmt::format("it has only channel {}", first)
                            : fmt::format("it has channels {} to {}", first, first + channels - 1)});
@@ -84,7 +84,7 @@ Capture capture_of(const AnalyzeOptions& options) {
   const bool together = options.probe.empty();
   if (together && channels.size() < 2)
     exit_with({Errc::BadFile, options.capture, "it has one channel, and no probe file is given",
-               "give the file that was played as --probe"});
+               "give the file that was played as --played"});
   const int first = together ? 2 : 1;
   const int channel = captured_channel(options, first, static_cast<int>(channels.size()) + 1 - first);
   std::vector<double> played;
@@ -122,18 +122,18 @@ void add_latency_analyze(CLI::App& latency, int& exit_code) {
   auto [command, options] =
       add_command(latency, "analyze", "Find the delay in a recording", exit_code, run_latency_analyze);
   command.add_option("FILE", options.capture, "WAV file of the captured signal")->required();
-  command.add_option("--probe", options.probe,
+  command.add_option("--played", options.probe,
                      "WAV file that was played; default: the first channel of FILE");
   add_number(
       command, "--channel", options.channel,
       "channel of FILE with the captured signal, counted from 1; default: 1, or 2 if channel 1 is the probe",
       1, 1024);
-  command.add_option("--rate", options.rate, "actual sample rate, if the headers of the files are wrong");
+  command.add_option("--rate", options.rate, "sample rate; if the headers of the files are wrong");
   add_profile_option(command, options.profile);
   add_report_options(command, options.report, true, false);
   command.footer(
-      "Examples:\n  tactus latency analyze capture.wav --probe probe.wav\n  tactus latency analyze "
-      "capture.wav --probe probe.wav --channel 2 --report delay.svg\n  tactus latency analyze raw.wav     # "
+      "Examples:\n  tactus latency analyze capture.wav --played probe.wav\n  tactus latency analyze "
+      "capture.wav --played probe.wav --channel 2 --svg delay.svg\n  tactus latency analyze raw.wav     # "
       "saved by tactus latency measure --wav raw.wav\nThe delay is measured from the start of the probe file "
       "to the start of the probe in FILE. It equals the delay of\nthe device only if playback and recording "
       "started in the same frame.\nExit code 1: no reliable delay in the recording; the report gives the "

@@ -131,15 +131,15 @@ void add_latency_calibrate(CLI::App& latency, int& exit_code) {
                      "delay of the card without actuator and sensor, such as \"3.92 ms\"; default: from the "
                      "rig, or from the last measurement on this computer");
   command
-      .add_option("--save", options.out,
-                  "file for the profile (a graph file that a scene can use as its plant)")
+      .add_option("--out", options.out,
+                  "file to write: the response, as a graph file that a scene can use as its plant")
       ->check(writable_file())
       ->required();
   add_report_options(command, options.report, false, true);
   command.footer(
       "Examples:\n  tactus latency measure --rig desk.toml                          # first, with a loopback "
-      "cable\n  tactus latency calibrate --rig desk.toml --save woofer.toml     # then through woofer and "
-      "microphone\n  tactus latency measure --rig desk.toml --profile woofer.toml    # later, without a "
+      "cable\n  tactus latency calibrate --rig desk.toml --out woofer.toml      # then through woofer and "
+      "microphone\n  tactus latency measure --rig desk.toml --through woofer.toml    # later, without a "
       "cable\nThe actuator on the rig's first output moves, up to the limits of its guard: keep hands away.");
 }
 

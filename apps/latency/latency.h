@@ -33,6 +33,19 @@ inline constexpr const char* kDelayIs =
     "This is the delay from a voltage at the input to the response at the output if the program responds "
     "within the same block; it includes converters, driver, blocks and cable.";
 
+/// The high-pass of a loop, output and input together, as far as it was found.
+struct LoopHighpass {
+  std::optional<Hertz> corner;  ///< sum of the corners; nothing: it does not stand out of the error
+  double error_hz = 0.0;        ///< standard error
+  std::optional<Hertz> bound;   ///< without a corner: it is below this; nothing: not measured
+};
+LoopHighpass highpass_of(const Analysis& analysis);
+/// In a sentence.
+std::string highpass_text(const Analysis& analysis);
+
+/// The same of a recording.
+inline constexpr const char* kFileDelayIs = "This is the delay from the played to the captured signal.";
+
 /// Part of every report.
 Json essentials_json(const DelayEstimate& delay, Hertz sample_rate, const Analysis& analysis);
 
@@ -49,7 +62,7 @@ std::vector<Plot> picture_of(const Calibration& calibration);
 std::string fixed(double value, int digits);
 /// "960.0031 ± 0.0004": as many digits as the error leaves.
 std::string with_error(double value, double standard_error);
-/// "960.0031 ± 0.0004 frames, 20.000065 ± 0.000008 ms"
+/// "960.0031 ± 0.0004 frames, 20.0001 ms"
 std::string delay_text(const DelayEstimate& delay, Hertz sample_rate);
 /// "not inverted", "inverted"
 const char* polarity_text(int polarity);
@@ -69,9 +82,9 @@ struct ReportFiles {
   bool json = false;    ///< stdout is for machines
 };
 
-/// --report and --json, and on request --folder and --wav.
+/// --svg and --json, and on request --folder and --wav.
 void add_report_options(CLI::App& command, ReportFiles& files, bool folder, bool sound);
-/// --profile
+/// --through
 void add_profile_option(CLI::App& command, std::string& profile);
 /// Writes the files, prints the report, and gives the exit code. Throws a CommandError.
 int publish(LatencyReport report, const ReportFiles& files);
@@ -125,7 +138,7 @@ struct LoopOptions : DeviceOptions {
 };
 
 /// Which card, which channels, how loud; on request --rate, --block and --periods, and --openings and
-/// --sweeps.
+/// --probes.
 void add_loop_options(CLI::App& command, LoopOptions& options, bool setting, bool repetitions);
 
 /// A loop that can be measured.

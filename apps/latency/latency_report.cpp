@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "apps/cli/rig_files.h"
 #include "apps/latency/latency.h"
 #include "apps/play/play_report.h"
 
@@ -36,6 +37,8 @@ void add_evidence(const Analysis& analysis, Json& json) {
   json["low_hz"] = known(detected, analysis.low_hz);
   json["high_hz"] = known(detected, analysis.high_hz);
   json["high_pass_hz"] = known(detected, analysis.high_pass_hz);
+  json["high_pass_standard_error_hz"] = known(analysis.high_pass_error_hz);
+  json["fitted_from_hz"] = known(detected, analysis.fitted_from_hz);
   json["misfit"] = known(detected, analysis.misfit);
   json["harmonics_db"] = harmonics_json(analysis);
   const double rate = analysis.sample_rate.value;
@@ -126,7 +129,7 @@ void add_delay(const LatencyReport& report, Lines& lines) {
   const auto& measurement = report.measurement;
   if (report.ok()) {
     lines.add("delay", "{}", delay_text(measurement, report.sample_rate()));
-    lines.wrap("", kDelayIs);
+    lines.wrap("", report.live ? kDelayIs : kFileDelayIs);
     lines.wrap("note", measurement.finding.what);
   } else {
     lines.add("delay", "not known: {}", code(measurement.finding.verdict));
@@ -206,6 +209,7 @@ void add_path(const Analysis& analysis, Lines& lines) {
   if (analysis.detected)
     lines.add("path", "{} dB, {}, {} to {} within 3 dB", fixed(analysis.gain_db, 2),
               polarity_text(analysis.polarity), frequency(analysis.low_hz), frequency(analysis.high_hz));
+  if (analysis.detected) lines.wrap("high-pass", highpass_text(analysis));
   if (is_known(analysis)) lines.add("noise", "{}", noise_text(analysis));
   std::vector<std::string> harmonics;
   for (std::size_t k = 0; k < analysis.harmonics_db.size(); ++k)
@@ -293,9 +297,34 @@ std::string with_error(double value, double standard_error) {
 }
 
 std::string delay_text(const DelayEstimate& delay, Hertz sample_rate) {
-  const double ms = 1e3 / sample_rate.value, error = delay.standard_error_frames;
-  return with_error(delay.delay_frames, error) + " frames, " +
-         with_error(delay.delay_frames * ms, error * ms) + " ms";
+  return fmt::format("{} frames, {:.4f} ms", with_error(delay.delay_frames, delay.standard_error_frames),
+                     1e3 * delay.delay_frames / sample_rate.value);
+}
+
+LoopHighpass highpass_of(const Analysis& analysis) {
+  constexpr double kCertain = 4.0;   // standard errors
+  constexpr double kMost_hz = 20.0;  // a bound above says nothing about a card
+  LoopHighpass found;
+  if (!analysis.detected || !analysis.high_pass_error_hz) return found;
+  found.error_hz = *analysis.high_pass_error_hz;
+  const double error = kCertain * found.error_hz;
+  if (analysis.high_pass_hz > error && analysis.high_pass_hz < 0.5 * analysis.fitted_from_hz)
+    found.corner = Hertz{analysis.high_pass_hz};
+  else if (analysis.high_pass_hz + error < kMost_hz)
+    found.bound = Hertz{analysis.high_pass_hz + error};
+  return found;
+}
+
+std::string highpass_text(const Analysis& analysis) {
+  const auto found = highpass_of(analysis);
+  const auto from = fmt::format("fitted from {:.0f} Hz up", analysis.fitted_from_hz);
+  if (found.corner)
+    return fmt::format("{} Hz: sum of the corners of output and input, {}; {}",
+                       with_error(found.corner->value, found.error_hz), from, decay_text(*found.corner));
+  if (found.bound)
+    return fmt::format("below {:.2g} Hz, output and input together, {}", found.bound->value, from);
+  return "not measured: " + (analysis.high_pass_error_hz ? "the noise hides it, " + from
+                                                         : std::string{"the path has a response of its own"});
 }
 
 const char* polarity_text(int polarity) { return polarity > 0 ? "not inverted" : "inverted"; }
@@ -321,7 +350,7 @@ Json json_of(const LatencyReport& report) {
   const auto& shown = measurement.shown();
   Json json{{"source", report.source}};
   json.update(essentials_json(measurement, rate, shown.analysis));
-  json["delay_is"] = kDelayIs;
+  json["delay_is"] = report.live ? kDelayIs : kFileDelayIs;
   json["sample_rate_hz"] = rate.value;
   add_evidence(shown.analysis, json);
   if (report.live) {
@@ -356,9 +385,10 @@ std::string text_of(const LatencyReport& report) {
 void add_report_options(CLI::App& command, ReportFiles& files, bool folder, bool sound) {
   if (folder)
     command
-        .add_option("--folder", files.folder, "folder for the plot, the report as JSON and the recordings")
+        .add_option("--folder", files.folder,
+                    "folder for the files: the plot, the report as JSON and the recordings")
         ->check(writable_folder());
-  command.add_option("--report", files.picture, "write the plot to this SVG file")->check(writable_file());
+  command.add_option("--svg", files.picture, "write the plots to this SVG file")->check(writable_file());
   if (sound)
     command
         .add_option("--wav", files.sound,
@@ -368,8 +398,8 @@ void add_report_options(CLI::App& command, ReportFiles& files, bool folder, bool
 }
 
 void add_profile_option(CLI::App& command, std::string& profile) {
-  command.add_option("--profile", profile,
-                     "profile of the actuator and sensor in the loop, saved by tactus latency calibrate; "
+  command.add_option("--through", profile,
+                     "response of the actuator and sensor in the loop, saved by tactus latency calibrate; "
                      "default: none (a cable)");
 }
 

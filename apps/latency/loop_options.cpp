@@ -75,8 +75,8 @@ void set_channels(const LoopOptions& options, Loop& loop) {
   loop.settings.input = input - 1;
   loop.settings.output = output - 1;
   const auto& devices = loop.devices;
-  check_channel(input, devices.input.in_channels, devices.input, "--in");
-  check_channel(output, devices.output.out_channels, devices.output, "--out");
+  check_channel(input, devices.input.in_channels, devices.input, "--input");
+  check_channel(output, devices.output.out_channels, devices.output, "--output");
 }
 
 void set_level(const LoopOptions& options, Loop& loop) {
@@ -94,16 +94,14 @@ void add_loop_options(CLI::App& command, LoopOptions& options, bool setting, boo
   add_device_options(command, options,
                      "rig file: device, sample rate, block size and what is connected to the output; "
                      "latency measure saves the delay there");
-  add_number(command, "--in,--input", options.input, "input channel of the loop, counted from 1", 1, 1024);
-  add_number(command, "--out,--output", options.output, "output channel of the loop, counted from 1", 1,
-             1024);
-  command.add_option("--level", options.level,
-                     "highest peak level to play, such as \"-20 dBFS\"; default: -6 dBFS");
+  add_number(command, "--input", options.input, "input channel of the loop, counted from 1", 1, 1024);
+  add_number(command, "--output", options.output, "output channel of the loop, counted from 1", 1, 1024);
+  command.add_option("--level", options.level, "highest peak level; such as \"-20 dBFS\"; default: -6 dBFS");
   command.add_flag("--cable", options.cable,
                    "nothing but a loopback cable is connected to the output: play up to --level, without the "
                    "conservative limits of a drive");
   command.add_flag("--shared-port", options.shared_port,
-                   "another program may write to the output's port too: no guard limits the sum");
+                   "another program may write to the ports of drives too: no guard limits the sum");
   if (setting) {
     command.add_option("--rate", options.rate, "sample rate; default: the device's");
     add_number(command, "--block", options.block, "block size in frames; default: the device's", 1, 8192);
@@ -111,7 +109,7 @@ void add_loop_options(CLI::App& command, LoopOptions& options, bool setting, boo
   }
   if (!repetitions) return;
   add_number(command, "--openings", options.openings, "number of times the stream is opened", 1, 100);
-  add_number(command, "--sweeps", options.probes,
+  add_number(command, "--probes", options.probes,
              "number of probe signals (sine sweeps) played each time the stream is opened", 2, 100);
 }
 

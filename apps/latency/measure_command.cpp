@@ -13,7 +13,7 @@ namespace {
 struct MeasureOptions {
   LoopOptions loop;
   ReportFiles report;
-  bool no_keep = false;
+  bool no_save = false;
 };
 
 Seconds in_seconds(double frames, const StreamGranted& granted) {
@@ -31,9 +31,16 @@ void set_delay(const Measurement& measurement, Rig& rig) {
   if (granted.periods > 0) device.periods = granted.periods;
 }
 
+/// The high-pass of the loop, output and input together: of each output of the rig that was measured through.
+void set_highpass(const Measurement& measurement, int channel, Rig& rig) {
+  const auto highpass = highpass_of(measurement.shown().analysis);
+  for (auto& output : rig.outputs)
+    if (highpass.corner && output.uses(channel)) output.highpass = highpass.corner;
+}
+
 /// Errors do not invalidate a measurement: they are reported, and set the exit code.
 int save(LatencyReport& report, const Loop& loop, const MeasureOptions& options) {
-  if (!report.ok() || options.no_keep) return kDone;
+  if (!report.ok() || options.no_save) return kDone;
   int exit = kDone;
   const auto note = [&](const std::vector<Error>& errors, const std::string& where) {
     if (errors.empty()) return report.saved.push_back(where);
@@ -49,8 +56,15 @@ int save(LatencyReport& report, const Loop& loop, const MeasureOptions& options)
        MeasuredDelays::default_file().string() + ", where tactus play reads it");
   const auto& file = options.loop.rig;
   if (loop.rig)
-    note(change_rig(file, loop.rig->device, [&](Rig& rig) { set_delay(report.measurement, rig); }),
-         fmt::format("{0} (key 'measured' of [delay]); the previous version is {0}~", file));
+    note(change_rig(file, loop.rig->device,
+                    [&](Rig& rig) {
+                      set_delay(report.measurement, rig);
+                      set_highpass(report.measurement, loop.settings.output + 1, rig);
+                    }),
+         fmt::format(
+             "{0} ('measured' of [delay], 'output_highpass' of the output if it was found); the previous "
+             "version is {0}~",
+             file));
   return exit;
 }
 
@@ -78,10 +92,11 @@ void add_latency_measure(CLI::App& latency, int& exit_code) {
   add_loop_options(command, loop, true, true);
   add_profile_option(command, loop.profile);
   add_report_options(command, options.report, true, true);
-  command.add_flag("--no-keep", options.no_keep, "do not save the measured delay");
+  command.add_flag("--no-save", options.no_save, "do not save the measured delay");
   command.footer(
-      "Examples:\n  tactus latency measure --device jack:system\n  tactus latency measure --device USB --in "
-      "2 --out 2 --rate \"96 kHz\" --block 64\n  tactus latency measure --rig desk.toml --folder "
+      "Examples:\n  tactus latency measure --device jack:system\n  tactus latency measure --device USB "
+      "--input "
+      "2 --output 2 --rate \"96 kHz\" --block 64\n  tactus latency measure --rig desk.toml --folder "
       "delay\nConnect the output to the input with a cable, and disconnect the speakers: the probe starts at "
       "a low level and is raised only as far as needed.\nExit code 1: no reliable delay; the report gives "
       "the reason and the remedy.");

@@ -37,14 +37,14 @@ void add_latency_probe(CLI::App& latency, int& exit_code) {
       add_command(latency, "probe",
                   "Write the test signal to a WAV file, to play with another program or on another device",
                   exit_code, run_latency_probe);
-  command.add_option("--out", options.out, "WAV file to write (24 bit)")->required();
+  command.add_option("--out", options.out, "file to write: a WAV file of 24 bits")->required();
   command.add_option("--rate", options.rate, "sample rate")->capture_default_str();
-  command.add_option("--level", options.level, "peak level")->capture_default_str();
-  command.add_flag("--json", options.json, "print the parameters of the file as JSON");
+  command.add_option("--level", options.level, "highest peak level")->capture_default_str();
+  command.add_flag("--json", options.json, "print the report as JSON");
   command.footer(
       "Example:\n  tactus latency probe --out probe.wav\nPlay it and record at the same time in one program; "
       "start the recording before the probe and end it after; then:\n  tactus latency analyze capture.wav "
-      "--probe probe.wav");
+      "--played probe.wav");
 }
 
 }  // namespace tactus::app

@@ -329,15 +329,15 @@ void add_latency_sweep(CLI::App& latency, int& exit_code) {
   loop.probes = 4;
   add_loop_options(command, loop, false, true);
   add_number(command, "--blocks", options.blocks, "block sizes in frames", 1, 8192)->delimiter(',');
-  command.add_option("--periods", options.periods, "numbers of blocks in the driver's buffer, such as 2,3")
+  command.add_option("--periods", options.periods, "blocks in the driver's buffer; several, such as 2,3")
       ->delimiter(',')
       ->check(CLI::Range(1, 64));
-  command.add_option("--rates", options.rates, "sample rates, such as 48kHz,96kHz; default: the device's")
+  command.add_option("--rates", options.rates, "sample rates; such as 48kHz,96kHz; default: the device's")
       ->delimiter(',');
   add_report_options(command, options.report, false, false);
   command.footer(
       "Examples:\n  tactus latency sweep --device jack:system\n  tactus latency sweep --device USB --blocks "
-      "32,64,128 --periods 2,3 --report blocks.svg\nNo delay is saved: run tactus latency measure with the "
+      "32,64,128 --periods 2,3 --svg blocks.svg\nNo delay is saved: run tactus latency measure with the "
       "chosen setting.\nExit code 1: no setting gave a reliable result.");
 }
 

@@ -132,7 +132,7 @@ void add_list(CLI::App& app, int& exit_code) {
       add_command(app, "list", "List instruments and scenes: those of a folder, and the shipped ones",
                   exit_code, run_list);
   command.add_option("FOLDER", options.folder, "folder of your own; default: the current one");
-  command.add_flag("--json", options.json, "print the list as JSON");
+  command.add_flag("--json", options.json, "print the report as JSON");
   command.footer("Examples:\n  tactus list\n  tactus list my_instruments");
 }
 

@@ -98,7 +98,7 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
   add_device_options(*group, options, "rig file: device, channels, actuators, sensors, measured delay");
   for (const auto& [name, channels, help] :
        {std::tuple{"--inputs", &options.in_channels,
-                   "channels of the device for the inputs, such as --inputs 2,5"},
+                   "channels of the device for the inputs; such as --inputs 2,5"},
         {"--outputs", &options.out_channels, "channels of the device for the outputs"}})
     group->add_option(name, *channels, help)->delimiter(',')->check(CLI::Range(1, 1024));
   add_number(*group, "--periods", options.periods, "blocks in the driver's buffer", 1, 64);
@@ -117,7 +117,7 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
                   "simulate a scene in real time and play its sound through the sound card");
   group->add_flag("--arm", options.arm, "start with the drives armed, without waiting for a and Enter");
   group->add_flag("--shared-port", options.shared_port,
-                  "arm drives even while another program writes to their ports: the actuator gets the sum");
+                  "another program may write to the ports of drives too: no guard limits the sum");
   group->add_flag("--yes", options.yes, "answer every question with its default value");
   group->add_flag("--force", options.force, "overwrite files");
 }
@@ -170,10 +170,10 @@ void add_play(CLI::App& app, int& exit_code) {
   add_player_options(command, options);
   command.add_option(
       "--in", options.in,
-      "what the inputs of an instrument receive in simulation: a WAV file (channel k feeds the "
+      "what the inputs of an instrument receive: in simulation a WAV file (channel k feeds the "
       "k-th input), test-signal (default), silence, or with --listen keyboard (the space key "
       "strikes)");
-  command.add_option("--out", options.folder, "folder for the WAV files, the plot and the report")
+  command.add_option("--folder", options.folder, "folder for the files: sound, signals, plot and report")
       ->check(writable_folder())
       ->capture_default_str();
   command

@@ -175,9 +175,9 @@ void print_guard(const GuardReport& report, Hertz sample_rate) {
 }
 
 void add_player_options(CLI::App& command, PlayerOptions& options) {
-  command.add_option("--delay", options.delay, "system delay, such as \"10 ms\"; default: the scene's");
-  command.add_option("--rate", options.rate, "sample rate, such as \"96 kHz\"; default: the scene's");
-  command.add_option("--duration", options.duration, "duration, such as \"10 s\"; default: the scene's");
+  command.add_option("--delay", options.delay, "system delay; such as \"10 ms\"; default: the scene's");
+  command.add_option("--rate", options.rate, "sample rate; such as \"96 kHz\"; default: the scene's");
+  command.add_option("--duration", options.duration, "duration; such as \"10 s\"; default: the scene's");
   command.add_option("--set", options.set,
                      "NAME=VALUE: sets a control, such as strength=0.5 or \"sensitivity=-40 dB\"; in a scene "
                      "also plant.NAME=VALUE");

@@ -132,8 +132,8 @@ int run_bifurcation(const BifurcationOptions& options) {
   const auto scene = load_target(options);
   read_over(options.over, scene, plan);
   if (!(plan.from < plan.to))
-    exit_with({Errc::OutOfRange, "--to", "the end of the sweep must be above its start",
-               "give --from less than --to"});
+    exit_with({Errc::OutOfRange, "--over", "the end of the sweep must be above its start",
+               "write NAME=FROM:TO:COUNT with FROM less than TO"});
   if (options.restitution > 0) plan.restitution = options.restitution;
   read_run_plan(options, plan);
   SweepMonitor monitor{scene.name, plan};
@@ -154,15 +154,10 @@ void add_study_bifurcation(CLI::App& study, int& exit_code) {
   plan.to = 1.6;
   add_study_options(command, options, "scene with the roles 'ball' and 'table'; for a folder, its scene.toml")
       ->required();
-  command.add_option("--control", plan.control,
-                     "control to sweep, such as plant.gamma; default: the role table_acceleration");
-  command.add_option("--from", plan.from, "first value, in SI units")->capture_default_str();
-  command.add_option("--to", plan.to, "last value, in SI units")->capture_default_str();
-  add_number(command, "--values", plan.values, "number of values", 3, 2000);
-  command
-      .add_option("--over", options.over,
-                  "NAME=FROM:TO:COUNT; the same as --control, --from, --to and --values")
-      ->excludes("--control", "--from", "--to", "--values");
+  command.add_option(
+      "--over", options.over,
+      "NAME=FROM:TO:COUNT; of a control, such as plant.gamma=1.3:1.75:91; default: 0.9:1.6:48 of "
+      "the role table_acceleration");
   add_number(command, "--settle", plan.settling_s,
              "settling time at each value, in seconds, before landings are recorded", 0.0, 1000.0);
   add_number(command, "--read", plan.reading_s,
@@ -171,7 +166,7 @@ void add_study_bifurcation(CLI::App& study, int& exit_code) {
       .add_option("--restitution", options.restitution, "restitution of the ideal ball; default: as measured")
       ->check(CLI::Range(0.01, 0.99));
   command.footer(
-      "Examples:\n  tactus study bifurcation instruments/bouncing_ball --report ball.svg\n  tactus study "
+      "Examples:\n  tactus study bifurcation instruments/bouncing_ball --svg ball.svg\n  tactus study "
       "bifurcation instruments/bouncing_ball/table_scene.toml --over plant.gamma=1.3:1.75:91 --keep "
       "runs\nExit code 1: "
       "no period-1 orbit was found. 5: interrupted.");

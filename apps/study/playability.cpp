@@ -176,13 +176,13 @@ struct PlayabilityArguments : SweepOptions {
 };
 
 SweptValue delays_of(const std::string& text) {
-  SweptValue delays{"delay", parse_steps(text, "--delay"), SweptValue::What::Delay};
+  SweptValue delays{"delay", parse_steps(text, "--delays"), SweptValue::What::Delay};
   for (const auto& value : delays.values) {
     if (!value.dimension || !(*value.dimension == Dimension{.second = 1}))
-      exit_with({Errc::UnitMismatch, "--delay", "'" + text + "' is not a time or a range of times",
+      exit_with({Errc::UnitMismatch, "--delays", "'" + text + "' is not a time or a range of times",
                  "write for instance \"0:40:1 ms\""});
     if (value.si < 0 || value.si > 1)
-      exit_with({Errc::OutOfRange, "--delay", "a delay of " + fmt::format("{:g} s", value.si),
+      exit_with({Errc::OutOfRange, "--delays", "a delay of " + fmt::format("{:g} s", value.si),
                  "choose 0 s to 1 s"});
   }
   return delays;
@@ -198,7 +198,7 @@ SweepPlan study_plan(const PlayabilityArguments& options, SceneSpec& scene) {
     exit_with({Errc::OutOfRange, "--duration", "leaves less than one second to evaluate",
                fmt::format("choose at least {:g} s", least_s)});
   if (std::ranges::find(plan.over, SweptValue::What::Delay, &SweptValue::what) != plan.over.end())
-    exit_with({Errc::BadArgument, "--over", "the delay is swept already", "use --delay"});
+    exit_with({Errc::BadArgument, "--over", "the delay is swept already", "use --delays"});
   plan.over.insert(plan.over.begin(), delays_of(options.delay));
   return plan;
 }
@@ -222,14 +222,15 @@ void add_study_playability(CLI::App& study, int& exit_code) {
       study, "playability", "Playability of a scene as a function of the delay", exit_code, run_playability);
   add_study_options(command, options, "scene with a [playability] section; for a folder, its scene.toml")
       ->required();
-  command.add_option("--delay", options.delay, "delays to simulate: FROM:TO:STEP, or a single value")
+  command
+      .add_option("--delays", options.delay, "system delays; to simulate: FROM:TO:STEP, or a single value")
       ->capture_default_str();
   add_sweep_options(command, options);
   command.footer(
       "Examples:\n  tactus study playability instruments/haptic_drum\n  tactus study playability "
       "instruments/haptic_drum --over strength=0.2:1:5 --svg drum.svg\n  tactus study playability "
-      "instruments/haptic_drum --delay \"20 ms\" --gain \"6 dB\" --draws 50\n  tactus study playability "
-      "instruments/cellomobo/open_string.toml --delay \"0:40:5 ms\" --over \"tuned=55:880:5:log Hz\"\nThe "
+      "instruments/haptic_drum --delays \"20 ms\" --gain \"6 dB\" --draws 50\n  tactus study playability "
+      "instruments/cellomobo/open_string.toml --delays \"0:40:5 ms\" --over \"tuned=55:880:5:log Hz\"\nThe "
       "criteria are in [playability] of the scene; see docs/playability.md.\nExit code 1: not playable at "
       "one or more delays. 5: interrupted.");
 }

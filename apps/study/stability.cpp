@@ -273,11 +273,12 @@ void add_study_stability(CLI::App& study, int& exit_code) {
   command.add_option("--wall-damping", options.wall_damping,
                      "damping of the walls, applied to the differentiated position, such as \"0.1 N s/m\"");
   command.add_option("--rate", options.rate,
-                     "sample rate for the curves against delay; default: the scene's, or 20 kHz");
+                     "sample rate; of the curves against delay; default: the scene's, or 20 kHz");
   add_number(command, "--points", options.points, "points per decade on each curve", 1, 100);
   command.footer(
-      "Examples:\n  tactus study stability instruments/wall --report walls.svg\n  tactus study stability "
-      "--mass \"20 g\" --damping \"0.3 N s/m\" --rate \"8 kHz\"\ndocs/walls.md explains the stability map. "
+      "Examples:\n  tactus study stability instruments/wall --svg walls.svg\n  tactus study stability "
+      "--device-mass \"20 g\" --device-damping \"0.3 N s/m\" --rate \"8 kHz\"\ndocs/walls.md explains the "
+      "stability map. "
       "Exit code 1: a stability limit was not confirmed by simulation. 5: interrupted.");
 }
 

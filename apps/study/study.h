@@ -83,7 +83,7 @@ struct StudyOptions {
   bool json = false;
   int workers = 0;
 };
-/// SCENE, --svg (also --report), --json, --keep, --part and --workers. `scene`: the help of SCENE.
+/// SCENE, --svg, --json, --keep, --part and --workers. `scene`: the help of SCENE.
 CLI::Option* add_study_options(CLI::App& command, StudyOptions& options, const std::string& scene);
 /// The scene of --target, or the scene.toml of that folder. Throws a CommandError.
 SceneSpec load_target(const StudyOptions& options);

@@ -187,9 +187,8 @@ std::string Table::markdown() const {
 }
 
 CLI::Option* add_study_options(CLI::App& command, StudyOptions& options, const std::string& scene) {
-  command.add_option("--svg,--report", options.picture, "write the plots to this SVG file")
-      ->check(writable_file());
-  command.add_flag("--json", options.json, "print the results as JSON");
+  command.add_option("--svg", options.picture, "write the plots to this SVG file")->check(writable_file());
+  command.add_flag("--json", options.json, "print the report as JSON");
   command
       .add_option("--keep", options.cache, "save finished runs in this folder, and skip those already there")
       ->check(writable_folder());
@@ -227,14 +226,13 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
   command
       .add_option(
           "--over", options.over,
-          "NAME=FROM:TO:COUNT, or FROM:TO:COUNT:log for logarithmic spacing; a unit at the end applies to "
+          "NAME=FROM:TO:COUNT; or FROM:TO:COUNT:log for logarithmic spacing; a unit at the end applies to "
           "FROM and TO. NAME: a control (strength, plant.grip); a gesture (a plain number scales it, a value "
           "with a unit holds it at that value); a parameter of a node (plant.drum.coil.resistance); delay, "
           "rate or oversample. Also solver=NAME,NAME")
       ->take_all();
-  command.add_option("--set", options.set,
-                     "NAME=VALUE: sets a control of the instrument; plant.NAME=VALUE: of the plant");
-  command.add_option("--duration", options.duration, "duration of each run; default: the scene's");
+  command.add_option("--set", options.set, "NAME=VALUE: sets a control; plant.NAME=VALUE: of the plant");
+  command.add_option("--duration", options.duration, "duration; of each run; default: the scene's");
   command.add_option("--gain", options.gain,
                      "also run with the actuator weaker and stronger by this gain, such as \"6 dB\"");
   auto* draws = add_number(command, "--draws", options.plan.draws,

@@ -235,7 +235,7 @@ void add_study_work_precision(CLI::App& study, int& exit_code) {
       ->delimiter(',');
   command
       .add_option("--rates", options.rates,
-                  "sample rates, such as 24kHz,96kHz; default: half, one and two times the scene's")
+                  "sample rates; such as 24kHz,96kHz; default: half, one and two times the scene's")
       ->delimiter(',');
   command.add_option("--oversample", options.plan.oversamples, "steps per frame; default: 1,2,4,8,16")
       ->delimiter(',')
@@ -243,12 +243,12 @@ void add_study_work_precision(CLI::App& study, int& exit_code) {
   add_number(command, "--repeat", options.plan.repeats, "number of timing runs; their median is reported", 1,
              1000);
   command
-      .add_option("--out", options.folder,
-                  "folder for the plot (SVG), the table (Markdown) and the results (JSON)")
+      .add_option("--folder", options.folder,
+                  "folder for the files: the plot (SVG), the table (Markdown) and the report (JSON)")
       ->check(writable_folder());
   command.footer(
       "Examples:\n  tactus study work-precision instruments/numerics/stick_impact\n  tactus study "
-      "work-precision instruments/numerics/woofer --solvers explicit,passive --rates 48kHz --out "
+      "work-precision instruments/numerics/woofer --solvers explicit,passive --rates 48kHz --folder "
       "out/woofer\nThe scene's [accuracy] section lists the compared measures (docs/graph_files.md); without "
       "it the paths of the positions that its networks give are compared. Published methods are written for "
       "this study, not for speed.\nExit "

@@ -75,11 +75,11 @@ std::vector<Expectation> read_measures(const MeasureSweepOptions& options, const
   std::vector<Expectation> measures;
   for (const auto& text : options.measures) {
     auto& measure = measures.emplace_back(or_exit(find_swept_measure(scene, text), kUsage));
-    if (!options.from.empty()) measure.from_s = parse_option(options.from, "s", "from");
-    if (!options.to.empty()) measure.to_s = parse_option(options.to, "s", "to");
+    if (!options.from.empty()) measure.from_s = parse_option(options.from, "s", "measure-from");
+    if (!options.to.empty()) measure.to_s = parse_option(options.to, "s", "measure-to");
     if (measure.to_s && measure.from_s.value_or(0) >= *measure.to_s)
-      exit_with({Errc::OutOfRange, "--to", "the measurement window must end after it begins",
-                 "give --from less than --to"});
+      exit_with({Errc::OutOfRange, "--measure-to", "the measurement window must end after it begins",
+                 "give --measure-from less than --measure-to"});
   }
   return measures;
 }
@@ -107,8 +107,8 @@ void add_sweep(CLI::App& app, int& exit_code) {
                   "name of an entry in the scene's [expect], or MEASURE:SIGNAL such as rms:instrument.sound")
       ->required()
       ->take_all();
-  command.add_option("--from", options.from, "start of the measurement window, such as \"1 s\"");
-  command.add_option("--to", options.to, "end of the measurement window, such as \"4 s\"");
+  command.add_option("--measure-from", options.from, "start of the measurement window, such as \"1 s\"");
+  command.add_option("--measure-to", options.to, "end of the measurement window, such as \"4 s\"");
   command.footer(
       "Examples:\n  tactus sweep instruments/haptic_drum --over \"delay=0:40:9 ms\" --measure "
       "rate:instrument.hit --svg rate.svg\n  tactus sweep instruments/haptic_drum --over strength=0.2:1:5 "

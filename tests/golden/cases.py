@@ -105,7 +105,7 @@ def scene(run, file, delay, blocks):
 
 
 def play(run, file, *options):
-    text = run.answer("play", file, "--out", run.folder, "--json", *options)
+    text = run.answer("play", file, "--folder", run.folder, "--json", *options)
     waves = [f"{wav.name.rsplit('_', 1)[1]} {canonical.of_wav(wav)}" for wav in sorted(run.folder.glob("*.wav"))]
     return "\n".join([text] + waves)
 
@@ -141,7 +141,7 @@ def wrong(run, file):
     text = (ROOT / file).read_text()
     drum = "instruments/haptic_drum"
     if "[drive]" in text:
-        return run.answer("play", drum, "--out", run.folder, "--profile", file, "--volts-per-full-scale", "1 V")
+        return run.answer("play", drum, "--folder", run.folder, "--profile", file, "--volts-per-full-scale", "1 V")
     if "[device]" in text:
         return run.answer("play", drum, "--rig", file)
     return run.answer("explain", file)
@@ -166,7 +166,7 @@ def capture(run, name):
     file = run.folder / "capture.wav"
     channels = captures.captures(probe)[name]()
     write_wav(file, channels, rate, 24)
-    return run.answer("latency", "analyze", file, "--probe", run.shared / "probe.wav", "--json", "--channel", len(channels))
+    return run.answer("latency", "analyze", file, "--played", run.shared / "probe.wav", "--json", "--channel", len(channels))
 
 
 def probe(run, *options):
@@ -180,15 +180,15 @@ def nodes(run):
 
 STUDIES = {
     "stability/wall": ["stability", "instruments/wall", "--points", "2"],
-    "stability/bare": ["stability", "--mass", "20 g", "--damping", "0.3 N s/m", "--rate", "8 kHz", "--points", "2"],
-    "bifurcation/ball": ["bifurcation", "instruments/bouncing_ball", "--from", "1.1", "--to", "1.7", "--values", "5",
+    "stability/bare": ["stability", "--device-mass", "20 g", "--device-damping", "0.3 N s/m", "--rate", "8 kHz", "--points", "2"],
+    "bifurcation/ball": ["bifurcation", "instruments/bouncing_ball", "--over", "gamma=1.1:1.7:5",
                          "--settle", "1", "--read", "1"],
-    "playability/drum": ["playability", "instruments/haptic_drum", "--delay", "0:20:20 ms", "--over", "strength=0.5:1:2",
+    "playability/drum": ["playability", "instruments/haptic_drum", "--delays", "0:20:20 ms", "--over", "strength=0.5:1:2",
                          "--duration", "4 s"],
-    "playability/drum_gain": ["playability", "instruments/haptic_drum", "--delay", "20 ms", "--gain", "6 dB", "--draws", "3",
+    "playability/drum_gain": ["playability", "instruments/haptic_drum", "--delays", "20 ms", "--gain", "6 dB", "--draws", "3",
                               "--duration", "4 s"],
-    "playability/string": ["playability", "instruments/cellomobo/open_string.toml", "--delay", "0:20:20 ms"],
-    "playability/weight": ["playability", "instruments/cellomobo/open_string.toml", "--delay", "20 ms", "--over",
+    "playability/string": ["playability", "instruments/cellomobo/open_string.toml", "--delays", "0:20:20 ms"],
+    "playability/weight": ["playability", "instruments/cellomobo/open_string.toml", "--delays", "20 ms", "--over",
                            "weight=0.5:2:2:log"],
 }
 

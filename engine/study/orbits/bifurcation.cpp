@@ -51,7 +51,7 @@ Result<GlidingScene> gliding_scene(const SceneSpec& scene, const std::string& na
     return fail(Errc::UnknownName, name.empty() ? scene.file.text() : name,
                 name.empty() ? fmt::format("no control has the role '{}'", kAcceleration)
                              : "no part has a control '" + name + "'",
-                suggest(name, control_names(scene), "give one of the controls with --control"));
+                suggest(name, control_names(scene), "give one of the controls with --over"));
   const auto frequency = control_near(scene, *control, "table_frequency");
   const auto hertz = frequency ? frequency->constant() : std::nullopt;
   if (!hertz || !(*hertz > 0))

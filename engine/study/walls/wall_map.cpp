@@ -131,9 +131,9 @@ Result<SceneDevice> device_of(const SceneSpec& scene) {
     const auto read = read_role(scene, quantity.role, device.bare.*quantity.value);
     if (!read) return tl::unexpected(read.error());
     if (!*read && (quantity.value == &WallDevice::mass || quantity.value == &WallDevice::damping))
-      return fail(Errc::Missing, scene.file.text(),
-                  fmt::format("no control has the role '{}'", quantity.role),
-                  "give one under [roles], or the device with --mass and --damping instead of a scene");
+      return fail(
+          Errc::Missing, scene.file.text(), fmt::format("no control has the role '{}'", quantity.role),
+          "give one under [roles], or the device with --device-mass and --device-damping instead of a scene");
   }
   for (const auto& [role, value] :
        {std::pair{"hand_mass", &device.hand.mass}, {"hand_damping", &device.hand.damping}})

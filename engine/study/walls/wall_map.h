@@ -20,11 +20,11 @@ struct DeviceQuantity {
   const char* doc;
 };
 inline constexpr DeviceQuantity kDeviceQuantities[] = {
-    {"device_mass", "mass", "mass_kg", "kg", 1e-6, &WallDevice::mass,
-     "moving mass of the device, such as \"9 g\""},
-    {"device_damping", "damping", "damping_n_s_per_m", "N s/m", 0, &WallDevice::damping,
-     "viscous damping of the device, such as \"0.05 N s/m\""},
-    {"device_friction", "friction", "friction_n", "N", 0, &WallDevice::friction,
+    {"device_mass", "device-mass", "mass_kg", "kg", 1e-6, &WallDevice::mass,
+     "moving mass of the device; such as \"9 g\""},
+    {"device_damping", "device-damping", "damping_n_s_per_m", "N s/m", 0, &WallDevice::damping,
+     "viscous damping of the device; such as \"0.05 N s/m\""},
+    {"device_friction", "device-friction", "friction_n", "N", 0, &WallDevice::friction,
      "dry friction of the device, such as \"0.2 N\""},
     {"encoder_step", "step", "step_m", "m", 0, &WallDevice::quantum,
      "step of the position encoder, such as \"0.157 mm\""},

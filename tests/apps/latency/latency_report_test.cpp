@@ -87,7 +87,7 @@ bool contains(const std::string& text, const std::string& part) {
 TEST_CASE("latency report: the delay comes first, in frames and ms, with as many digits as its error leaves",
           "[latency]") {
   const auto text = text_of(five_openings());
-  CHECK(text.starts_with("delay          960.2500 ± 0.0004 frames, 20.005208 ± 0.000008 ms\n"));
+  CHECK(text.starts_with("delay          960.2500 ± 0.0004 frames, 20.0052 ms\n"));
   contains(text, "driver         1024 frames: 63.8 frames more than measured\n");
   contains(text, "gaps           none detected; 2 counted by the driver, 0 frames\n");
   contains(text, "path           -6.02 dB, inverted, 12 Hz to 20.1 kHz within 3 dB\n");
@@ -181,7 +181,7 @@ TEST_CASE("latency report: the picture is well-formed and has its axes with unit
       contains(svg, words);
     CHECK(svg.find("nan") == std::string::npos);
   }
-  contains(to_svg(picture_of(five_openings())), "Delay 960.2500 ± 0.0004 frames, 20.005208 ± 0.000008 ms");
+  contains(to_svg(picture_of(five_openings())), "Delay 960.2500 ± 0.0004 frames, 20.0052 ms");
   contains(to_svg(picture_of(refused())), "No delay: LOST_FRAMES");
 }
 
@@ -253,4 +253,25 @@ TEST_CASE("latency sweep: the picture marks what lost frames, and is well-formed
   for (const char* words :
        {"32: LOST_FRAMES", "lost frames", "block [frames]", "delay [ms]", "48 kHz, 2 periods"})
     contains(svg, words);
+}
+
+TEST_CASE("latency report: a high-pass is a value, a bound or not measured", "[latency]") {
+  Analysis analysis = cable();
+  analysis.fitted_from_hz = 150;
+  analysis.high_pass_hz = 8;
+  analysis.high_pass_error_hz = 0.02;
+  REQUIRE(highpass_of(analysis).corner);
+  CHECK(highpass_of(analysis).corner->value == 8);
+  // 1 / (2 pi 8 Hz)
+  contains(highpass_text(analysis), "8.00 ± 0.02 Hz");
+  contains(highpass_text(analysis), "19.89 ms");
+  analysis.high_pass_hz = 0.05;
+  CHECK_FALSE(highpass_of(analysis).corner);
+  REQUIRE(highpass_of(analysis).bound);
+  CHECK(highpass_of(analysis).bound->value == Approx(0.05 + 4 * 0.02));
+  analysis.high_pass_error_hz = 10;
+  CHECK_FALSE(highpass_of(analysis).bound);
+  contains(highpass_text(analysis), "not measured");
+  analysis.high_pass_error_hz.reset();
+  contains(highpass_text(analysis), "not measured");
 }

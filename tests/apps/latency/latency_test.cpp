@@ -54,7 +54,7 @@ TEST_CASE("latency analyze: a probe that was played and recorded gives its delay
           "[latency]") {
   const Desk desk;
   desk.capture("capture.wav", later(desk.probe(), 960, -0.5));
-  const auto ran = desk.run("latency analyze capture.wav --probe probe.wav --json");
+  const auto ran = desk.run("latency analyze capture.wav --played probe.wav --json");
   INFO(ran.out << ran.err);
   CHECK(ran.exit == 0);
   const auto json = ran.json();
@@ -76,7 +76,7 @@ TEST_CASE("latency analyze: a recording without the probe is refused, without a 
           "[latency]") {
   const Desk desk;
   desk.capture("capture.wav", later(desk.probe(), 960, 0.0));
-  const auto ran = desk.run("latency analyze capture.wav --probe probe.wav --json");
+  const auto ran = desk.run("latency analyze capture.wav --played probe.wav --json");
   INFO(ran.out << ran.err);
   CHECK(ran.exit == 1);
   const auto json = ran.json();
@@ -85,7 +85,7 @@ TEST_CASE("latency analyze: a recording without the probe is refused, without a 
     CHECK(json[key].is_null());
   CHECK(json["noise_floor_dbfs"].get<double>() == Approx(-80).epsilon(0).margin(1));
   CHECK_FALSE(json["remedy"].get<std::string>().empty());
-  const auto text = desk.run("latency analyze capture.wav --probe probe.wav");
+  const auto text = desk.run("latency analyze capture.wav --played probe.wav");
   CHECK(text.exit == 1);
   CHECK(text.out.starts_with("delay          not known: NO_SIGNAL\n"));
 }
@@ -96,7 +96,7 @@ TEST_CASE("latency analyze: the probe is resampled to the capture's rate, or bot
   const auto probe = desk.probe();
   auto other = app::resample(later(probe, 960, 0.5), 44100_Hz);
   desk.capture("other.wav", other);
-  const auto resampled = desk.run("latency analyze other.wav --probe probe.wav --json");
+  const auto resampled = desk.run("latency analyze other.wav --played probe.wav --json");
   INFO(resampled.err);
   CHECK(resampled.err.find("44100") != std::string::npos);
   CHECK(resampled.json()["sample_rate_hz"] == 44100);
@@ -106,7 +106,7 @@ TEST_CASE("latency analyze: the probe is resampled to the capture's rate, or bot
   auto lying = later(probe, 960, 0.5);
   lying.sample_rate = 44100_Hz;
   desk.capture("lying.wav", lying);
-  const auto corrected = desk.run("latency analyze lying.wav --probe probe.wav --rate '48 kHz' --json");
+  const auto corrected = desk.run("latency analyze lying.wav --played probe.wav --rate '48 kHz' --json");
   INFO(corrected.err);
   CHECK(corrected.json()["sample_rate_hz"] == 48000);
   CHECK(corrected.json()["delay_frames"].get<double>() == Approx(960).epsilon(0).margin(0.01));
@@ -119,7 +119,7 @@ TEST_CASE("latency analyze: a probe that cannot be in the recording is refused b
   desk.capture("capture.wav", later(probe, 960, 0.5));
   probe.sample_rate = Hertz{2936};  // as a broken header has it: 77 s
   REQUIRE(write_wav(desk.file("slow.wav"), probe));
-  check_exit(desk.run("latency analyze capture.wav --probe slow.wav"), 3, "slow.wav 2936");
+  check_exit(desk.run("latency analyze capture.wav --played slow.wav"), 3, "slow.wav 2936");
 }
 
 TEST_CASE("latency analyze: a file with what was played in its first channel needs no probe", "[latency]") {
@@ -151,25 +151,25 @@ TEST_CASE("latency analyze: invalid files are reported one by one, with exit cod
   desk.capture("noise.wav", {48_kHz, {std::vector<double>(100)}});
   desk.folder.write("text.wav", "this is no sound");
   const auto analyze = [&](const std::string& arguments) { return desk.run("latency analyze " + arguments); };
-  check_exit(analyze("nowhere.wav --probe probe.wav"), 3, "nowhere.wav");
-  check_exit(analyze("capture.wav --probe nowhere.wav"), 3, "nowhere.wav");
-  check_exit(analyze("empty.wav --probe probe.wav"), 3, "empty.wav");
-  check_exit(analyze("capture.wav --probe empty.wav"), 3, "empty.wav");
-  check_exit(analyze("short.wav --probe probe.wav"), 1, "NO_SIGNAL");
-  check_exit(analyze("slow.wav --probe probe.wav"), 3, "slow.wav 10");
-  check_exit(analyze("nan.wav --probe probe.wav"), 3, "nan.wav");
-  check_exit(analyze("text.wav --probe probe.wav"), 3, "text.wav");
-  check_exit(analyze("capture.wav"), 3, "capture.wav --probe");
-  CHECK(analyze("capture.wav --probe noise.wav").exit == 3);
+  check_exit(analyze("nowhere.wav --played probe.wav"), 3, "nowhere.wav");
+  check_exit(analyze("capture.wav --played nowhere.wav"), 3, "nowhere.wav");
+  check_exit(analyze("empty.wav --played probe.wav"), 3, "empty.wav");
+  check_exit(analyze("capture.wav --played empty.wav"), 3, "empty.wav");
+  check_exit(analyze("short.wav --played probe.wav"), 1, "NO_SIGNAL");
+  check_exit(analyze("slow.wav --played probe.wav"), 3, "slow.wav 10");
+  check_exit(analyze("nan.wav --played probe.wav"), 3, "nan.wav");
+  check_exit(analyze("text.wav --played probe.wav"), 3, "text.wav");
+  check_exit(analyze("capture.wav"), 3, "capture.wav --played");
+  CHECK(analyze("capture.wav --played noise.wav").exit == 3);
 }
 
 TEST_CASE("latency: wrong usage is reported, with exit code 2", "[latency]") {
   const Desk desk;
   desk.capture("capture.wav", later(desk.probe(), 960, 0.5));
-  check_exit(desk.run("latency analyze capture.wav --probe probe.wav --channel 2"), 2, "'capture.wav' 2 1");
-  check_exit(desk.run("latency analyze capture.wav --probe probe.wav --channel 0"), 2, "--channel");
-  check_exit(desk.run("latency analyze capture.wav --probe probe.wav --rate fast"), 2, "--rate");
-  check_exit(desk.run("latency analyze capture.wav --probe probe.wav --rate '10 Hz'"), 2, "--rate '10 Hz'");
+  check_exit(desk.run("latency analyze capture.wav --played probe.wav --channel 2"), 2, "'capture.wav' 2 1");
+  check_exit(desk.run("latency analyze capture.wav --played probe.wav --channel 0"), 2, "--channel");
+  check_exit(desk.run("latency analyze capture.wav --played probe.wav --rate fast"), 2, "--rate");
+  check_exit(desk.run("latency analyze capture.wav --played probe.wav --rate '10 Hz'"), 2, "--rate '10 Hz'");
   check_exit(desk.run("latency analyze"), 2, "FILE");
   check_exit(desk.run("latency probe"), 2, "--out");
   check_exit(desk.run("latency probe --out p.wav --level loud"), 2, "--level 'loud'");
@@ -177,7 +177,7 @@ TEST_CASE("latency: wrong usage is reported, with exit code 2", "[latency]") {
   check_exit(desk.run("latency probe --out p.wav --rate '44.1005 kHz'"), 2, "p.wav 44100.5");
   check_exit(desk.run("latency bogus"), 2, "bogus");
   check_exit(desk.run("latency measure --backend none"), 2, "'none'");
-  check_exit(desk.run("latency measure --out 0"), 2, "--out");
+  check_exit(desk.run("latency measure --output 0"), 2, "--output");
   check_exit(desk.run("latency measure --rig nowhere.toml"), 3, "nowhere.toml");
   check_exit(desk.run("latency measure --rig nowhere.toml --block 64"), 2, "--block --rig");
   check_exit(desk.run("latency measure --device loop:20ms --input 3"), 2, "'loop:20ms' 3");
@@ -211,7 +211,7 @@ TEST_CASE("latency probe: it is as loud and as long as it says", "[latency]") {
 
 namespace {
 
-const std::string kShort = " --openings 2 --sweeps 2 --json";
+const std::string kShort = " --openings 2 --probes 2 --json";
 const std::string kFast = ",real_time=0";
 
 }  // namespace
@@ -272,7 +272,7 @@ TEST_CASE("latency measure: a refusal has no delay, and keeps none", "[latency]"
   for (const char* key : {"delay_frames", "delay_ms", "standard_error_frames"})
     CHECK(ran.json()[key].is_null());
   CHECK_FALSE(fs::exists(desk.state() / "tactus/delays.json"));
-  CHECK(desk.run("latency measure --device loop:20ms,real_time=0 --no-keep" + kShort).exit == 0);
+  CHECK(desk.run("latency measure --device loop:20ms,real_time=0 --no-save" + kShort).exit == 0);
   CHECK_FALSE(fs::exists(desk.state() / "tactus/delays.json"));
 }
 
@@ -318,7 +318,7 @@ double loudest_unknown() {
   return std::min({limits.ceiling, limits.slew_per_second / (2 * std::numbers::pi * stop_hz), 0.5012});
 }
 
-const std::string kRecorded = " --no-keep --wav raw.wav --openings 1 --sweeps 2 --json";
+const std::string kRecorded = " --no-save --wav raw.wav --openings 1 --probes 2 --json";
 
 }  // namespace
 
@@ -358,6 +358,26 @@ TEST_CASE(
   CHECK(ran.json()["openings"][0]["level_dbfs"].get<double>() == Approx(-50).epsilon(0).margin(0.01));
 }
 
+TEST_CASE("latency measure: the high-pass of a card goes into the rig, for the output that was measured",
+          "[latency]") {
+  const Desk desk;
+  desk.folder.write("desk.toml",
+                    "format = 1\n[device]\noutput = \"loop:20ms,high_pass=8,noise=-100dB,real_time=0\"\n"
+                    "[outputs]\nwoofer = { channel = 2 }\nsound = { channel = 1 }\n");
+  const auto ran = desk.run("latency measure --rig desk.toml --input 2" + kShort);
+  INFO(ran.out << ran.err);
+  REQUIRE(ran.exit == 0);
+  const auto json = ran.json();
+  const double error = json["high_pass_standard_error_hz"].get<double>();
+  CHECK(std::abs(json["high_pass_hz"].get<double>() - 8) < 4 * error);
+  CHECK(error < 0.5);
+  const auto rig = load_rig(desk.file("desk.toml"), {});
+  REQUIRE(rig);
+  REQUIRE(rig->outputs[0].highpass);
+  CHECK(rig->outputs[0].highpass->value == Approx(8).margin(4 * error));
+  CHECK_FALSE(rig->outputs[1].highpass);
+}
+
 TEST_CASE("latency measure: what the rig says of an output holds, from all its sections", "[latency]") {
   const Desk desk;
   desk.folder.write(
@@ -372,7 +392,7 @@ TEST_CASE("latency measure: what the rig says of an output holds, from all its s
   CHECK(highest_played(desk) <= 0.01);
   CHECK(highest_played(desk) > 0.009);
   // Nothing is said of the other one.
-  (void)desk.run("latency measure --rig desk.toml --out 1" + kRecorded);
+  (void)desk.run("latency measure --rig desk.toml --output 1" + kRecorded);
   CHECK(highest_played(desk) <= loudest_unknown());
   check_exit(desk.run("latency measure --rig desk.toml --cable"), 2, "--cable --device --rig");
   check_exit(desk.run("latency measure --rig desk.toml --backend loop"), 2, "--backend --rig");
@@ -381,9 +401,9 @@ TEST_CASE("latency measure: what the rig says of an output holds, from all its s
 TEST_CASE("latency sweep: delay per block and fixed delay are separated", "[latency]") {
   const Desk desk;
   const auto ran = desk.run("latency sweep --device loop:delay=100,blocks=2" + kFast +
-                            " --blocks 64,128,256 --openings 1 --sweeps "
+                            " --blocks 64,128,256 --openings 1 --probes "
                             "2 --json "
-                            "--report blocks.svg");
+                            "--svg blocks.svg");
   INFO(ran.out << ran.err);
   CHECK(ran.exit == 0);
   const auto json = ran.json();
@@ -443,25 +463,25 @@ TEST_CASE("latency calibrate: what lies in the loop becomes a profile, behind wh
           "[latency]") {
   const Desk desk;
   const std::string card = " --device loop:cable,high_pass=100,real_time=0 --block 64";
-  check_exit(desk.run("latency calibrate --save path.toml" + card), 2, "--electrical");
+  check_exit(desk.run("latency calibrate --out path.toml" + card), 2, "--electrical");
   // 60.25 frames and two blocks, of which the profile takes 20 as its own.
-  const auto ran = desk.run("latency calibrate --save path.toml --json --electrical '3.504375 ms'" + card);
+  const auto ran = desk.run("latency calibrate --out path.toml --json --electrical '3.504375 ms'" + card);
   INFO(ran.out << ran.err);
   CHECK(ran.exit == 0);
   CHECK(ran.json()["verdict"] == "ok");
   CHECK(ran.json()["polarity"] == 1);
-  const auto found = desk.run("latency measure --no-keep --profile path.toml" + card + kShort);
+  const auto found = desk.run("latency measure --no-save --through path.toml" + card + kShort);
   INFO(found.out << found.err);
   CHECK(found.exit == 0);
   CHECK(found.json()["delay_frames"].get<double>() == Approx(188.25 - 20.04).epsilon(0).margin(0.05));
   // At another rate the profile keeps its time, and the card its frames.
   const auto other =
-      desk.run("latency measure --no-keep --profile path.toml --rate '44.1 kHz'" + card + kShort);
+      desk.run("latency measure --no-save --through path.toml --rate '44.1 kHz'" + card + kShort);
   INFO(other.out << other.err);
   CHECK(other.exit == 0);
   CHECK(other.json()["delay_frames"].get<double>() ==
         Approx(188.25 - 20.04 * 44.1 / 48).epsilon(0).margin(0.05));
-  check_exit(desk.run("latency measure --profile nowhere.toml" + card), 3, "nowhere.toml");
+  check_exit(desk.run("latency measure --through nowhere.toml" + card), 3, "nowhere.toml");
   desk.folder.write("broken.toml", "format = 1");
-  check_exit(desk.run("latency measure --profile broken.toml" + card), 3, "broken.toml 'path'");
+  check_exit(desk.run("latency measure --through broken.toml" + card), 3, "broken.toml 'path'");
 }

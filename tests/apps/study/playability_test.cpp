@@ -51,13 +51,13 @@ PlayabilityStudy rolls(const std::vector<double>& scores) {
 }  // namespace
 
 TEST_CASE("sweep range: steps are even in the unit that was written", "[apps]") {
-  const auto delays = parse_steps("0:40:1 ms", "--delay");
+  const auto delays = parse_steps("0:40:1 ms", "--delays");
   REQUIRE(delays.size() == 41);
   CHECK(delays[3].si == 0.003);  // as "3 ms" is read, not three times 0.001
-  const auto few = si(parse_steps("1 ms:2 ms:0.4 ms", "--delay"));  // 2 ms is not reached
+  const auto few = si(parse_steps("1 ms:2 ms:0.4 ms", "--delays"));  // 2 ms is not reached
   REQUIRE(few.size() == 3);
   CHECK(few[2] == Approx(0.0018));
-  CHECK(si(parse_steps("20 ms", "--delay")) == std::vector{0.02});
+  CHECK(si(parse_steps("20 ms", "--delays")) == std::vector{0.02});
   CHECK(si(parse_spread("0.2:1:5", "--over")) == std::vector{0.2, 0.4, 0.6, 0.8, 1.0});
   const auto gains = si(parse_spread("-20:20:3 dB", "--over"));
   REQUIRE(gains.size() == 3);
@@ -73,12 +73,12 @@ TEST_CASE("sweep range: steps are even in the unit that was written", "[apps]") 
 
 TEST_CASE("sweep range: bad ranges are errors at the option", "[apps]") {
   for (const auto* text : {"0:40", "40:0:1 ms", "0:40:1 mx"}) {
-    const auto error = error_of(parse_steps, text, "--delay");
+    const auto error = error_of(parse_steps, text, "--delays");
     CHECK(error.code == Errc::Syntax);
-    CHECK(error.where == "--delay");
+    CHECK(error.where == "--delays");
   }
-  CHECK(error_of(parse_steps, "0 ms:1 s:1 ms", "--delay").code == Errc::UnitMismatch);
-  CHECK(error_of(parse_steps, "0:40:0.0001 ms", "--delay").code == Errc::OutOfRange);
+  CHECK(error_of(parse_steps, "0 ms:1 s:1 ms", "--delays").code == Errc::UnitMismatch);
+  CHECK(error_of(parse_steps, "0:40:0.0001 ms", "--delays").code == Errc::OutOfRange);
   CHECK(error_of(parse_spread, "0:1:2.5", "--over").code == Errc::Syntax);
   CHECK(error_of(parse_spread, "0:1:5:log", "--over").code == Errc::OutOfRange);
   CHECK(error_of(parse_spread, "1:2:5:logs", "--over").remedy.find("FROM:TO:COUNT:log") != std::string::npos);
@@ -163,19 +163,19 @@ TEST_CASE("study playability: exit codes, and a picture of each form", "[apps]")
     return text.starts_with("<svg") && text.find("Playability of one-handed roll") != std::string::npos &&
            text.ends_with("</svg>\n");
   };
-  CHECK(exit_of(kDrum + " --delay '10:20:10 ms' --duration '2 s' --svg " + svg) == 0);
+  CHECK(exit_of(kDrum + " --delays '10:20:10 ms' --duration '2 s' --svg " + svg) == 0);
   CHECK(shown());
-  CHECK(exit_of(kDrum + " --delay '20 ms' --duration '2 s' --set strength=0") == 1);
-  CHECK(exit_of(kDrum + " --delay '20 ms' --duration '2 s' --over strength=0:1:2 --svg " + svg) == 1);
+  CHECK(exit_of(kDrum + " --delays '20 ms' --duration '2 s' --set strength=0") == 1);
+  CHECK(exit_of(kDrum + " --delays '20 ms' --duration '2 s' --over strength=0:1:2 --svg " + svg) == 1);
   CHECK(shown());
   CHECK(exit_of(kDrum +
-                " --delay '20 ms' --duration '2 s' --over strength=0.9:1:2 --over weight=1:1.1:2 --svg " +
+                " --delays '20 ms' --duration '2 s' --over strength=0.9:1:2 --over weight=1:1.1:2 --svg " +
                 svg) == 0);
   CHECK(shown());
   CHECK(exit_of(kDrum + " --delay 20") == 2);
-  CHECK(exit_of(kDrum + " --delay '20 ms' --gain 6") == 2);
-  CHECK(exit_of(kDrum + " --delay '20 ms' --over strength=0.5:1:2 --set strength=0.9") == 2);
-  CHECK(exit_of(kDrum + " --delay '20 ms' --over strength=0.5:1:2 --over strength=0.2:1:3") == 2);
+  CHECK(exit_of(kDrum + " --delays '20 ms' --gain 6") == 2);
+  CHECK(exit_of(kDrum + " --delays '20 ms' --over strength=0.5:1:2 --set strength=0.9") == 2);
+  CHECK(exit_of(kDrum + " --delays '20 ms' --over strength=0.5:1:2 --over strength=0.2:1:3") == 2);
   CHECK(exit_of(kDrum + " --part 1/2") == 2);
   CHECK(exit_of(kDrum + "/single_strike.toml") == 3);
 }
@@ -183,8 +183,8 @@ TEST_CASE("study playability: exit codes, and a picture of each form", "[apps]")
 TEST_CASE("study playability: Ctrl-C ends it with 5 and keeps what is done", "[apps]") {
   const test::TemporaryFolder folder;
   const auto kept = folder.path() / "runs.jsonl";
-  test::ChildProcess study{{TACTUS_PROGRAM, "study", "playability", kDrum, "--delay", "0:1000:1 ms", "--keep",
-                            folder.path().string()},
+  test::ChildProcess study{{TACTUS_PROGRAM, "study", "playability", kDrum, "--delays", "0:1000:1 ms",
+                            "--keep", folder.path().string()},
                            test::ChildProcess::Stdout::Logged};
   REQUIRE(
       test::wait_until([&] { return std::filesystem::exists(kept) && std::filesystem::file_size(kept) > 0; },

@@ -31,7 +31,7 @@ double heard(Playing& play) {
 double measured(const std::string& device) {
   return test::undisturbed("frames were lost", [&]() -> std::optional<double> {
     test::ChildProcess latency{PipeWire::over_jack({TACTUS_PROGRAM, "latency", "measure", "--device", device,
-                                                    "--openings", "1", "--json", "--cable", "--no-keep"}),
+                                                    "--openings", "1", "--json", "--cable", "--no-save"}),
                                test::ChildProcess::Stdout::Logged};
     const auto code = latency.wait(std::chrono::seconds{120});
     const auto log = latency.log();
