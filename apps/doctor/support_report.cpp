@@ -13,7 +13,6 @@
 #include "apps/cli/console.h"
 
 #if defined(__unix__) || defined(__APPLE__)
-#include <pwd.h>
 #include <unistd.h>
 #endif
 
@@ -104,11 +103,10 @@ std::string section(const std::string& heading, const std::string& text) {
 PersonalNames PersonalNames::of_process() {
   PersonalNames names;
   if (const char* home = std::getenv("HOME")) names.home = home;
+  names.user = names.home.substr(names.home.rfind('/') + 1);
+  for (const auto* key : {"LOGNAME", "USER"})
+    if (const char* user = std::getenv(key)) names.user = user;
 #if defined(__unix__) || defined(__APPLE__)
-  if (const auto* user = getpwuid(getuid())) {
-    names.user = user->pw_name;
-    if (names.home.empty()) names.home = user->pw_dir;
-  }
   std::array<char, 256> host{};
   if (gethostname(host.data(), host.size() - 1) == 0) names.host = host.data();
 #endif

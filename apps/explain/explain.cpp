@@ -110,7 +110,7 @@ void print(const Json& json) {
 }
 
 /// `omitted`: what lies around the engines and is not there.
-int finish(const ExplainOptions& options, const std::vector<LeftOut>& omitted,
+int finish(const ExplainOptions& options, std::vector<LeftOut> omitted,
            const std::vector<std::pair<std::string, Player*>>& engines) {
   Json all = Json::array();
   for (const auto& [title, engine] : engines) {
@@ -118,6 +118,11 @@ int finish(const ExplainOptions& options, const std::vector<LeftOut>& omitted,
         {engine->plan().sample_rate, engine->in_channels(), engine->out_channels(), options.block}));
     all.push_back(explain_engine(*engine, title, options.block));
   }
+  // Always so, and not worth two lines for people.
+  if (options.json)
+    omitted.insert(omitted.begin(),
+                   {{"sound card", "is not opened: everything runs in the simulation or offline"},
+                    {"threads", "are not started: everything runs on the calling thread"}});
   for (const auto& left : omitted) all[0]["left_out"].push_back(left_out_json(left));
   if (options.json) print_json(all.size() == 1 ? all[0] : Json{{"graphs", all}});
   for (const auto& json : all)
@@ -137,7 +142,7 @@ int run_explain(const ExplainOptions& options) {
     const auto built = or_exit(build_scene(loaded, standard_nodes(), with));
     if (!loaded.scene->converters.on) omitted.push_back({"converters", "are off in this scene"});
     if (built.delay_frames == 0) omitted.push_back({"delay line", "the system delay is 0 frames"});
-    return finish(options, omitted,
+    return finish(options, std::move(omitted),
                   {{"instrument of " + loaded.scene->name, built.instrument.get()},
                    {"simulation of " + loaded.scene->name, built.plant.get()}});
   }
@@ -147,7 +152,7 @@ int run_explain(const ExplainOptions& options) {
   Player engine{or_exit(compile(loaded, standard_nodes(), compile_options))};
   for (const auto& tap : event_taps(*loaded.spec, standard_nodes()))
     omitted.push_back({"tap " + tap, "is not read here; scenes and `tactus render --events` read it"});
-  return finish(options, omitted, {{loaded.spec->name, &engine}});
+  return finish(options, std::move(omitted), {{loaded.spec->name, &engine}});
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [realtime] unless stated otherwise
 
 #include <atomic>
 #include <chrono>
