@@ -24,7 +24,7 @@ struct Symbol {
 /// An octave in decibels of amplitude.
 constexpr double kOctave_dB = 6.0205999132796239;
 
-// Exponents of metre, kilogram, second, ampere.
+// Exponents of metre, kilogram, second, ampere, radian.
 constexpr Symbol kSymbols[] = {
     {"m", "cmu", {{1, 0, 0, 0}}},
     {"g", "km", {{0, 1, 0, 0}, 1e-3}},
@@ -41,8 +41,8 @@ constexpr Symbol kSymbols[] = {
     {"F", "un", {{-2, -1, 4, 2}}},
     {"C", "p", {{0, 0, 1, 1}}},
     {"T", "", {{0, 1, -2, -1}}},
-    {"rad", "m", {{}}},
-    {"deg", "", {{}, kPi / 180.0}},
+    {"rad", "m", {{0, 0, 0, 0, 1}}},
+    {"deg", "", {{0, 0, 0, 0, 1}, kPi / 180.0}},
     {"dB", "", {{}, 1.0, true}},
     {"dBFS", "", {{}, 1.0, true}},
     {"%", "", {{}, 1e-2}},
@@ -52,11 +52,6 @@ constexpr Symbol kSymbols[] = {
     {"semitone", "", {{}, kOctave_dB / 12, true}},
     {"rpm", "", {{0, 0, -1, 0}, 1.0 / 60.0}},
     {"bpm", "", {{0, 0, -1, 0}, 1.0 / 60.0}},
-};
-/// Taken whole, since the factors of other units with angles are plain numbers.
-constexpr Symbol kAngularFrequencies[] = {
-    {"rad/s", "", {{0, 0, -1, 0}, 0.5 / kPi}},
-    {"deg/s", "", {{0, 0, -1, 0}, 1.0 / 360.0}},
 };
 constexpr std::pair<char, double> kPrefixes[] = {{'p', 1e-12}, {'n', 1e-9}, {'u', 1e-6}, {'m', 1e-3},
                                                  {'c', 1e-2},  {'k', 1e3},  {'M', 1e6}};
@@ -146,12 +141,45 @@ bool Dimension::operator==(const Dimension& other) const {
          same(ampere, other.ampere);
 }
 Dimension Dimension::operator*(const Dimension& o) const {
-  return {metre + o.metre, kilogram + o.kilogram, second + o.second, ampere + o.ampere};
+  return {metre + o.metre, kilogram + o.kilogram, second + o.second, ampere + o.ampere, radian + o.radian};
 }
 Dimension Dimension::operator/(const Dimension& o) const { return *this * o.pow(-1); }
-Dimension Dimension::pow(double e) const { return {metre * e, kilogram * e, second * e, ampere * e}; }
+Dimension Dimension::pow(double e) const {
+  return {metre * e, kilogram * e, second * e, ampere * e, radian * e};
+}
+
+static bool per_second(const Dimension& d) { return d == Dimension{.second = -1}; }
+
+bool is_angular_velocity(const Dimension& d) { return per_second(d) && same(d.radian, 1); }
+bool is_frequency(const Dimension& d) { return per_second(d) && same(d.radian, 0); }
+
+double converted(double si, const Dimension& from, const Dimension& to) {
+  if (is_angular_velocity(from) && is_frequency(to)) return si / (2.0 * kPi);
+  if (is_frequency(from) && is_angular_velocity(to)) return si * (2.0 * kPi);
+  return si;
+}
+
+Dimension in_rotation(const Dimension& d) {
+  return {2.0 * d.kilogram, d.kilogram, d.second, d.ampere, d.metre - 2.0 * d.kilogram};
+}
+
+/// Of what turns, as people write it; "" for anything else. A torque is an energy per radian.
+static std::string_view rotational_name(const Dimension& d) {
+  struct Name {
+    std::string_view text;
+    Dimension dimension;
+  };
+  static constexpr Name kNames[] = {{"rad", {0, 0, 0, 0, 1}},       {"rad/s", {0, 0, -1, 0, 1}},
+                                    {"rad/s^2", {0, 0, -2, 0, 1}},  {"N m", {2, 1, -2, 0, -1}},
+                                    {"N m/rad", {2, 1, -2, 0, -2}}, {"N m s/rad", {2, 1, -1, 0, -2}},
+                                    {"kg m^2", {2, 1, 0, 0, -2}},   {"N m/A", {2, 1, -2, -1, -1}}};
+  for (const auto& [text, dimension] : kNames)
+    if (dimension == d && same(dimension.radian, d.radian)) return text;
+  return {};
+}
 
 std::string to_string(const Dimension& d) {
+  if (const auto name = rotational_name(d); !name.empty()) return std::string{name};
   if (d.plain()) return "";
   // Units with a name of their own first; then mechanical ones as newtons over metres and seconds.
   static constexpr const char* kNames[] = {"m",   "kg",    "s",   "Hz",  "N",   "J",   "W",   "A",
@@ -183,8 +211,6 @@ double Unit::from_si(double si) const { return (decibel ? 20.0 * std::log10(si) 
 std::optional<Unit> parse_unit(std::string_view text) {
   text = trim(text);
   if (text.empty() || text == "full scale" || text == "1") return Unit{};
-  for (const auto& symbol : kAngularFrequencies)
-    if (text == symbol.name) return symbol.unit;
   Unit unit;
   bool divide = false;
   bool first = true;

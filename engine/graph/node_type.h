@@ -49,6 +49,12 @@ struct OutputPort {
 /// A field that is read once, when the file is loaded: a word, a table, a file's name.
 using Setting = FieldType;
 
+/// The setting, of nodes and networks, that says whether their units are those of translation, in which they
+/// are declared, or of rotation (see `in_rotation`).
+inline constexpr const char* kMotionSetting = "motion";
+inline constexpr const char* kTranslation = "translation";
+inline constexpr const char* kRotation = "rotation";
+
 /// What the compiler knows about an input when it makes the node.
 struct InputInfo {
   Interval range;                  ///< guaranteed by interval arithmetic; unbounded if nothing is known
@@ -77,6 +83,7 @@ struct NodeSetup {
   std::vector<InputInfo> inputs;       ///< declaration order
   std::vector<SettingValue> settings;  ///< declaration order
   int lane = 0;
+  int lanes = 1;                   ///< of all of the node
   MemoryBudget* memory = nullptr;  ///< nullptr: as much as there is
   std::vector<bool> read = {};     ///< outputs that something reads; empty: all
   /// Set by `NodeType::make`: what else distinguishes the node that was made (what it has left out).
@@ -134,6 +141,8 @@ struct NodeType {
   /// Which inputs matter to the outputs that are read (`NodeSetup::read`); empty: all. Nothing is computed
   /// for the others. Of an input that may change, nothing is known but its range.
   std::function<std::vector<bool>(const NodeSetup&)> needed_inputs = {};
+  /// What it declares in units of translation turns: rad for m, N m for N (networks; see `kMotionSetting`).
+  bool turns = false;
   /// Distinguishes declarations of one name (networks).
   std::uint64_t fingerprint = 0;
   /// Range of an output, given the ranges of the inputs; empty: OutputPort::range.
@@ -153,6 +162,9 @@ struct NodeTable {
   /// that take signals ("coil.voltage"), its outputs what the elements can be asked for ("stick.position").
   /// Structural errors (unknown element types and keys, elements that do not exist) come back all at once.
   std::function<Checked<std::shared_ptr<const NodeType>>(const NetworkSpec&)> network;
+
+  /// What to write in place of a name that other programs have for a node ("lfo"); "" if it is none.
+  std::function<std::string(std::string_view)> other_name = {};
 
   /// nullptr if there is no such type.
   const NodeType* find(std::string_view name) const {

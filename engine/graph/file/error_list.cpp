@@ -114,12 +114,20 @@ std::string ErrorList::text(const Value::Table& table, std::string_view key, con
   return {};
 }
 
-std::vector<Error> ErrorList::take() {
-  sort_by_place(list_, first_);
-  // A file that is read along two ways reports its errors twice.
-  std::set<std::pair<std::string, std::string>> reported;
-  std::erase_if(list_, [&](const Error& error) { return !reported.emplace(error.where, error.what).second; });
-  return std::exchange(list_, {});
+void ErrorList::warn(Errc code, const Source& at, std::string what, std::string remedy) {
+  warnings_.push_back({code, at.text(), std::move(what), std::move(remedy)});
 }
+
+/// By place, each once: a file that is read along two ways reports its errors twice.
+static std::vector<Error> sorted(std::vector<Error> errors, const std::string& first) {
+  sort_by_place(errors, first);
+  std::set<std::pair<std::string, std::string>> reported;
+  std::erase_if(errors,
+                [&](const Error& error) { return !reported.emplace(error.where, error.what).second; });
+  return errors;
+}
+
+std::vector<Error> ErrorList::take() { return sorted(std::exchange(list_, {}), first_); }
+std::vector<Error> ErrorList::take_warnings() { return sorted(std::exchange(warnings_, {}), first_); }
 
 }  // namespace tactus

@@ -39,6 +39,8 @@ class ErrorList {
   void add(Errc code, const Source& at, std::string what, std::string remedy);
   void add(Error error) { list_.push_back(std::move(error)); }
   void add(std::vector<Error> errors);
+  /// What is allowed and probably not meant.
+  void warn(Errc code, const Source& at, std::string what, std::string remedy);
 
   /// "unknown key 'xyz'; did you mean 'inputs'?" for each key that is not in `known`; with an owner "delay
   /// 'a' has no 'xyz'; …".
@@ -58,10 +60,11 @@ class ErrorList {
   bool any() const { return !list_.empty(); }
   /// All of them, by place, each once.
   std::vector<Error> take();
+  std::vector<Error> take_warnings();
 
  private:
   std::string first_;
-  std::vector<Error> list_;
+  std::vector<Error> list_, warnings_;
 };
 
 }  // namespace tactus

@@ -101,7 +101,9 @@ Result<QuantityValue> read_quantity(const Value& value) {
 Result<double> read_quantity(const Value& value, const Unit& expected, const std::string& what) {
   const auto quantity = read_quantity(value);
   if (!quantity) return tl::unexpected(quantity.error());
-  if (quantity->bare || quantity->unit.dimension == expected.dimension) return quantity->si;
+  if (quantity->bare) return quantity->si;
+  if (quantity->unit.dimension == expected.dimension)
+    return converted(quantity->si, quantity->unit.dimension, expected.dimension);
   return fail(Errc::UnitMismatch, value.at.text(),
               "'" + *value.text() + "' is " + unit_phrase(quantity->unit.dimension) + ", but '" + what +
                   "' is " + unit_phrase(expected.dimension),

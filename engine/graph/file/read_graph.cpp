@@ -137,7 +137,12 @@ const SectionType& control_fields() {
       "controls of the player",
       {required(field("value", FieldType::Kind::Any, "initial value")),
        field("range", FieldType::Kind::Range, "minimum and maximum value"), unit_field(),
-       quantity_field("smooth", "s", 0, kUnlimited, "ramp time to a new value", "10 ms"), about_field()}};
+       quantity_field("smooth", "s", 0, kUnlimited, "ramp time to a new value", "10 ms"),
+       choice_field(
+           "midi", {"note", "velocity", "note_on", "note_off"},
+           "follows a MIDI keyboard without a ramp: the number of the key that is pressed or released, how "
+           "strongly (0 to 1), a trigger when one is pressed, a trigger when one is released"),
+       about_field()}};
   return section;
 }
 
@@ -218,6 +223,10 @@ ControlSpec read_control(EntrySpec entry, ErrorList& errors) {
   read.unit_known = unit && read_value(read, control, errors);
   if (read.unit_known) read_range(fields, control, errors);
   control.smooth_s = fields.number("smooth").value_or(control.smooth_s);
+  if (const auto role = fields.choice("midi")) {
+    control.midi = static_cast<MidiRole>(1 + *role);
+    control.smooth_s = 0;
+  }
   return read;
 }
 

@@ -14,7 +14,9 @@ namespace {
 
 /// Of one lane of an expression; a list has one entry for each lane.
 std::size_t size_of(const Expression& expression) {
-  if (expression.op == Expression::Op::Lanes || expression.op == Expression::Op::Spread) return 1;
+  if (expression.op == Expression::Op::Lanes || expression.op == Expression::Op::Spread ||
+      expression.op == Expression::Op::Pick)
+    return 1;
   std::size_t size = 1;
   for (const auto& argument : expression.arguments) size += size_of(argument);
   return size;
@@ -48,8 +50,10 @@ void check_constants(const VertexGraph& graph, ErrorList& errors) {
 void set_controls(FlatGraph& flat, const GraphSpec& spec, const std::map<std::string, ControlValue>& values,
                   ErrorList& errors) {
   for (const auto& [name, setting] : values) {
-    const double value = setting.si;
     auto* const it = find_named(flat.controls, name);
+    const double value = it != nullptr && setting.dimension
+                             ? converted(setting.si, *setting.dimension, it->unit.dimension)
+                             : setting.si;
     if (const auto* written = find_named(spec.controls, name);
         spec.incomplete || (written && written->broken))
       continue;  // it is not in the flat graph, and needs no second message
@@ -130,6 +134,7 @@ Checked<std::unique_ptr<Plan>> compile(const GraphSpec& spec, const NodeTable& t
   auto plan = make_plan(flat, options, errors);
   if (plan == nullptr) return tl::unexpected(errors.take());
   plan->name = spec.name;
+  plan->warnings = errors.take_warnings();
   return plan;
 }
 

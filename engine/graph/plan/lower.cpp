@@ -100,6 +100,7 @@ class Lowering {
 
   /// A name for what a node fires, through as many files as there may be.
   bool is_trigger(const Expression& expression, int depth) const {
+    if (expression.op == Op::Pick) return is_trigger(expression.arguments.front(), depth);
     if (expression.op != Op::Signal || depth > 64) return false;
     const auto& signal = flat_.signals[index(expression.signal)];
     if (signal.kind == SignalKind::Expression) return is_trigger(signal.expression, depth + 1);
@@ -204,6 +205,11 @@ class Lowering {
         const auto& own = expression.arguments[expression.arguments.size() == 1 ? 0 : index(lane)];
         return own.op == Op::Number ? own_number(own.number, expression, lane, lanes)
                                     : lower(own, 0, 1, path);
+      }
+      case Op::Pick: {
+        const auto& signal = expression.arguments.front();
+        const int picked = expression.lanes[expression.lanes.size() == 1 ? 0 : index(lane)];
+        return lower_lane(signal, picked, lanes_of(flat_, signal), path);
       }
       case Op::Spread:
         return own_number(spread(expression, lane, lanes), expression, lane, lanes);

@@ -93,6 +93,7 @@ struct Plan : VertexGraph {
   Hertz sample_rate = 48_kHz;
   std::vector<PlannedControl> controls;
   std::vector<LoopReport> loops;
+  std::vector<Error> warnings;  ///< what is allowed and probably not meant, by place in the files
 
   // Its execution.
   /// What runs, with its state. A replacement swaps the nodes that continue with those of the plan before.

@@ -79,10 +79,18 @@ struct ListReader {
   /// Of one axis: fixed, that of another setting ("=unit"), or that of a port, which is not known here.
   std::optional<Unit> unit(std::size_t axis) const {
     const std::string text = axis < setting.choices.size() ? setting.choices[axis] : "";
-    if (!text.starts_with('=')) return parse_unit(text);
+    if (!text.starts_with('=')) return turned(parse_unit(text));
     const auto* named = find(fields, text.substr(1));
     if (named == nullptr) return text == "=unit" ? std::optional{Unit{}} : std::nullopt;
     return text == "=unit" && named->text() != nullptr ? parse_unit(*named->text()) : std::nullopt;
+  }
+
+  /// In a node that turns: kMotionSetting.
+  std::optional<Unit> turned(std::optional<Unit> unit) const {
+    const auto* motion = find(fields, kMotionSetting);
+    if (unit && motion != nullptr && motion->text() != nullptr && *motion->text() == kRotation)
+      return Unit{in_rotation(unit->dimension)};
+    return unit;
   }
 
   std::optional<double> quantity(const Value& value, std::size_t axis) {

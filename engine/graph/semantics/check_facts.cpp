@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "engine/graph/file/error_list.h"
@@ -10,11 +11,6 @@ namespace {
 
 /// As the file at the error's place calls it: "bridge.loss" is the `loss` of a part.
 std::string local_name(const std::string& path) { return path.substr(path.rfind('.') + 1); }
-
-/// Whether operand `i` has the unit that others have.
-bool shares_unit(const Expression& expression, std::size_t i) {
-  return !is_operator(expression.op) || operator_of(expression.op).operand_units[i] == 'u';
-}
 
 /// How messages call an operator: "'+'", "'sqrt'".
 std::string quoted(const Operator& type) { return "'" + std::string{type.name} + "'"; }
@@ -53,6 +49,19 @@ class Checks {
         check_unit_is(expression, followed.dimension * rule.dimension, owner);
     }
     check_range(expression, port, rule, owner);
+    if (rule.kind == PortUnit::Kind::Fixed) warn_of_bare_number(expression, rule.dimension, owner);
+  }
+
+  /// A number alone where a unit is expected: "time = 6" was perhaps meant as 6 ms.
+  void warn_of_bare_number(const Expression& expression, const Dimension& wanted, const std::string& owner) {
+    if (wanted.plain()) return;
+    if (expression.op == Op::Lanes || expression.op == Op::Spread) {
+      for (const auto& lane : expression.arguments) warn_of_bare_number(lane, wanted, owner);
+    } else if (expression.op == Op::Number && expression.bare && expression.number != 0) {
+      const auto taken = short_number(expression.number) + " " + to_string(wanted);
+      errors_.warn(Errc::UnitMismatch, expression.at, owner + " has no unit: it counts as " + taken,
+                   "write \"" + taken + "\"");
+    }
   }
 
   void check_expression(const FlatSignal& signal) {
@@ -84,6 +93,7 @@ class Checks {
                          "give both the same number of lanes, or put a 'mix' between them");
     if (expression.op == Op::Signal) return;
     if (expression.op == Op::Lanes) return check_lanes_of_list(expression);
+    if (expression.op == Op::Pick) return check_picked_lanes(expression);
     for (const auto& argument : expression.arguments) check_lanes(argument, wanted);
   }
 
@@ -93,6 +103,15 @@ class Checks {
         errors_.add(Errc::OutOfRange, lane.at,
                     "this is one lane of a list, but has " + std::to_string(found) + " lanes itself",
                     "use a 'mix' of it here, or remove it from the list");
+  }
+
+  void check_picked_lanes(const Expression& pick) {
+    const auto& signal = pick.arguments.front();
+    const int there_are = lanes_of(graph_, signal), highest = *std::ranges::max_element(pick.lanes);
+    if (highest < there_are || signal.signal == FlatGraph::kMissing) return;
+    errors_.add(Errc::OutOfRange, pick.at, "'" + signal.name + "' has no lane " + std::to_string(highest),
+                there_are == 1 ? "it has one lane; remove the brackets"
+                               : "its lanes are 0 to " + std::to_string(there_are - 1));
   }
 
   void check_units(const Expression& expression) {
@@ -135,8 +154,8 @@ class Checks {
   void check_root(const Expression& argument, const Operator& type) {
     const auto fact = unit(argument);
     if (fact.kind != UnitKind::Known) return;
-    const auto& [metre, kilogram, second, ampere] = fact.dimension;
-    if (is_even(metre) && is_even(kilogram) && is_even(second) && is_even(ampere)) return;
+    const auto& d = fact.dimension;
+    if (is_even(d.metre) && is_even(d.kilogram) && is_even(d.second) && is_even(d.ampere)) return;
     errors_.add(Errc::UnitMismatch, argument.at,
                 quoted(type) + " needs a unit with even powers, such as m^2/s^2, but this is " +
                     unit_phrase(fact.dimension),
@@ -169,7 +188,9 @@ class Checks {
   void check_agrees(const Expression& expression, const Expression& first, Expression::Op op) {
     const auto a = unit(first).dimension;
     const auto b = unit(expression).dimension;
-    if (a == b) return;
+    const bool turns = is_frequency(a) && is_angular_velocity(b),
+               radians = is_angular_velocity(a) && is_frequency(b);
+    if (a == b && !turns && !radians) return;
     const std::string meets = op == Op::Add                   ? "is added to"
                               : op == Op::Subtract            ? "is taken from"
                               : op == Op::Lanes               ? "is in a list with"
@@ -178,14 +199,19 @@ class Checks {
                                                               : "is compared with";
     errors_.add(Errc::UnitMismatch, expression.at,
                 "this is " + unit_phrase(b) + ", but it " + meets + " what is " + unit_phrase(a),
-                op == Op::Lanes || op == Op::Spread
+                turns || radians ? "multiply what is in Hz by (2 * pi * 1 rad)"
+                : op == Op::Lanes || op == Op::Spread
                     ? "give both the same unit"
                     : "multiply one of them by a quantity that turns its unit into the other's");
   }
 
   void check_unit_is(const Expression& expression, const Dimension& wanted, const std::string& owner) {
     const auto fact = unit(expression);
-    if (fact.kind != UnitKind::Known || fact.dimension == wanted) return;
+    if (fact.kind != UnitKind::Known) return;
+    if (is_frequency(wanted) && is_angular_velocity(fact.dimension))
+      return errors_.add(Errc::UnitMismatch, expression.at, owner + " is in Hz, but this is in rad/s",
+                         "divide by (2 * pi) for turns per second, or by 1 rad to take the number as it is");
+    if (fact.dimension == wanted) return;
     errors_.add(Errc::UnitMismatch, expression.at,
                 owner + " is " + unit_phrase(wanted) + ", but this is " + unit_phrase(fact.dimension),
                 wanted.plain() ? "divide by a quantity in " + to_string(fact.dimension)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "engine/core/dimension.h"
@@ -17,6 +18,7 @@ namespace {
 // Both bound the depth of the tree, and with it every recursion over it.
 constexpr int kExpressionMaxDepth = 64;
 constexpr int kMaxValues = 1000;
+constexpr int kMaxLanes = 1024;
 
 bool digit(char c) { return c >= '0' && c <= '9'; }
 bool letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
@@ -208,7 +210,44 @@ class Parser {
     if (++values_ > kMaxValues) return too_long(start);
     auto whole = make(Op::Signal, start);
     whole.name = word;
+    skip_space();
+    return peek() == '[' ? lanes_of(std::move(whole)) : whole;
+  }
+
+  /// "[3]", "[0..3]", "[7..4, 0]": lanes of a signal, from 0.
+  Result<Expression> lanes_of(Expression signal) {
+    const auto open = here_++;
+    auto whole = make(Op::Pick, open);
+    do {
+      const auto start = here_;
+      const auto first = lane_number();
+      const bool range = take_dots();
+      const auto last = range ? lane_number() : first;
+      if (!first || !last)
+        return syntax(here_, "a lane is a whole number from 0 to " + std::to_string(kMaxLanes - 1),
+                      "write " + signal.name + "[2], " + signal.name + "[0..3] or " + signal.name + "[3, 1]");
+      const int step = *last < *first ? -1 : 1;
+      for (int lane = *first; lane != *last + step; lane += step) whole.lanes.push_back(lane);
+      if (std::ssize(whole.lanes) > kMaxLanes)
+        return syntax(start, "more than " + std::to_string(kMaxLanes) + " lanes are taken", "take fewer");
+    } while (take(','));
+    if (!take(']')) return syntax(open, "'[' is not closed", "put ']' behind the lanes");
+    whole.arguments.push_back(std::move(signal));
     return whole;
+  }
+
+  std::optional<int> lane_number() {
+    skip_space();
+    int lane = 0;
+    const auto start = here_;
+    for (; digit(peek()) && lane < kMaxLanes; ++here_) lane = 10 * lane + (peek() - '0');
+    return here_ > start && lane < kMaxLanes ? std::optional{lane} : std::nullopt;
+  }
+  bool take_dots() {
+    skip_space();
+    if (!text_.substr(here_).starts_with("..")) return false;
+    here_ += 2;
+    return true;
   }
 
   Result<Expression> number_called(double value, std::size_t start) {

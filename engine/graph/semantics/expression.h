@@ -17,8 +17,9 @@ namespace tactus {
 ///   expression = sum [ ("<" | "<=" | ">" | ">=" | "==" | "!=") sum ]
 ///   sum        = product { ("+" | "-") product }
 ///   product    = factor { ("*" | "/") factor }
-///   factor     = "-" factor | number [unit] | "pi" | "e" | name | "(" expression ")"
+///   factor     = "-" factor | number [unit] | "pi" | "e" | name [lanes] | "(" expression ")"
 ///              | function "(" expression { "," expression } ")"
+///   lanes      = "[" lane [".." lane] { "," lane [".." lane] } "]"
 ///
 /// The functions are those of the table in operators.h.
 /// A unit directly follows its number ("15 ms", "2 N/m"); there it wins over a name of the same
@@ -33,6 +34,7 @@ struct Expression {
     Number,
     Lanes,
     Spread,
+    Pick,
     Signal,
     Negate,
     Add,
@@ -79,6 +81,8 @@ struct Expression {
   bool exponential = false;  ///< Spread: along a geometric curve
   std::string name = {};     ///< Signal, as written
   int signal = -1;           ///< Signal, once its name is looked up
+  std::vector<int> lanes =
+      {};  ///< Pick: those of its argument, from 0, in the order in which they are wanted
   std::vector<Expression> arguments = {};
   Source at = {};  ///< of this part of the text; of an operator, its sign
 };

@@ -21,6 +21,7 @@ int lanes_of(const FlatGraph& graph, const Expression& expression) {
   if (expression.op == Expression::Op::Spread) return 0;
   if (expression.op == Expression::Op::Signal) return signal_of(graph, expression).lanes;
   if (expression.op == Expression::Op::Lanes) return static_cast<int>(expression.arguments.size());
+  if (expression.op == Expression::Op::Pick) return static_cast<int>(expression.lanes.size());
   int most = 0;
   for (const auto& argument : expression.arguments) most = std::max(most, lanes_of(graph, argument));
   return most;
@@ -46,11 +47,15 @@ std::optional<double> constant_of(const Expression& expression) {
   return range.single() ? std::optional{range.low} : std::nullopt;
 }
 
+bool shares_unit(const Expression& expression, std::size_t i) {
+  return !is_operator(expression.op) || operator_of(expression.op).operand_units[i] == 'u';
+}
+
 /// The unit that all operands with a unit share; it is bare if none has one.
 static UnitFact common_unit(const FlatGraph& graph, const Expression& expression) {
   UnitFact fact = UnitFact::bare();
   for (std::size_t i = 0; i < expression.arguments.size(); ++i) {
-    if (is_operator(expression.op) && operator_of(expression.op).operand_units[i] != 'u') continue;
+    if (!shares_unit(expression, i)) continue;
     const auto other = unit_of(graph, expression.arguments[i]);
     if (fact.kind != UnitFact::Kind::Known && other.kind != UnitFact::Kind::Bare) fact = other;
   }
@@ -109,12 +114,23 @@ Interval input_range(const FlatGraph& graph, const FlatNode& node, std::size_t i
 }
 
 NodeSetup setup_of(const FlatNode& node, Hertz sample_rate, int lane) {
-  return {Hertz{sample_rate.value / node.divisor}, node.type.get(), {}, node.settings, lane};
+  return {Hertz{sample_rate.value / node.divisor}, node.type.get(), {}, node.settings, lane, node.lanes};
+}
+
+/// A network says itself that it turns, a node by its setting.
+static bool turns(const FlatNode& node) {
+  if (node.type->turns) return true;
+  for (std::size_t i = 0; i < node.settings.size(); ++i)
+    if (node.type->settings[i].name == kMotionSetting) return node.settings[i].text == kRotation;
+  return false;
 }
 
 PortUnit port_unit(const FlatNode& node, const std::string& declared) {
   if (declared == "any") return {PortUnit::Kind::Any, {}, -1};
-  if (declared.empty() || declared.front() != '=') return {PortUnit::Kind::Fixed, dimension_of(declared), -1};
+  if (declared.empty() || declared.front() != '=') {
+    const auto dimension = dimension_of(declared);
+    return {PortUnit::Kind::Fixed, turns(node) ? in_rotation(dimension) : dimension, -1};
+  }
   const auto end = declared.find_first_of(" /");
   const auto name = declared.substr(1, end == std::string::npos ? end : end - 1);
   const auto factor = end == std::string::npos ? Dimension{} : dimension_of("1" + declared.substr(end));

@@ -28,6 +28,9 @@ int lanes_of(const FlatGraph& graph, const Expression& expression);
 UnitFact unit_of(const FlatGraph& graph, const Expression& expression);
 UnitFact product(UnitFact a, UnitFact b, bool divide);
 
+/// Whether operand `i` has the unit that others have, and that the whole has.
+bool shares_unit(const Expression& expression, std::size_t i);
+
 /// Of an expression without signals.
 std::optional<double> constant_of(const Expression& expression);
 

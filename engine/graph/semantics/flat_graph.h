@@ -70,12 +70,16 @@ struct FlatNode {
   std::string label() const { return type->name + " '" + path.substr(path.rfind('.') + 1) + "'"; }
 };
 
+/// What of a MIDI keyboard's notes a control follows.
+enum class MidiRole { None, Note, Velocity, NoteOn, NoteOff };
+
 struct FlatControl {
   std::string name;
   double value = 0;  ///< SI
   Unit unit = {};    ///< how people read it; in decibels it also ramps
   Interval range = {};
   double smooth_s = 0.010;
+  MidiRole midi = MidiRole::None;
 };
 
 enum class OutputUse { Drive, Audio, Tap };

@@ -47,6 +47,7 @@ class Inference {
   void run() {
     infer_lanes();
     infer_units();
+    convert_angles();
     infer_ranges();
     for (auto& output : graph_.outputs)
       output.dimension = output.declared.value_or(unit_of(graph_, output.expression).dimension);
@@ -120,6 +121,28 @@ class Inference {
     const auto& input = node.inputs[index(rule.follows)];
     const auto followed = input ? unit_of(graph_, *input) : UnitFact::bare();
     return rule.dimension.plain() ? followed : product(followed, UnitFact::known(rule.dimension), false);
+  }
+
+  // ---- numbers in rad/s where Hz is wanted, and the other way round
+
+  void convert_angles() {
+    for (auto& node : graph_.nodes)
+      for (std::size_t i = 0; i < node.inputs.size(); ++i) {
+        const auto rule = port_unit(node, node.type->inputs[i].unit);
+        if (node.inputs[i] && rule.kind == PortUnit::Kind::Fixed) convert(*node.inputs[i], rule.dimension);
+      }
+    for (auto& s : graph_.signals)
+      if (s.kind == SignalKind::Expression && s.declared) convert(s.expression, *s.declared);
+  }
+
+  static void convert(Expression& expression, const Dimension& wanted) {
+    using Op = Expression::Op;
+    for (std::size_t i = 0; i < expression.arguments.size(); ++i)
+      if (shares_unit(expression, i)) convert(expression.arguments[i], wanted);
+    if (expression.op == Op::Number && !expression.bare && expression.dimension == wanted) {
+      expression.number = converted(expression.number, expression.dimension, wanted);
+      expression.dimension.radian = wanted.radian;
+    }
   }
 
   // ---- ranges: each pass narrows further along chains; endless loops are cut off, which is safe

@@ -132,6 +132,7 @@ class Instance {
     for (const auto& output : spec_.outputs)
       if (!output.broken) connect_output(output);
     for (const auto& tap : taps) connect_tap(tap);
+    warn_of_unread();
   }
 
  private:
@@ -155,6 +156,7 @@ class Instance {
     flat_.signals.push_back({kind, prefix_ + name, at, index, port, {}, {}, divisor_});
     const int id = static_cast<int>(flat_.signals.size()) - 1;
     scope_.add(name, id);
+    names_.emplace(name, id);
     return id;
   }
 
@@ -213,8 +215,9 @@ class Instance {
     }
     std::vector<std::string> names;
     for (const auto* known : table.types) names.push_back(known->name);
+    const auto other = table.other_name ? table.other_name(node.type) : std::string{};
     errors_.add(Errc::UnknownName, node.type_at, "there is no node type '" + node.type + "'",
-                suggest(node.type, names, "`tactus nodes` lists them all"));
+                other.empty() ? suggest(node.type, names, "`tactus nodes` lists them all") : other);
     scope_.hide(node.name);
   }
 
@@ -416,6 +419,38 @@ class Instance {
       }
       ++id;
     }
+    part.warn_of_unread();
+  }
+
+  /// What nothing in this file reads. A trigger is read by whoever records its events.
+  void warn_of_unread() {
+    const auto warn = [this](const std::string& what, const EntrySpec& entry, const char* remedy) {
+      errors_.warn(Errc::UnknownName, entry.at, what + " '" + entry.name + "' is not used", remedy);
+    };
+    const auto is_read = [this](const std::string& name) {
+      const auto id = names_.find(name);
+      return id == names_.end() || scope_.is_read(id->second);
+    };
+    for (const auto& input : spec_.inputs)
+      if (!input.broken && !is_read(input.name))
+        warn("input", input, "use it in a node or an output, or remove it");
+    for (const auto& control : spec_.controls)
+      if (!control.broken && !is_read(control.name))
+        warn("control", control, "use it in a node or an output, or remove it");
+    for (const auto& node : spec_.nodes)
+      if (node.value ? !is_read(node.name) : is_unread_node(node.name))
+        warn("node", node, "connect it to an output, or remove it");
+  }
+
+  bool is_unread_node(const std::string& name) const {
+    const auto known = nodes_by_name_.find(name);
+    if (known == nodes_by_name_.end()) return false;
+    const auto& node = flat_.nodes[index(known->second)];
+    for (const int id : node.outputs) {
+      const auto& port = node.type->outputs[index(flat_.signals[index(id)].port)];
+      if (port.kind == OutputKind::Trigger || scope_.is_read(id)) return false;
+    }
+    return true;
   }
 
   Expression bind_output(const PortSpec& output) {
@@ -450,6 +485,7 @@ class Instance {
   int outer_divisor_, divisor_;  ///< engine frames between two of its user's, and of its own
   PartRate rate_;
   Scope scope_;
+  std::map<std::string, int> names_;  ///< of signals
   std::map<std::string, int> nodes_by_name_;
   std::map<std::string, int> bindings_;  ///< a part's inputs and controls: their signals
   std::vector<std::unique_ptr<EntrySpec>> network_entries_;

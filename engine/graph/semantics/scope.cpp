@@ -19,7 +19,10 @@ std::string Scope::suggestion(const std::string& name) const {
 
 Result<int> Scope::find(const std::string& name, const Source& at) const {
   if (hidden_.contains(first_word(name))) return FlatGraph::kMissing;
-  if (const auto it = signals_.find(name); it != signals_.end()) return it->second;
+  if (const auto it = signals_.find(name); it != signals_.end()) {
+    read_.insert(it->second);
+    return it->second;
+  }
   if (const auto it = not_signals_.find(name); it != not_signals_.end())
     return fail(Errc::UnknownName, at.text(), "'" + name + "' is not a signal", it->second);
   if (tolerates(name)) return FlatGraph::kMissing;

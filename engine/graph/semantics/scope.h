@@ -33,6 +33,8 @@ class Scope {
 
   /// The signal, or an error with the nearest right name.
   Result<int> find(const std::string& name, const Source& at) const;
+  /// Whether the signal was found under any of its names.
+  bool is_read(int signal) const { return read_.contains(signal); }
 
  private:
   static std::string first_word(const std::string& name) { return name.substr(0, name.find('.')); }
@@ -46,6 +48,7 @@ class Scope {
   std::map<std::string, int> signals_;
   std::map<std::string, std::string> not_signals_;
   std::set<std::string> hidden_, tolerated_;
+  mutable std::set<int> read_;
   mutable int suggestions_ = 0;
 };
 
