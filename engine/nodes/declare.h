@@ -28,6 +28,12 @@ inline Setting choice(std::string name, std::string doc, std::vector<std::string
                       std::string fallback) {
   return {std::move(name), Setting::Kind::Choice, std::move(doc), std::move(choices), std::move(fallback)};
 }
+/// See kMotionSetting.
+inline Setting motion_setting() {
+  return choice(kMotionSetting,
+                "rotation: angles in rad for m, torques in N m for N, inertia in kg m^2 for kg",
+                {kTranslation, kRotation}, kTranslation);
+}
 /// The unit of an output, as text.
 inline Setting unit_setting(std::string of_what) {
   return {"unit", Setting::Kind::Unit, "unit of the " + of_what + "; default: a plain number"};

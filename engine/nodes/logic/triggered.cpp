@@ -44,6 +44,22 @@ NodeType latch_type() {
   };
 }
 
+NodeType toggle_type() {
+  return {
+      .name = "toggle",
+      .summary = "Changes between 0 and 1 at each trigger, as a push switch does; starts at 0.",
+      .equation = "out = number of triggers since the last reset, modulo 2",
+      .source = "elementary",
+      .example = "engaged = { type = \"toggle\", trigger = \"pedal\" }",
+      .inputs = {{"trigger", "", "changes the output"},
+                 {"reset", "",
+                  "trigger that sets the output to 0; has priority over `trigger` in the same frame", 0}},
+      .outputs = {bounded(0, 1, {"out", "", "0 or 1"})},
+      .silencers = {{"trigger"}},
+      .make = make_node<KernelNode<tactus_toggle_step, 2>>,
+  };
+}
+
 NodeType counter_type() {
   return {
       .name = "counter",

@@ -43,3 +43,15 @@ static inline tactus_real tactus_sample_hold_step(tactus_sample_hold* s, tactus_
   if (tactus_rise_step(&s->rise, trigger)) s->held = in;
   return s->held;
 }
+
+/// Changes between 0 and 1 at each trigger; a reset wins in the same frame.
+typedef struct tactus_toggle {
+  tactus_rise trigger, reset;
+  int on;
+} tactus_toggle;
+
+static inline tactus_real tactus_toggle_step(tactus_toggle* s, tactus_real trigger, tactus_real reset) {
+  if (tactus_rise_step(&s->trigger, trigger)) s->on = !s->on;
+  if (tactus_rise_step(&s->reset, reset)) s->on = 0;
+  return s->on ? 1.0 : 0.0;
+}

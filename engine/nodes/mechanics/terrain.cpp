@@ -88,7 +88,8 @@ NodeType terrain_type() {
       .silencers = {{"weight", "out"}},
       .settings = {choice("profile", "shape of the profile; `points` ignores height and length",
                           {"detent", "sine", "points"}, "detent"),
-                   {"points", Setting::Kind::Points, "[[x, z], ...] with ascending x", {"m", "m"}}},
+                   {"points", Setting::Kind::Points, "[[x, z], ...] with ascending x", {"m", "m"}},
+                   motion_setting()},
       .make = make_terrain,
       .stateless = true,
   };

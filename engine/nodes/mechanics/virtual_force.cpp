@@ -55,6 +55,7 @@ NodeType spring_type() {
                  {"rest", "m", "rest position, where the force is 0", 0}},
       .outputs = {{"out", "N", "force on the device"}},
       .silencers = {{"stiffness"}},
+      .settings = {motion_setting()},
       .make = make_elementwise<SpringForce>,
       .stateless = true,
       .range =
@@ -76,6 +77,7 @@ NodeType damper_type() {
                  {"damping", "N s/m", "damping coefficient (force per velocity)", {}, 0}},
       .outputs = {{"out", "N", "force on the device"}},
       .silencers = {{"damping"}},
+      .settings = {motion_setting()},
       .make = make_elementwise<DamperForce>,
       .stateless = true,
       .range =
@@ -100,6 +102,7 @@ NodeType wall_type() {
                  {"damping", "N s/m", "damping coefficient (force per velocity)", 0, 0},
                  {"at", "m", "position of the wall's surface", 0}},
       .outputs = {bounded(-kUnlimited, 0, {"out", "N", "force on the device, never positive"})},
+      .settings = {motion_setting()},
       .make = make_elementwise<WallForce>,
       .stateless = true,
   };

@@ -201,6 +201,7 @@ Checked<std::shared_ptr<const NodeType>> network_type(const NetworkSpec& spec) {
   type->summary = "Masses on a line, connected by springs, contacts, friction and coils.";
   type->source = source_of(layout->solver);
   type->skips_unused_outputs = true;
+  type->turns = layout->turns;
   for (std::size_t i = 0; i < spec.elements.size(); ++i) {
     declare_inputs(*type, spec.elements[i], layout->elements[i]);
     declare_outputs(*type, layout->elements[i]);

@@ -17,6 +17,7 @@ struct NetworkLayout {
   std::vector<NetworkElement> elements;
   Solver solver = Solver::Passive;
   int oversample = 0;  ///< 0: not in the file
+  bool turns = false;  ///< see kMotionSetting
 };
 
 /// Errors, all in one go: unknown types, keys and elements; ends that are missing, too many, or of

@@ -57,6 +57,7 @@ class LayoutReader {
     FieldReader reader(spec_.fields, network_options(), errors_);
     if (const auto solver = reader.choice("solver")) layout_.solver = kSolvers[index(*solver)];
     layout_.oversample = static_cast<int>(reader.number("oversample").value_or(0));
+    layout_.turns = reader.choice(kMotionSetting) == 1;
   }
 
   void read_type(const NodeSpec& element) {

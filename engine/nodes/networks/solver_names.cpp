@@ -116,7 +116,7 @@ const SectionType& network_options() {
     return SectionType{
         "A network",
         {choice_field("solver", std::move(solvers), "solver of the network", name_of(Solver::Passive)),
-         whole_field("oversample", 1, kMostOversample, "solver steps per frame", "1")}};
+         whole_field("oversample", 1, kMostOversample, "solver steps per frame", "1"), motion_setting()}};
   }();
   return section;
 }

@@ -9,6 +9,14 @@ static inline tactus_real tactus_clip(tactus_real in, tactus_real low, tactus_re
   return tactus_max(low, tactus_min(high, in));
 }
 
+/// From `a` (t = 0) to `b` (t = 1) on a straight line, or with equal power: gains cos and sin of a quarter
+/// turn.
+static inline tactus_real tactus_crossfade(tactus_real a, tactus_real b, tactus_real t, int equal_power) {
+  const tactus_real at = tactus_clamp(t, 0.0, 1.0);
+  if (!equal_power) return a + (b - a) * at;
+  return a * cos(1.5707963267948966 * at) + b * sin(1.5707963267948966 * at);
+}
+
 /// The sum of `count` lanes, which it overwrites: lane k takes in lanes k + 8, k + 16, ..., then what is left
 /// is added in halves: k and k + 4, k and k + 2, k and k + 1.
 static inline tactus_real tactus_mix(tactus_real* lanes, int count) {

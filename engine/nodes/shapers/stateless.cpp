@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "engine/dsp/curves/curve.h"
 #include "engine/dsp/curves/curve_kernel.h"
@@ -36,6 +38,20 @@ Result<std::unique_ptr<Node>> make_map(const NodeSetup& setup) {
                 "write [[x, y], ...] with ascending x");
   return std::make_unique<ElementwiseNode<MapFunction>>(MapFunction{Breakpoints{points, map_shape(setup)}});
 }
+
+struct CrossfadeFunction {
+  static constexpr int kInputs = 3;
+  bool equal_power = false;
+  double value(const double* in) const { return tactus_crossfade(in[0], in[1], in[2], equal_power); }
+  double slope(int input, const double* in) const {
+    if (input == 0) return tactus_crossfade(1, 0, in[2], equal_power);
+    if (input == 1) return tactus_crossfade(0, 1, in[2], equal_power);
+    if (in[2] < 0 || in[2] > 1) return 0;
+    if (!equal_power) return in[1] - in[0];
+    constexpr double kQuarter = std::numbers::pi / 2;
+    return kQuarter * (in[1] * std::cos(kQuarter * in[2]) - in[0] * std::sin(kQuarter * in[2]));
+  }
+};
 
 struct MixFunction {
   static constexpr int kInputs = 1;
@@ -116,6 +132,39 @@ NodeType mix_type() {
       .make = make_elementwise<MixFunction>,
       .stateless = true,
       .reduces_lanes = true,
+  };
+}
+
+NodeType crossfade_type() {
+  return {
+      .name = "crossfade",
+      .summary = "Fades from one signal to another.",
+      .equation =
+          "linear: out = a + (b - a) position; equal_power: out = a cos(pi/2 position) + b sin(pi/2 "
+          "position)",
+      .source = "elementary",
+      .example =
+          "surface = { type = \"crossfade\", a = \"smooth\", b = \"rough\", position = \"roughness\" }",
+      .inputs = {{"a", "any", "signal at position 0"},
+                 {"b", "=a", "signal at position 1"},
+                 {"position", "", "place between both", {}, 0, 1}},
+      .outputs = {{"out", "=a", "the mixture"}},
+      .settings = {choice("law",
+                          "linear for signals that are alike; equal_power for signals that have nothing in "
+                          "common: it keeps their level",
+                          {"linear", "equal_power"}, "linear")},
+      .make = [](const NodeSetup& setup) -> Result<std::unique_ptr<Node>> {
+        return std::make_unique<ElementwiseNode<CrossfadeFunction>>(
+            CrossfadeFunction{setup.setting("law").text == "equal_power"});
+      },
+      .stateless = true,
+      .range =
+          [](int, const NodeSetup& setup) {
+            const Interval a = setup.input("a").range, b = setup.input("b").range;
+            if (setup.setting("law").text == "linear") return a.joined(b);
+            // a cos + b sin is at most a length: sqrt(2) times the larger.
+            return (a.joined(b).joined(Interval::exactly(0))) * Interval{0, std::numbers::sqrt2};
+          },
   };
 }
 

@@ -88,9 +88,27 @@ class ClockWatch {
   int frame_ = 0;
 };
 
-const Dimension kMetre{.metre = 1};
-const Dimension kMetrePerSecond{.metre = 1, .second = -1};
-const Dimension kNewton{.metre = 1, .kilogram = 1, .second = -2};
+/// What an assumed device can be: a point that moves, or a rotor.
+struct DeviceAxis {
+  const char *network, *motion, *mass_unit, *damping_unit;
+  Dimension force, position, velocity;
+  double square_radius;  ///< the mass and the damping of a rotor are at this distance [m^2]
+};
+const DeviceAxis kDeviceAxes[] = {
+    {"device", kTranslation, "kg", "N s/m", {1, 1, -2}, {1}, {1, 0, -1}, 1},
+    {"rotor", kRotation, "kg m^2", "N m s/rad", {2, 1, -2}, {0, 0, 0, 0, 1}, {0, 0, -1, 0, 1}, 1e-4},
+};
+
+bool is_position(const DeviceAxis& axis, const Dimension& d) {
+  return d == axis.position && d.radian == axis.position.radian;
+}
+bool is_velocity(const DeviceAxis& axis, const Dimension& d) {
+  return d == axis.velocity && d.radian == axis.velocity.radian;
+}
+/// Whether an output pushes an assumed device.
+bool is_force(const Dimension& dimension) {
+  return std::ranges::any_of(kDeviceAxes, [&](const DeviceAxis& axis) { return axis.force == dimension; });
+}
 
 /// The dimension of each input channel.
 std::vector<Dimension> dimensions_of(const GraphSpec& graph) {
@@ -100,49 +118,61 @@ std::vector<Dimension> dimensions_of(const GraphSpec& graph) {
   return dimensions;
 }
 
-bool from_device(const Dimension& dimension) { return dimension == kMetre || dimension == kMetrePerSecond; }
+/// An output as it reaches the device.
+struct Drive {
+  Dimension dimension;
+  std::string signal;
+};
+
+/// One axis of the assumed device: its network, pushed by those drives that are forces of its kind; sets
+/// `from` of its sensors. "" where no drive and sensor belong to it.
+std::string axis_text(const DeviceAxis& axis, const std::vector<Drive>& drives,
+                      const std::vector<Dimension>& sensors, const AssumedDevice& device,
+                      std::vector<std::string>& from) {
+  std::string push;
+  for (const auto& drive : drives)
+    if (drive.dimension == axis.force) push += (push.empty() ? "" : " + ") + drive.signal;
+  bool sensed = false;
+  for (std::size_t s = 0; s < sensors.size() && !push.empty(); ++s) {
+    const bool place = is_position(axis, sensors[s]), speed = is_velocity(axis, sensors[s]);
+    if (place || speed) from[s] = fmt::format("{}.tip.{}", axis.network, place ? "position" : "velocity");
+    sensed = sensed || place || speed;
+  }
+  if (!sensed) return {};
+  return fmt::format(
+      "[networks.{}]\nmotion = \"{}\"\nframe = {{ type = \"ground\" }}\n"
+      "tip = {{ type = \"mass\", mass = \"{:.17g} {}\" }}\n"
+      "drag = {{ type = \"damper\", between = [\"frame\", \"tip\"], damping = \"{:.17g} {}\" }}\n"
+      "push = {{ type = \"force\", on = \"tip\", force = \"{}\" }}\n",
+      axis.network, axis.motion, axis.square_radius * device.mass, axis.mass_unit,
+      axis.square_radius * device.damping, axis.damping_unit, push);
+}
 
 /// "woofer" of "woofer[1]".
 std::string port_name(const std::string& channel) { return channel.substr(0, channel.find('[')); }
 
-/// The assumed device as a graph: forces act on it behind the card's high-passes, its position and velocity
-/// are the sensors; other channels stay open.
+/// The assumed device as a graph: forces and torques act on it behind the card's high-passes, its positions
+/// and velocities are the sensors; other channels stay open.
 std::string device_text(const Plan& instrument, const std::vector<Dimension>& sensors,
                         const WorldOptions& options) {
-  const auto& device = options.device;
-  std::string inputs, push, outputs, nodes;
-  int drives = 0;
+  std::vector<Drive> drives;
+  std::string inputs, outputs, nodes, networks;
   for (const auto& channel : instrument.channels) {
     if (channel.use == OutputUse::Tap) continue;
-    inputs += fmt::format("d{} = {{ unit = \"{}\" }}\n", drives, to_string(channel.dimension));
+    const auto name = fmt::format("d{}", drives.size());
+    inputs += fmt::format("{} = {{ unit = \"{}\" }}\n", name, to_string(channel.dimension));
     const auto highpass = options.output_highpass.find(port_name(channel.name));
     const bool coupled = highpass != options.output_highpass.end();
     if (coupled)
-      nodes += fmt::format("h{0} = {{ type = \"one_pole\", in = \"d{0}\", cutoff = \"{1:.17g} Hz\" }}\n",
-                           drives, highpass->second.value);
-    if (channel.dimension == kNewton)
-      push += fmt::format("{}{}", push.empty() ? "" : " + ",
-                          coupled ? fmt::format("h{}.high", drives) : fmt::format("d{}", drives));
-    ++drives;
+      nodes += fmt::format("h{0} = {{ type = \"one_pole\", in = \"{0}\", cutoff = \"{1:.17g} Hz\" }}\n", name,
+                           highpass->second.value);
+    drives.push_back({channel.dimension, coupled ? "h" + name + ".high" : name});
   }
-  const bool joined = !push.empty() && std::ranges::any_of(sensors, from_device);
-  for (std::size_t s = 0; s < sensors.size(); ++s) {
-    const bool place = joined && sensors[s] == kMetre, speed = joined && sensors[s] == kMetrePerSecond;
-    outputs += fmt::format("s{} = {{ from = \"{}\", unit = \"{}\" }}\n", s,
-                           place   ? "device.tip.position"
-                           : speed ? "device.tip.velocity"
-                                   : "0",
-                           to_string(sensors[s]));
-  }
-  std::string text = "format = 1\n[inputs]\n" + inputs + "[nodes]\n" + nodes + "[outputs]\n" + outputs;
-  if (joined)
-    text += fmt::format(
-        "[networks.device]\nframe = {{ type = \"ground\" }}\ntip = {{ type = \"mass\", mass = \"{:.17g} kg\" "
-        "}}\n"
-        "drag = {{ type = \"damper\", between = [\"frame\", \"tip\"], damping = \"{:.17g} N s/m\" }}\n"
-        "push = {{ type = \"force\", on = \"tip\", force = \"{}\" }}\n",
-        device.mass, device.damping, push);
-  return text;
+  std::vector<std::string> from(sensors.size(), "0");
+  for (const auto& axis : kDeviceAxes) networks += axis_text(axis, drives, sensors, options.device, from);
+  for (std::size_t s = 0; s < sensors.size(); ++s)
+    outputs += fmt::format("s{} = {{ from = \"{}\", unit = \"{}\" }}\n", s, from[s], to_string(sensors[s]));
+  return "format = 1\n[inputs]\n" + inputs + "[nodes]\n" + nodes + "[outputs]\n" + outputs + networks;
 }
 
 Checked<BuiltScene> build_alone(const StabilitySubject& subject, const WorldOptions& options) {
@@ -277,7 +307,7 @@ std::vector<OpenPair> RestingWorld::open_pairs(LinearGraph& graph, const Regime&
   for (std::size_t i = 0; i < terminals.inputs.size(); ++i)
     for (std::size_t c = 0; c < terminals.channels.size(); ++c) {
       const auto& channel = instrument().channels[c];
-      const bool joined = channel.dimension == kNewton && !outside.channels[i].signal.constant();
+      const bool joined = is_force(channel.dimension) && !outside.channels[i].signal.constant();
       if (channel.use == OutputUse::Drive && !joined && terminals.inputs[i] >= 0 &&
           terminals.channels[c] >= 0)
         pairs.push_back(

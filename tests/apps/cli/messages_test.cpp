@@ -41,9 +41,9 @@ TEST_CASE("messages: a mistake on the command line names its remedy", "[apps]") 
 
 TEST_CASE("messages: with --json errors of the command line are JSON as well", "[apps]") {
   const test::Desk desk;
-  const std::string arguments = GENERATE(as<std::string>{}, "play --json", "play x.toml --json --block 0",
-                                         "play x.toml --json --nonsense 1", "plya --json", "study x --json",
-                                         "list --json --xyz");
+  const std::string arguments =
+      GENERATE(as<std::string>{}, "play --json", "play x.toml --json --block 0",
+               "play x.toml --json --nonsense 1", "plya --json", "study x --json", "list --json --xyz");
   const auto ran = desk.run(arguments);
   CAPTURE(arguments, ran.out);
   CHECK(ran.exit == 2);

@@ -28,9 +28,9 @@ struct Detail {
   bool load = true;
 };
 
-constexpr Detail kDetails[] = {{8, 99, true}, {8, 99, false}, {6, 99, false}, {4, 99, false}, {4, 6, false},
-                               {4, 4, false}, {3, 3, false},  {2, 2, false},  {4, 0, false},  {1, 0, false},
-                               {1, 0, false, false}};
+constexpr Detail kDetails[] = {{8, 99, true}, {8, 99, false}, {6, 99, false},      {4, 99, false},
+                               {4, 6, false}, {4, 4, false},  {3, 3, false},       {2, 2, false},
+                               {4, 0, false}, {1, 0, false},  {1, 0, false, false}};
 constexpr double kLowest_db = -48.0;
 
 /// Lengths count characters, not bytes.
