@@ -42,6 +42,7 @@ CardCallback::CardCallback(Guarded& processor, const StreamRequest& request, con
       patience_(
           std::max<std::chrono::nanoseconds>(kStall, duration_of(4, granted.format.max_frames, granted))),
       lost_patience_(std::chrono::milliseconds{20} + duration_of(4, granted.format.max_frames, granted)),
+      stopped_patience_(lost_patience_ + std::chrono::milliseconds{80}),
       buffer_(duration_of(granted.periods, granted.block_frames, granted)),
       in_map_(channels_of(request.in_map, granted.format.in_channels)),
       out_map_(channels_of(request.out_map, granted.format.out_channels)),
@@ -55,6 +56,7 @@ CardCallback::CardCallback(Guarded& processor, const StreamRequest& request, con
 void CardCallback::play() noexcept {
   clock_ = FrameWatch{format_.sample_rate.value};
   frames_ = 0;
+  zeros_.store(0);
   last_block_ = Clock::now();
   stage_.store(Stage::Playing);
 }
@@ -67,8 +69,8 @@ bool CardCallback::finish(bool lost) {
   const auto deadline = begin + patience_ + std::chrono::duration_cast<Clock::duration>(closing);
   while (stage_.load() == Stage::Finishing) {
     const auto now = Clock::now();
-    const bool silent = now - std::max(begin, last_block_.load()) > lost_patience_;
-    if (now > deadline || (lost && silent)) return false;
+    const auto silence = now - std::max(begin, last_block_.load());
+    if (now > deadline || silence > (lost ? lost_patience_ : stopped_patience_)) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds{1});
   }
   if (lost)
@@ -80,6 +82,14 @@ bool CardCallback::finish(bool lost) {
 void CardCallback::abandon() noexcept {
   stage_.store(Stage::Silent);
   while (busy_.load()) std::this_thread::yield();
+}
+
+void CardCallback::fill_with_zeros(std::int64_t frames) const {
+  std::int64_t before = -1;
+  for (auto changed = Clock::now(); zeros_.load() < frames && Clock::now() - changed < kStall;) {
+    if (const auto now = zeros_.load(); std::exchange(before, now) != now) changed = Clock::now();
+    std::this_thread::sleep_for(std::chrono::milliseconds{1});
+  }
 }
 
 void CardCallback::block(const float* const* in, float* const* out, int device_outputs, int frames) noexcept {
@@ -95,6 +105,7 @@ void CardCallback::block(const float* const* in, float* const* out, int device_o
   if (late && stage == Stage::Playing && !suspended) processor_.note_pause(Seconds{seconds(pause)});
   if (suspended) skip(begin);
   const bool wanted = stage != Stage::Silent && frames > 0;
+  if (stage == Stage::Silent) zeros_.fetch_add(std::max(0, frames), std::memory_order_relaxed);
   if (wanted && !suspended) watch(frames, begin);
   const bool pauses = suspended || (stage == Stage::Playing && clock_.ahead());
   if (wanted && !(pauses && paused_)) {

@@ -78,11 +78,15 @@ class CardCallback {
   /// [control & not playing] Blocks reach the processor from now on.
   void play() noexcept;
   /// [control] The next blocks are the last, from Guarded::finish. Returns when every output was at zero;
-  /// false when that takes half a second and four blocks longer than the guards need. `lost`: the device went
-  /// away, and perhaps its outputs with it: false, too, when no block comes for 20 ms and four blocks.
+  /// false when that takes half a second and four blocks longer than the guards need, and when no block comes
+  /// for 100 ms and four blocks, or, `lost`, for 20 ms and four blocks: the device went away, and perhaps its
+  /// outputs with it.
   bool finish(bool lost = false);
   /// [control] When it returns no block is in the processor, and none ever will be. Zeros go out.
   void abandon() noexcept;
+  /// [control] Abandoned: returns when so many frames of zeros went out, or none came for half a second. A
+  /// driver that plays its buffer on while it is being closed then plays zeros.
+  void fill_with_zeros(std::int64_t frames) const;
 
   /// [realtime] One block. `in` and `out`: planes of the device, at least as many as the channel maps name;
   /// `in` may be nullptr, as may any plane: silence. `device_outputs`: how many planes to fill.
@@ -127,7 +131,7 @@ class CardCallback {
 
   Guarded& processor_;
   const StreamFormat format_;
-  const std::chrono::nanoseconds patience_, lost_patience_;
+  const std::chrono::nanoseconds patience_, lost_patience_, stopped_patience_;
   const std::chrono::nanoseconds buffer_;  ///< how long the driver's lasts; 0: unknown
   std::vector<int> in_map_, out_map_;
   ChannelBuffers in_, out_;
@@ -135,6 +139,7 @@ class CardCallback {
   std::atomic<bool> busy_{false}, suspended_{false};
   std::atomic<Clock::time_point> last_block_;  ///< when `play` began, until the first
   std::atomic<Clock::time_point> last_gap_;
+  std::atomic<std::int64_t> zeros_{0};  ///< frames since `abandon`
   Clock::time_point first_block_;
   std::int64_t frames_ = 0;  ///< since `play`, with those that the library reported lost
   FrameWatch clock_;
@@ -173,6 +178,7 @@ class CardStream : public Stream {
     const bool at_zero = running_ && line_->card->finish(is_lost);
     if (!std::exchange(running_, false)) return {};
     line_->card->abandon();
+    if (at_zero && !is_lost) line_->card->fill_with_zeros(buffered_frames());
     return stop_library(at_zero && !is_lost);
   }
   StreamState state() const final {
@@ -190,6 +196,8 @@ class CardStream : public Stream {
  private:
   /// [control] The device or its server went away.
   virtual bool lost() const = 0;
+  /// [control] Frames that the driver may play again and again while the library closes it.
+  virtual std::int64_t buffered_frames() const { return 0; }
   /// [control] Blocks begin to flow. Errors: Device.
   virtual Status start_library() = 0;
   /// [control] No block comes any more. `finished`: the last block was played. Errors: Device.

@@ -177,7 +177,10 @@ Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequ
                 "choose two devices of the same API, or use JACK");
   DeviceChoice choice{*input, *output, {}};
   choice.granted.device = output->id;
-  choice.granted.writers_unknown = output->api == "jack";
+  // What is no card's own device in ALSA is a plugin: for a mixer, or for a sound server.
+  choice.granted.writers_unknown =
+      output->api == "jack" || output->api == "pulse" ||
+      (output->api == "alsa" && output->library_name.find("hw:") == std::string::npos);
   if (input->id != output->id) choice.granted.input_device = input->id;
   choice.granted.format = {*asked.sample_rate, request.in_channels, request.out_channels, 0};
   if (request.in_channels > 0)

@@ -332,6 +332,11 @@ class PortAudioStream final : public CardStream<Line> {
   Status start_library() override {
     return in_portaudio([line = line_] { return Pa_StartStream(line->stream); });
   }
+  /// PortAudio drains ALSA's buffer; a device without hardware (ALSA's plugin for JACK) plays what it holds
+  /// in a circle until it is closed.
+  std::int64_t buffered_frames() const override {
+    return line_->own_thread ? std::llround(2 * granted().output_latency_frames.value_or(kMaxBlock)) : 0;
+  }
   Status stop_library(bool) override {
     if (lost_ || is_over()) return {};
     return in_portaudio([line = line_] { return Pa_StopStream(line->stream); });
