@@ -1,5 +1,6 @@
 #include "apps/cli/keys.h"
 
+#include <cstdio>
 #include <utility>
 
 namespace tactus::app {
@@ -92,6 +93,7 @@ Key KeyDecoder::in_csi(unsigned char byte, Clock::time_point now) {
   state_ = after_csi(byte);
   began_ = now;
   mouse_bytes_ = kMouseBytes;
+  if (const Key key = after_protocol(byte); key != kNoKey) return parameters_.clear(), key;
   return std::exchange(parameters_, state_ == State::OneMore ? "[" : "").empty() ? arrow(byte) : kNoKey;
 }
 
@@ -100,6 +102,22 @@ KeyDecoder::State KeyDecoder::after_csi(unsigned char byte) const {
   if (byte == '~' && parameters_ == "200") return State::Paste;
   if (!parameters_.empty()) return State::Ground;
   return byte == '[' ? State::OneMore : byte == 'M' ? State::Mouse : State::Ground;
+}
+
+/// CSI code ; modifiers [: event] u, and CSI 27 ; modifiers ; code ~. The modifiers are one above a sum of 1
+/// Shift, 2 Alt, 4 Ctrl and others; event 3 is the release of the key.
+Key KeyDecoder::after_protocol(unsigned char final) const {
+  int code = 0, modifiers = 1, event = 1;
+  const bool kitty =
+      final == 'u' && (std::sscanf(parameters_.c_str(), "%d;%d:%d", &code, &modifiers, &event) >= 2 ||
+                       std::sscanf(parameters_.c_str(), "%d", &code) == 1);
+  const bool xterm = final == '~' && std::sscanf(parameters_.c_str(), "27;%d;%d", &modifiers, &code) == 2;
+  if ((!kitty && !xterm) || event == 3 || code <= 0 || code >= 0x80) return kNoKey;
+  const auto key = small_letter(static_cast<unsigned char>(code));
+  const int held = modifiers - 1;
+  if ((held & 4) != 0) return key == 'c' || key == '\\' ? kStopKey : kNoKey;
+  if ((held & 2) != 0) return kNoKey;
+  return key == 'a' ? kDisarmKey : Key{key};
 }
 
 /// Some terminals put parameters between ESC O and the final byte.

@@ -61,6 +61,7 @@ void StopLoop::end(Ending ending) {
 
 void StopLoop::handle_key(Key key, Clock::time_point now) {
   if (key == 'q') return end(Ending::Quit);
+  if (key == kStopKey) return end(Ending::Interrupted);
   pass(settings_.act ? settings_.act(key, now) : key);
 }
 

@@ -55,6 +55,15 @@ TEST_CASE("keys: arrows, in both of their forms", "[live]") {
   CHECK(keys_of("\x1bOA\x1bOB\x1bOC\x1bOD") == arrows);
 }
 
+TEST_CASE("keys: the keyboard protocols of kitty and xterm that another program left on", "[live]") {
+  CHECK(keys_of("\x1b[99;5u") == std::vector<Key>{kStopKey});
+  CHECK(keys_of("\x1b[27;5;99~") == std::vector<Key>{kStopKey});
+  CHECK(keys_of("\x1b[113u\x1b[109;1u\x1b[77;2u") == std::vector<Key>{'q', 'm', 'm'});
+  // An a only disarms, with Caps Lock too (modifier 64); with Alt a key is none, and neither is its release.
+  CHECK(keys_of("\x1b[97u\x1b[97;65u") == std::vector<Key>{kDisarmKey, kDisarmKey});
+  CHECK(keys_of("\x1b[113;3u\x1b[113;1:3u\x1b[57352u\x1b[200u").empty());
+}
+
 TEST_CASE("keys: pasted text is no key", "[live]") {
   CHECK(other_keys_of("a\x1b[200~aaqm\x1b[A\x1b[201~q") == std::vector<Key>{'a', 'q'});
   CHECK(other_keys_of("\x1b[200~q\x1b[201~q", 75ms) == std::vector<Key>{'q'});

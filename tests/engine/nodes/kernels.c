@@ -245,6 +245,41 @@ int tactus_run_kernel(const char* node, const double* const* in, int frames, dou
     tactus_phasor state = {0};
     EACH_FRAME(tactus_sine_step(&state, in[0][n], in[1][n], in[2][n], rate));
   }
+  if (strcmp(node, "clock") == 0) {
+    tactus_clock state = {{0}, 0, 0, 0, 0, 0};
+    EACH_FRAME(tactus_clock_step(&state, in[0][n] * in[1][n], in[2][n], in[3][n], rate));
+  }
+  if (strcmp(node, "sequence") == 0) {
+    static const double values[] = {1, 0.5, -2};
+    tactus_sequence state = {{0}, {0}, 0};
+    EACH_FRAME((tactus_sequence_step(&state, in[0][n], in[1][n], values, 3), values[tactus_sequence_index(&state)]));
+  }
+  if (strcmp(node, "pitch") == 0) {
+    static double full[8000], small[8000]; /* of 100 Hz and more */
+    tactus_pitch state;
+    double held = 0;
+    memset(&state, 0, sizeof state);
+    memset(full, 0, sizeof full);
+    memset(small, 0, sizeof small);
+    tactus_pitch_start(&state, rate, 100, 1000);
+    EACH_FRAME((tactus_pitch_step(&state, full, small, in[0][n]),
+                held = state.clarity >= in[1][n] && state.clarity > 0 ? state.frequency : held));
+  }
+  if (strcmp(node, "poly") == 0) {
+    tactus_voice voices[1] = {{0, 0, 0, 0, 0}};
+    tactus_poly state = {{0}, {0}, 0};
+    EACH_FRAME((tactus_poly_step(&state, voices, 1, 1, in[1][n], in[2][n], in[0][n], in[3][n]), voices[0].starts));
+  }
+  if (strcmp(node, "crossfade") == 0) EACH_FRAME(tactus_crossfade(in[0][n], in[1][n], in[2][n], 0));
+  if (strcmp(node, "random_walk") == 0) {
+    const tactus_noise_bits key = tactus_noise_key(1, 0);
+    tactus_random_walk state = {0};
+    EACH_FRAME(in[1][n] * tactus_random_walk_step(&state, key, (tactus_noise_bits)n, in[0][n], rate));
+  }
+  if (strcmp(node, "shaper") == 0) {
+    tactus_shaper state = {0, 0};
+    EACH_FRAME(tactus_shaper_step(&state, in[0][n], in[1][n], in[2][n], TACTUS_SHAPE_TANH));
+  }
   if (strcmp(node, "spring") == 0) EACH_FRAME(tactus_spring_force(in[0][n], in[1][n], in[2][n]));
   if (strcmp(node, "damper") == 0) EACH_FRAME(tactus_damper_force(in[0][n], in[1][n]));
   if (strcmp(node, "wall") == 0)

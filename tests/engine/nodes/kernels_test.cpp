@@ -55,6 +55,10 @@ Given given_to(const std::string& node) {
   if (node == "wavetable") return {.settings = {{"table", "[0, 1, 0.5, -0.5, -1]"}}};
   if (node == "map") return {.settings = {{"points", "[[-1, 3], [0.25, -1], [1, 2]]"}}};
   if (node == "curve") return {.settings = {{"points", "[[0 s, 0.25], [2 ms, 1], [10 ms, -1]]"}}};
+  if (node == "sequence") return {.settings = {{"values", "[1, 0.5, -2]"}}};
+  if (node == "clock") return {.constants = {{"tempo", 700}, {"division", 3}, {"swing", 0.6}}};
+  if (node == "pitch") return {.constants = {{"lowest", 100}, {"highest", 1000}, {"clarity", 0.2}}};
+  if (node == "shaper") return {.constants = {{"drive", 3}}};
   if (node == "sample") return {.settings = {{"file", sound_file()}}, .constants = {{"speed", 0.75}}};
   if (node == "align") return {.constants = {{"on", 1}}};
   if (node == "delay") return {.settings = {{"min", "0 s"}, {"max", "10 ms"}}};

@@ -21,6 +21,17 @@ inline std::string errors_of(const std::string& text, CompileOptions options = {
 }
 
 /// A graph text, compiled and ready to run. Throws what is wrong with the text.
+/// The same with their remedies, as people read them.
+inline std::string full_text(const std::vector<Error>& errors) {
+  std::string lines;
+  for (const auto& error : errors) lines += (lines.empty() ? "" : "\n") + to_string(error);
+  return lines;
+}
+inline std::string full_errors_of(const std::string& text, CompileOptions options = {}) {
+  const auto plan = compile(parse_graph_leniently(text, "test.toml"), standard_nodes(), options);
+  return plan ? "" : full_text(plan.error());
+}
+
 inline std::unique_ptr<Player> engine_of(const std::string& text, CompileOptions options = {}) {
   const auto wrong = errors_of(text, options);
   if (!wrong.empty()) throw std::runtime_error(wrong);

@@ -120,6 +120,22 @@ TEST_CASE("stability: a spring below its border holds and one above it grows", "
   CHECK(regime(above, "at rest", true).growing == 0);
 }
 
+// The rotor that is assumed has the mass and the damping of the device 10 mm from its axis.
+TEST_CASE("stability: a torsion spring on a delayed rotor has the border of a spring on a device",
+          "[analysis]") {
+  const auto text = [](double stiffness) {
+    return fmt::format(
+        "format = 1\n[inputs]\nangle = {{ unit = \"rad\" }}\n[nodes]\npull = {{ type = \"spring\", in = "
+        "\"angle\", "
+        "stiffness = \"{:.17g} N m/rad\", motion = \"rotation\" }}\n[outputs]\nmotor = {{ from = \"pull\", "
+        "unit = \"N m\" }}\n",
+        stiffness);
+  };
+  const double border = 1e-4 * 0.1 / (0.001 + 0.5 / 48000);
+  CHECK(analysed(text(0.97 * border), {}).stable());
+  CHECK_FALSE(analysed(text(1.03 * border), {}).stable());
+}
+
 TEST_CASE("stability: a wall is analysed as it is touched, bare and held", "[analysis]") {
   const auto verdict = analysed(kWall, {});
   const auto& bare = regime(verdict, "nonlinearities at their largest slope", false);
