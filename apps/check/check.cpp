@@ -10,6 +10,7 @@
 #include "apps/cli/json.h"
 #include "apps/cli/rig_files.h"
 #include "apps/cli/target.h"
+#include "apps/cli/warnings.h"
 #include "engine/core/decibels.h"
 #include "engine/core/index.h"
 #include "engine/core/prefixed.h"
@@ -26,6 +27,7 @@ namespace {
 struct CheckReport : StabilityReport {
   std::string name;
   std::string delay_source;                 ///< where the delay comes from
+  std::vector<Error> warnings;              ///< of the files
   std::vector<std::string> highpass_lines;  ///< what the high-passes of the rig do
 };
 
@@ -252,24 +254,26 @@ std::string checked_text(const CheckReport& report) {
 /// Every number of it.
 Json check_json(const CheckReport& report) {
   const auto& verdict = report.verdict;
-  return {{"name", report.name},
-          {"verdict", word_of(report.stability())},
-          {"holds", report.stability() == Stability::Stable},
-          {"undecided", list_of(verdict.doubts, doubt_json)},
-          {"outside_known", verdict.outside_known},
-          {"sample_rate_hz", verdict.rate.value},
-          {"delay_ms", 1e3 * verdict.delay_s},
-          {"delay_from", report.delay_source},
-          {"words", describe(verdict)},
-          {"output_highpass", report.highpass_lines},
-          {"regimes", list_of(verdict.regimes, regime_json)},
-          {"networks", list_of(verdict.networks, network_json)},
-          {"controls", list_of(verdict.controls, control_json)},
-          {"gestures", list_of(verdict.gestures, gesture_json)},
-          {"events", list_of(verdict.events, event_json)},
-          {"open", list_of(verdict.open, open_json)},
-          {"held", list_of(verdict.held, held_json)},
-          {"runs", list_of(report.runs, run_json)}};
+  return {
+      {"name", report.name},
+      {"verdict", word_of(report.stability())},
+      {"holds", report.stability() == Stability::Stable},
+      {"undecided", list_of(verdict.doubts, doubt_json)},
+      {"outside_known", verdict.outside_known},
+      {"sample_rate_hz", verdict.rate.value},
+      {"delay_ms", 1e3 * verdict.delay_s},
+      {"delay_from", report.delay_source},
+      {"words", describe(verdict)},
+      {"output_highpass", report.highpass_lines},
+      {"warnings", list_of(report.warnings, [](const Error& warning) -> Json { return to_string(warning); })},
+      {"regimes", list_of(verdict.regimes, regime_json)},
+      {"networks", list_of(verdict.networks, network_json)},
+      {"controls", list_of(verdict.controls, control_json)},
+      {"gestures", list_of(verdict.gestures, gesture_json)},
+      {"events", list_of(verdict.events, event_json)},
+      {"open", list_of(verdict.open, open_json)},
+      {"held", list_of(verdict.held, held_json)},
+      {"runs", list_of(report.runs, run_json)}};
 }
 
 /// The verdict, what fails, and with `verbose` every table.
@@ -286,6 +290,7 @@ void print(const CheckReport& report, bool verbose) {
       fmt::print("  not as predicted: {}{}\n", run.what,
                  run.exploded ? ": a loop grew until an output, ahead of its guard, was beyond 120 dB" : "");
   for (const auto& line : report.highpass_lines) fmt::print("  {}\n", line);
+  for (const auto& warning : report.warnings) fmt::print("  {}\n", text_of_warning(warning));
   fmt::print("{}{}\n", checked_text(report), verbose ? "" : "; --verbose prints the tables");
   if (!verbose) return;
   print_regimes(verdict);
@@ -400,6 +405,15 @@ std::string read_options(const CheckOptions& options, CheckJob& job) {
   return choose_delay(options, job);
 }
 
+/// Of the instrument and its plant.
+std::vector<Error> warnings_of(const CheckJob& job) {
+  const auto built = or_exit(build_world(job.subject(), job.options.world));
+  auto warnings = built.instrument->plan().warnings;
+  const auto& of_plant = built.plant->plan().warnings;
+  warnings.insert(warnings.end(), of_plant.begin(), of_plant.end());
+  return warnings;
+}
+
 int run_check(const CheckOptions& options) {
   CheckJob job;
   CheckReport report;
@@ -411,6 +425,7 @@ int run_check(const CheckOptions& options) {
     static_cast<StabilityReport&>(report) =
         or_exit(check_stability(job.subject(), job.options, options.quick, show));
   }
+  report.warnings = warnings_of(job);
   report.highpass_lines = highpass_lines(job, report.verdict);
   options.json ? print_json(check_json(report)) : print(report, options.verbose);
   return report.stability() == Stability::Stable ? kDone : kNo;

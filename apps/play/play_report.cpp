@@ -10,6 +10,7 @@
 
 #include "apps/cli/console.h"
 #include "apps/cli/rig_files.h"
+#include "apps/cli/warnings.h"
 #include "apps/play/world.h"
 #include "engine/core/decibels.h"
 #include "engine/core/index.h"
@@ -211,7 +212,11 @@ PlayedScene play_file(const Target& target, const PlayerOptions& options,
   if (!options.rate.empty()) changes.rate = parse_rate(options.rate);
   scene.drives = apply(options.guard, std::move(scene.drives));
   auto built = or_exit(build_scene(loaded, standard_nodes(), changes));
-  if (first) announce_raises(scene.drives, built.instrument->plan());
+  if (first) {
+    announce_raises(scene.drives, built.instrument->plan());
+    print_warnings(built.instrument->plan());
+    print_warnings(built.plant->plan());
+  }
   const auto* instrument = scene.part("instrument");
   if (first && changes.delay && instrument != nullptr && instrument->graph != nullptr)
     announce_delay(*instrument->graph, changes.delay->value);

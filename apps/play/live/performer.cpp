@@ -9,6 +9,7 @@
 
 #include "apps/cli/console.h"
 #include "apps/cli/take_files.h"
+#include "apps/cli/warnings.h"
 #include "apps/play/world.h"
 #include "backends/backend.h"
 #include "engine/core/index.h"
@@ -66,6 +67,7 @@ class LiveInstrument final : public Performer {
     files = files_of(loaded_);
     if (const auto text = warning(loaded_); !text.empty()) print_note(text);
     auto plan = compile_files(loaded_);
+    print_warnings(*plan);
     if (setup_.rig) wiring_ = or_exit(wire_rig(*setup_.rig, *plan));
     inputs = plan->input_names;
     outputs = output_names(*plan);
@@ -101,6 +103,8 @@ class LiveInstrument final : public Performer {
       edit.files = files_of(*loaded);
       edit.warning = warning(*loaded);
       const auto plan = std::make_shared<std::unique_ptr<Plan>>(compile_files(*loaded));
+      if (const auto text = text_of_warnings(**plan); !text.empty())
+        edit.warning += (edit.warning.empty() ? "" : "\n") + text;
       edit.take_over = [this, loaded, plan](Guarded& guarded) {
         take_over(guarded, std::move(*loaded), std::move(*plan));
       };
@@ -165,6 +169,8 @@ Read read_scene(const PerformerSetup& setup) {
   loaded.scene->drives = apply(setup.guard, std::move(loaded.scene->drives));
   auto compiled = or_exit(
       compile_scene(loaded, standard_nodes(), {setup.delay, setup.rate, setup.controls, /*by_hand=*/true}));
+  print_warnings(*compiled.instrument);
+  print_warnings(*compiled.plant);
   return {std::move(*loaded.scene), std::move(compiled), std::move(inputs)};
 }
 

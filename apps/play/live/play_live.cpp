@@ -15,6 +15,7 @@
 #include "apps/cli/stop_loop.h"
 #include "apps/cli/terminal.h"
 #include "apps/play/live/controls/drive_keys.h"
+#include "apps/play/live/controls/midi_notes.h"
 #include "apps/play/live/controls/status_line.h"
 #include "apps/play/live/plan.h"
 #include "apps/play/live/session.h"
@@ -86,7 +87,7 @@ class LivePlay {
         printer_(printer),
         options_(options),
         midi_map_(plan.rig ? plan.rig->midi : std::vector<RigMidi>{}) {
-    if (!midi_map_.bindings().empty() || !options.midi.empty()) open_midi();
+    if (!midi_map_.bindings().empty() || !options.midi.empty() || plays_notes()) open_midi();
   }
 
   /// `duration`: 0: until it is ended. Returns the exit code.
@@ -103,7 +104,7 @@ class LivePlay {
       if (session_.over()) return kDevice;
       const std::chrono::duration<double> played = Clock::now() - begin;
       if (duration.value > 0 && played.count() >= duration.value) return kDone;
-      if (const auto key = stop_loop_.wait_key(20ms)) press(*key);
+      if (const auto key = stop_loop_.wait_key(notes_.any() ? 2ms : 20ms)) press(*key);
       tick();
       if (Clock::now() - drawn < 100ms) continue;
       drawn = Clock::now();
@@ -119,6 +120,7 @@ class LivePlay {
   /// What happens without keys: MIDI, edits, device and guard events.
   void tick() {
     if (midi_ != nullptr) follow_midi();
+    notes_.flush([this](const JournalEntry& entry) { return player().post(entry); });
     if (saving_.valid() && saving_.wait_for(std::chrono::seconds{0}) != std::future_status::timeout)
       report_saved();
     session_.tick();
@@ -127,7 +129,9 @@ class LivePlay {
 
   void follow_midi() {
     for (const auto& message : midi_->news()) print(message);
+    follow_notes();
     for (const auto& event : midi_->poll()) {
+      notes_.play(event.message, first_free_frame());
       for (const auto& move : midi_map_.handle(event))
         if (!controls_.turn(move.control, move.position) && refused_.insert(move.control).second)
           print(move.control + " cannot be changed during playback");
@@ -135,6 +139,28 @@ class LivePlay {
         print(fmt::format("{} of {} now controls {}; s saves this in the rig", source_text(*learnt),
                           event.port, learnt->control));
     }
+  }
+
+  Player& player() { return plan_.performer->instrument(); }
+
+  /// The controls that follow notes may have changed with the file, and the frames with the device.
+  void follow_notes() {
+    std::vector<MidiNotes::Follower> followers;
+    for (const auto& planned : player().plan().controls)
+      if (planned.control.midi != MidiRole::None)
+        followers.push_back(
+            {planned.control.midi, player().control_index(planned.control.name), planned.control.range});
+    notes_.follow(std::move(followers));
+    if (const auto frame = player().frame(); frame < std::exchange(last_frame_, frame)) notes_.restart();
+  }
+  /// Not before the end of the block after the one that may be in work.
+  std::int64_t first_free_frame() {
+    return player().frame() + 2 * std::int64_t{session_.granted().format.max_frames};
+  }
+  bool plays_notes() {
+    const auto& controls = player().plan().controls;
+    return std::ranges::any_of(controls,
+                               [](const auto& planned) { return planned.control.midi != MidiRole::None; });
   }
 
   void draw() {
@@ -260,6 +286,8 @@ class LivePlay {
   Printer& printer_;
   const LiveOptions& options_;
   MidiMap midi_map_;
+  MidiNotes notes_;
+  std::int64_t last_frame_ = 0;       ///< of the player, when MIDI was polled
   std::shared_ptr<MidiInputs> midi_;  ///< opened when something is bound or MIDI learn is on
   std::set<std::string> refused_;     ///< controls that MIDI cannot turn, once reported
   std::size_t selected_ = 0;
