@@ -353,6 +353,13 @@ std::vector<std::string> highpass_lines(const CheckJob& job, const StabilityVerd
   std::set<std::string> held;
   for (const auto& regime : verdict.regimes)
     for (const auto& stiff : regime.stiff) held.insert("'" + stiff.path + "'");
+  // Where the plant is not known: an output that answers a slow motion most.
+  for (const auto& pair : verdict.open) {
+    const auto highpass =
+        job.options.world.output_highpass.find(pair.output.substr(0, pair.output.find('[')));
+    if (highpass != job.options.world.output_highpass.end() && pair.peak_hz < highpass->second.value)
+      held.insert(fmt::format("'{}' (from '{}')", pair.output, pair.input));
+  }
   if (!lines.empty() && !held.empty())
     lines.push_back(fmt::format("warning: {} must hold a force, which leaks away: use a DC-coupled output",
                                 fmt::join(held, ", ")));

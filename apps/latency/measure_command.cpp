@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <ctime>
+#include <string>
 
 #include "apps/cli/rig_files.h"
 #include "apps/latency/latency.h"
@@ -35,7 +36,8 @@ void set_delay(const Measurement& measurement, Rig& rig) {
 void set_highpass(const Measurement& measurement, int channel, Rig& rig) {
   const auto highpass = highpass_of(measurement.shown().analysis);
   for (auto& output : rig.outputs)
-    if (highpass.corner && output.uses(channel)) output.highpass = highpass.corner;
+    if (highpass.corner && output.uses(channel))
+      output.highpass = Hertz{std::stod(fmt::format("{:.3g}", highpass.corner->value))};
 }
 
 /// Errors do not invalidate a measurement: they are reported, and set the exit code.

@@ -83,6 +83,26 @@ TEST_CASE("check: a high-pass of the rig's output is part of the loop", "[check]
   }
 }
 
+TEST_CASE("check: an instrument that must hold a force on an AC-coupled output is warned of, others are not",
+          "[check]") {
+  const test::TemporaryFolder folder;
+  const auto file = (folder.path() / "a.toml").string(), rig = (folder.path() / "desk.toml").string();
+  const std::string law = GENERATE(as<std::string>{}, "-100 * place", "1 * rest.high");
+  std::ofstream{file}
+      << "format = 1\n[inputs]\nplace = {}\n[nodes]\nrest = { type = \"one_pole\", in = \"place\", "
+         "cutoff = \"40 Hz\" }\n[outputs]\nmotor = { from = \"" +
+             law + "\" }\n";
+  std::ofstream{rig}
+      << "format = 1\n[device]\noutput = \"x\"\n[inputs]\nplace = { channel = 1 }\n[outputs]\nmotor "
+         "= { channel = 1, output_highpass = \"5 Hz\" }\n[delay]\nmeasured = \"2 ms\"\n";
+  const auto answer = check(folder, file + " --quick --rig " + rig);
+  REQUIRE(answer.json.is_object());
+  const auto lines = answer.json["output_highpass"].dump();
+  CHECK(lines.find("31.83 ms") != std::string::npos);  // 1 / (2 pi 5 Hz)
+  CHECK((lines.find("'motor' (from 'place') must hold a force") != std::string::npos) ==
+        (law == "-100 * place"));
+}
+
 TEST_CASE("check: verdict first, one line of what was checked, tables when asked for", "[check]") {
   const test::TemporaryFolder folder;
   const auto file = (folder.path() / "spring.toml").string();
