@@ -412,10 +412,11 @@ std::string read_options(const CheckOptions& options, CheckJob& job) {
   return choose_delay(options, job);
 }
 
-/// Of the instrument and its plant.
+/// Of the instrument and its plant, if that is not an assumed device.
 std::vector<Error> warnings_of(const CheckJob& job) {
   const auto built = or_exit(build_world(job.subject(), job.options.world));
   auto warnings = built.instrument->plan().warnings;
+  if (job.instrument) return warnings;
   const auto& of_plant = built.plant->plan().warnings;
   warnings.insert(warnings.end(), of_plant.begin(), of_plant.end());
   return warnings;

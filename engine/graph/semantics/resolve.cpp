@@ -375,6 +375,7 @@ class Instance {
                       "'" + name + "' cannot be compensated: it is not a filter",
                       "omit it; list only nodes that change the phase");
         node.compensate.push_back(known->second);
+        compensated_.insert(known->second);
       } else if (scope_.find(name, value->at) != FlatGraph::kMissing) {
         errors_.add(
             Errc::UnknownName, value->at, "there is no node '" + name + "' to compensate",
@@ -422,7 +423,8 @@ class Instance {
     part.warn_of_unread();
   }
 
-  /// What nothing in this file reads. A trigger is read by whoever records its events.
+  /// What nothing in this file reads. A trigger is read by whoever records its events. (A scene gives its
+  /// plant inputs with dots in their names.)
   void warn_of_unread() {
     const auto warn = [this](const std::string& what, const EntrySpec& entry, const char* remedy) {
       errors_.warn(Errc::UnknownName, entry.at, what + " '" + entry.name + "' is not used", remedy);
@@ -432,7 +434,7 @@ class Instance {
       return id == names_.end() || scope_.is_read(id->second);
     };
     for (const auto& input : spec_.inputs)
-      if (!input.broken && !is_read(input.name))
+      if (!input.broken && is_name(input.name) && !is_read(input.name))
         warn("input", input, "use it in a node or an output, or remove it");
     for (const auto& control : spec_.controls)
       if (!control.broken && !is_read(control.name))
@@ -445,6 +447,7 @@ class Instance {
   bool is_unread_node(const std::string& name) const {
     const auto known = nodes_by_name_.find(name);
     if (known == nodes_by_name_.end()) return false;
+    if (compensated_.contains(known->second)) return false;
     const auto& node = flat_.nodes[index(known->second)];
     for (const int id : node.outputs) {
       const auto& port = node.type->outputs[index(flat_.signals[index(id)].port)];
@@ -487,6 +490,7 @@ class Instance {
   Scope scope_;
   std::map<std::string, int> names_;  ///< of signals
   std::map<std::string, int> nodes_by_name_;
+  std::set<int> compensated_;            ///< nodes that a setting names
   std::map<std::string, int> bindings_;  ///< a part's inputs and controls: their signals
   std::vector<std::unique_ptr<EntrySpec>> network_entries_;
   std::vector<PendingNode> pending_nodes_;
