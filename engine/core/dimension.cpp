@@ -208,12 +208,21 @@ double Unit::to_si(double number) const {
 }
 double Unit::from_si(double si) const { return (decibel ? 20.0 * std::log10(si) : si) / factor; }
 
+/// "N m" is a torque, which is an energy per radian, and "kg m^2" an inertia, of which rad^2 s^-2 make an
+/// energy. (What they are is for texts alone.)
+static double radians_of(std::string_view first, std::string_view second) {
+  if (first.ends_with('N') && second.ends_with('m')) return -1;
+  if (first.ends_with('g') && second.ends_with("m^2")) return -2;
+  return 0;
+}
+
 std::optional<Unit> parse_unit(std::string_view text) {
   text = trim(text);
   if (text.empty() || text == "full scale" || text == "1") return Unit{};
   Unit unit;
   bool divide = false;
   bool first = true;
+  std::string_view before;
   while (!text.empty()) {
     const auto end = text.find_first_of(" */");
     const auto word = text.substr(0, end);
@@ -224,7 +233,9 @@ std::optional<Unit> parse_unit(std::string_view text) {
       unit.dimension = divide ? unit.dimension / factor->dimension : unit.dimension * factor->dimension;
       unit.factor = divide ? unit.factor / factor->factor : unit.factor * factor->factor;
       unit.decibel = factor->decibel;
+      if (!divide) unit.dimension.radian += radians_of(before, word);
     }
+    before = word;
     first = false;
     if (end == std::string_view::npos) break;
     text.remove_prefix(end);

@@ -42,18 +42,23 @@ std::string short_number(double number) {
 
 std::string short_quantity(double si, const Dimension& dimension) {
   // From small to large; the first of a dimension serves whatever is smaller.
-  static constexpr std::array kUnits = {"us",  "ms",   "s",    "um", "mm", "m",  "mg", "g",  "kg", "mN", "N",
-                                        "kN",  "Hz",   "kHz",  "mJ", "J",  "mW", "W",  "mA", "A",  "mV", "V",
-                                        "ohm", "kohm", "Mohm", "uH", "mH", "H",  "nF", "uF", "F"};
-  std::string text;
-  for (const auto* name : kUnits) {
-    const auto unit = *parse_unit(name);
-    if (!(unit.dimension == dimension)) continue;
-    const bool zero = si == 0 && unit.factor == 1;
-    if (text.empty() || zero || (si != 0 && std::abs(unit.from_si(si)) >= 0.9999995))
-      text = short_number(unit.from_si(si)) + " " + name;
+  static constexpr std::array kUnits = {"us", "ms", "s",  "um", "mm",   "m",    "mg",   "g",    "kg",
+                                        "mN", "N",  "kN", "Hz", "kHz",  "mJ",   "J",    "mW",   "W",
+                                        "mA", "A",  "mV", "V",  "ohm",  "kohm", "Mohm", "uH",   "mH",
+                                        "H",  "nF", "uF", "F",  "uN m", "mN m", "N m",  "rad/s"};
+  // A torque is no energy, and an angular velocity no frequency; an arc with radians left in it is a length.
+  for (const bool strictly : {true, false}) {
+    std::string text;
+    for (const auto* name : kUnits) {
+      const auto unit = *parse_unit(name);
+      const bool radians = std::abs(unit.dimension.radian - dimension.radian) < 0.5;
+      if (!(unit.dimension == dimension) || (strictly && !radians)) continue;
+      const bool zero = si == 0 && unit.factor == 1;
+      if (text.empty() || zero || (si != 0 && std::abs(unit.from_si(si)) >= 0.9999995))
+        text = short_number(unit.from_si(si)) + " " + name;
+    }
+    if (!text.empty()) return text;
   }
-  if (!text.empty()) return text;
   const auto name = to_string(dimension);
   return short_number(si) + (name.empty() ? "" : " " + name);
 }

@@ -69,12 +69,11 @@ static inline int tactus_pitch_period(const tactus_pitch* s, const tactus_real* 
   int lags[kMost], count = 0,
                    below = 0;  // `below`: n has been below 0.5 since a lag of 0, whose top is no period
   tactus_real tops[kMost], highest = 0;
-  tactus_real before = tactus_pitch_likeness(end, s->shortest - 1),
-              here = tactus_pitch_likeness(end, s->shortest);
-  for (int lag = s->shortest; lag <= s->longest && count < kMost; ++lag) {
+  tactus_real before = tactus_pitch_likeness(end, 1), here = tactus_pitch_likeness(end, 2);
+  for (int lag = 2; lag <= s->longest && count < kMost; ++lag) {
     const tactus_real after = tactus_pitch_likeness(end, lag + 1);
     below = below || before < 0.5;
-    if (below && here >= before && here > after && here > 0) {
+    if (below && lag >= s->shortest && here >= before && here > after && here > 0) {
       lags[count] = lag;
       tops[count++] = here;
       highest = tactus_max(highest, here);

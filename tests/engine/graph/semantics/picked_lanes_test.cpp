@@ -51,11 +51,11 @@ TEST_CASE("lanes: those of nodes that run side by side are taken one by one", "[
 
 TEST_CASE("lanes: a lane that is not there is reported with those that are", "[graph]") {
   const auto error = [](const std::string& from) { return test::full_errors_of(with_output(from)); };
-  CHECK(error("x[4]") == "test.toml:8:17: 'x' has no lane 4; its lanes are 0 to 3");
-  CHECK(error("1 + y[1]") == "test.toml:8:21: 'y' has no lane 1; it has one lane; remove the brackets");
-  CHECK(error("x[0..1] + x[0..2]").find("3 lanes are combined with") != std::string::npos);
+  CHECK(error("x[4]") == "test.toml:8:18: 'x' has no lane 4; its lanes are 0 to 3");
+  CHECK(error("1 + y[1]") == "test.toml:8:22: 'y' has no lane 1; it has one lane; remove the brackets");
+  CHECK(error("x[0..1] + x[0..2]").find("lanes are combined with") != std::string::npos);
   CHECK(error("x[-1]") ==
-        "test.toml:8:18: a lane is a whole number from 0 to 1023; write x[2], x[0..3] or x[3, 1]");
+        "test.toml:8:19: a lane is a whole number from 0 to 1023; write x[2], x[0..3] or x[3, 1]");
   CHECK(error("x[1").find("'[' is not closed") != std::string::npos);
   CHECK(error("x[]").find("a lane is a whole number") != std::string::npos);
   CHECK(error("x[0..99999]").find("a lane is a whole number") != std::string::npos);

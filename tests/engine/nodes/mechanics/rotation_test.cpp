@@ -61,7 +61,7 @@ TEST_CASE("rotation: an angular velocity is no frequency", "[nodes]") {
         frequency + "\" }\n[outputs]\nout = { from = \"x\" }\n");
   };
   CHECK(errors("speed") ==
-        "test.toml:6:34: 'frequency' of sine 'x' is in Hz, but this is in rad/s; divide by (2 * pi) for "
+        "test.toml:6:35: 'frequency' of sine 'x' is in Hz, but this is in rad/s; divide by (2 * pi) for "
         "turns per second, "
         "or by 1 rad to take the number as it is");
   CHECK(errors("speed / (2 * pi * 1 rad)") == "");
