@@ -212,6 +212,26 @@ TEST_CASE("card callback: an abandoned one never touches the processor again", "
   CHECK(card.adder.lengths.size() == played);
 }
 
+TEST_CASE("card callback: the driver's buffer is full of zeros before the library closes it", "[backends]") {
+  Card card{1, 1, 16};
+  card.callback->play();
+  card.callback->abandon();
+  std::atomic<bool> done{false};
+  std::atomic<int> blocks{0}, sounding{0};
+  std::thread library{[&] {
+    while (!done) {
+      sounding += card.block({plane(8, 0.5)}, 1, 8)[0] != plane(8, 0);
+      ++blocks;
+    }
+  }};
+  card.callback->fill_with_zeros(1000);
+  CHECK(blocks >= 1000 / 8 - 1);
+  done = true;
+  library.join();
+  CHECK(sounding == 0);
+  card.callback->fill_with_zeros(1'000'000'000);  // ends by itself: no block comes any more
+}
+
 TEST_CASE("card callback: gaps are counted by cause, and lost frames once", "[backends]") {
   Card card{1, 1, 16};
   card.callback->play();

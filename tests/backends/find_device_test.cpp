@@ -72,6 +72,25 @@ TEST_CASE("find device: a request that a device can give passes", "[backends]") 
   CHECK(refusal(request) == "");
 }
 
+TEST_CASE("find device: who else writes is hidden by JACK and by ALSA's plugins, not by a card of its own",
+          "[backends]") {
+  const auto hidden = [](const std::string& api, const std::string& library_name) {
+    auto one = device(api + ":one", "one");
+    one.api = api;
+    one.library_name = library_name;
+    StreamRequest request;
+    request.device = one.id;
+    request.out_channels = 1;
+    return choose({one}, request)->granted.writers_unknown;
+  };
+  CHECK(hidden("jack", "system"));
+  CHECK(hidden("pulse", "Built-in"));
+  CHECK(hidden("alsa", "default"));
+  CHECK(hidden("alsa", "jack"));
+  CHECK_FALSE(hidden("alsa", "hw:USB,0"));
+  CHECK_FALSE(hidden("alsa", "HDA Intel: Analog (hw:0,0)"));
+}
+
 TEST_CASE("find device: channels that are not there are named", "[backends]") {
   StreamRequest request;
   request.in_channels = 3;

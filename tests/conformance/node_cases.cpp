@@ -143,6 +143,7 @@ std::map<std::string, std::map<std::string, std::string>> setting_variants(const
       if (const auto example = example_of(type, setting)) usual[setting.name] = *example;
   std::map<std::string, std::map<std::string, std::string>> variants = {{"", usual}};
   for (const auto& setting : type.settings) {
+    if (setting.name == kMotionSetting) continue;
     std::vector<std::string> words;
     if (setting.kind == Setting::Kind::Choice) words = setting.choices;
     if (setting.kind == Setting::Kind::Flag) words = {"true", "false"};

@@ -128,13 +128,18 @@ std::vector<Rig> network_rigs();
 
 /// By definition what comes in has an effect for ever, until another trigger or reset.
 const std::set<std::string> kRemember = {
-    "counter.trigger",     "counter.reset",       // counts
-    "latch.set",           "latch.reset",         // the last one of the two
-    "curve.trigger",                              // stays at its last point
-    "hysteresis.in",       "hysteresis.width",    // where the play was left
-    "sample_hold.trigger",                        // the sample held
-    "sine.frequency",      "wavetable.frequency"  // the phase, a sum of all frequencies
-};
+    "counter.trigger", "counter.reset",   // counts
+    "latch.set", "latch.reset",           // the last one of the two
+    "curve.trigger",                      // stays at its last point
+    "hysteresis.in", "hysteresis.width",  // where the play was left
+    "sample_hold.trigger",                // the sample held
+    "toggle.trigger", "toggle.reset",
+    "sequence.trigger",  // the place in the list
+    "pitch.in",          // the last pitch that was clear
+    "random_walk.time",  // a sum of all steps
+    // the phase, a sum of all frequencies
+    "sine.frequency", "wavetable.frequency", "phasor.frequency", "phasor.reset", "saw.frequency",
+    "square.frequency", "triangle.frequency", "clock.tempo", "clock.division", "clock.swing", "clock.reset"};
 
 }  // namespace
 

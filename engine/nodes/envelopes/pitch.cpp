@@ -46,9 +46,7 @@ class PitchNode final : public Node {
 };
 
 Result<std::unique_ptr<Node>> make_pitch(const NodeSetup& setup) {
-  const double lowest = *setup.inputs[2].constant, highest = *setup.inputs[3].constant;
-  if (highest < 2 * lowest)
-    return fail(Errc::OutOfRange, {}, "'highest' is less than an octave above 'lowest'", "widen the range");
+  const double lowest = *setup.inputs[2].constant, highest = std::max(2 * lowest, *setup.inputs[3].constant);
   tactus_pitch start{};
   tactus_pitch_start(&start, setup.sample_rate.value, lowest, highest);
   const auto fits = setup.take_memory(2 * index(start.full_frames + start.small_frames));
@@ -74,7 +72,9 @@ NodeType pitch_type() {
       .inputs = {{"in", "any", "signal"},
                  {"clarity", "", "least clarity of a pitch; 1: an exact repetition", 0.85, 0, 1},
                  fixed({"lowest", "Hz", "lowest pitch", 60, 20, 2000}),
-                 fixed({"highest", "Hz", "highest pitch, at least an octave higher", 1000, 40, 8000})},
+                 fixed({"highest", "Hz",
+                        "highest pitch; at least an octave above `lowest`, to which a lower value is raised",
+                        1000, 40, 8000})},
       .outputs = {bounded(0, 1e5, {"out", "Hz", "the last pitch that was clear enough; 0 before the first"}),
                   bounded(0, 1, {"gate", "", "1 while the pitch is clear enough"}),
                   bounded(0, 1, {"clarity", "", "how exactly the signal repeats itself"})},

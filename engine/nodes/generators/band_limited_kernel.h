@@ -30,8 +30,10 @@ static inline tactus_real tactus_spline_tail_integral(tactus_real t) {
 
 /// 2 turns - 1, with a jump of -2 at whole turns. 0 <= turns < 1; `step` turns a frame, 0 to 0.5.
 static inline tactus_real tactus_saw_at(tactus_real turns, tactus_real step) {
-  tactus_real out = 2.0 * turns - 1.0;
-  for (tactus_real past = turns; past < 2.0 * step; past += 1.0) out += 2.0 * tactus_spline_tail(past / step);
+  // At the jump itself it is halfway, also where nothing moves.
+  tactus_real out = turns > 0 ? 2.0 * turns - 1.0 : 0.0;
+  for (tactus_real past = turns > 0 ? turns : 1.0; past < 2.0 * step; past += 1.0)
+    out += 2.0 * tactus_spline_tail(past / step);
   for (tactus_real next = 1.0 - turns; next < 2.0 * step; next += 1.0)
     out -= 2.0 * tactus_spline_tail(next / step);
   return out;

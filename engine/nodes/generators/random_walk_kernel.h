@@ -19,11 +19,12 @@ static inline tactus_real tactus_fold(tactus_real x) {
   return 1.0 - fabs(4.0 * (turns - floor(turns)) - 2.0);
 }
 
-/// The position of this frame; then moves on. `time` in seconds.
+/// The position of this frame; then moves on. `time` in seconds, limited to 1 ms to a day.
 static inline tactus_real tactus_random_walk_step(tactus_random_walk* s, tactus_noise_bits key,
                                                   tactus_noise_bits frame, tactus_real time,
                                                   tactus_real rate) {
   const tactus_real now = s->position;
-  s->position = tactus_fold(now + tactus_noise_gaussian(key, frame) / sqrt(tactus_max(1.0, rate * time)));
+  s->position = tactus_fold(now + tactus_noise_gaussian(key, frame) /
+                                      sqrt(tactus_max(1.0, rate * tactus_clamp(time, 0.001, 86400.0))));
   return now;
 }

@@ -61,11 +61,11 @@ NodeType poly_type() {
           "started longest ago",
       .source = "elementary",
       .example =
-          "keys = { type = \"poly\", pitch = \"note\", on = \"key_down\", off = \"key_up\", voices = 8 }",
+          "keys = { type = \"poly\", pitch = \"key\", note_on = \"down\", note_off = \"up\", voices = 8 }",
       .inputs = {{"pitch", "any",
                   "pitch of the note that starts or ends: a frequency, or the number of a key"},
-                 {"on", "", "trigger that starts a note"},
-                 {"off", "",
+                 {"note_on", "", "trigger that starts a note"},
+                 {"note_off", "",
                   "trigger that ends the note of this pitch; left out: notes end where others take their "
                   "voice",
                   0},

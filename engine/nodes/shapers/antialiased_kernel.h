@@ -48,7 +48,8 @@ typedef struct tactus_shaper {
 static inline tactus_real tactus_shaper_step(tactus_shaper* s, tactus_real in, tactus_real drive,
                                              tactus_real level, tactus_real shape) {
   const tactus_shape kind = (tactus_shape)(int)shape;
-  const tactus_real x = level > 0 ? tactus_clamp(drive * (in / level), -1e9, 1e9) : 0.0;
+  const tactus_real gain = tactus_max(0.0, drive);
+  const tactus_real x = level > 0 ? tactus_clamp(gain * (in / level), -1e9, 1e9) : 0.0;
   const tactus_real before = s->last, change = x - before, integral = tactus_shape_integral(kind, x);
   // Where the difference of the integrals holds too few digits, f in the middle is nearer: its error is
   // change^2 / 24.
@@ -57,5 +58,5 @@ static inline tactus_real tactus_shaper_step(tactus_shaper* s, tactus_real in, t
       near ? tactus_shape_value(kind, before + 0.5 * change) : (integral - s->integral) / change;
   s->last = x;
   s->integral = integral;
-  return level * tactus_clamp(mean, -1.0, 1.0);
+  return tactus_max(0.0, level) * tactus_clamp(mean, -1.0, 1.0);
 }

@@ -433,7 +433,7 @@ TEST_CASE("latency: a terminal that is closed ends it, with exit code 5", "[late
   const Desk desk;
   std::vector<std::string> words{TACTUS_PROGRAM, "latency", command, "--device", "loop:20ms"};
   if (command == "calibrate")
-    for (const auto& word : {std::string{"--save"}, desk.file("path.toml").string(),
+    for (const auto& word : {std::string{"--out"}, desk.file("path.toml").string(),
                              std::string{"--electrical"}, std::string{"1 ms"}})
       words.push_back(word);
   test::TerminalProcess program{words};
@@ -450,7 +450,7 @@ TEST_CASE("latency: a connection at standard input that is closed ends it, with 
   const Desk desk;
   std::vector<std::string> words{TACTUS_PROGRAM, "latency", command, "--device", "loop:20ms"};
   if (command == "calibrate")
-    for (const auto& word : {std::string{"--save"}, desk.file("path.toml").string(),
+    for (const auto& word : {std::string{"--out"}, desk.file("path.toml").string(),
                              std::string{"--electrical"}, std::string{"1 ms"}})
       words.push_back(word);
   test::ChildProcess program{words, test::ChildProcess::Stdout::Logged};

@@ -20,7 +20,8 @@ const std::string kKeyboard =
     "strength = { value = 0, range = [0, 1], midi = \"velocity\" }\n"
     "down = { value = 0, range = [0, 1], midi = \"note_on\" }\n"
     "up = { value = 0, range = [0, 1], midi = \"note_off\" }\n[nodes]\n"
-    "voice = { type = \"poly\", pitch = \"key\", on = \"down\", off = \"up\", level = \"strength\", voices = "
+    "voice = { type = \"poly\", pitch = \"key\", note_on = \"down\", note_off = \"up\", level = "
+    "\"strength\", voices = "
     "3 }\n"
     "[outputs]\nout = { from = \"voice.gate * (voice.pitch + voice.level)\" }\n";
 

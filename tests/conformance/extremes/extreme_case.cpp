@@ -131,17 +131,20 @@ Judgement wrong(std::string reason) { return {Verdict::Wrong, std::move(reason)}
 
 // What a node does at 0 by its declaration, and does not do next to it.
 const std::set<std::string> kJumpsAtZero = {
-    "decay.length",  // 0: never
-    "quantiser.in",  // a step of the staircase
+    "decay.length",                       // 0: never
+    "quantiser.in",                       // a step of the staircase
+    "saw.frequency", "square.frequency",  // they start in the middle of a jump, and go on or not
 };
 
 /// Those that keep times, frequencies or levels of their own by definition: another unit of time is another
 /// thing.
 const std::set<std::string> kOwnTimes = {
-    "onset",                 // bands from 30 Hz to 7 kHz
-    "align",                 // crossfades in 10 ms, periods up to 0.1 s
-    "sample",                // a recording has a rate
-    "modal",  "modal_body",  // decays from 0.1 ms to 10,000 s
+    "onset",                      // bands from 30 Hz to 7 kHz
+    "align",                      // crossfades in 10 ms, periods up to 0.1 s
+    "sample",                     // a recording has a rate
+    "pitch",                      // every 5 ms
+    "random_walk",                // times from 1 ms to a day
+    "modal",       "modal_body",  // decays from 0.1 ms to 10,000 s
 };
 
 /// The reason for a refusal: place, what, and what to do.

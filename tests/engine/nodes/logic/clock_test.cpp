@@ -40,7 +40,7 @@ TEST_CASE("clock: a step of a whole number of frames never comes late", "[nodes]
   for (std::size_t k = 0; k < frames.size(); ++k) CHECK(frames[k] == 1440 * static_cast<int>(k));
 }
 
-TEST_CASE("clock: a reset starts a pair of steps; phase and count follow", "[nodes]") {
+TEST_CASE("clock: a reset starts a pair of steps, phase and count follow", "[nodes]") {
   Samples reset(40);
   reset[25] = 1;
   const auto out = clock(40, {{"tempo", 4800.0}, {"swing", 0.7}, {"reset", reset}});
@@ -59,7 +59,7 @@ TEST_CASE("clock: a change of tempo keeps the part of the beat that has passed",
   CHECK(frames_of(clock(40, {{"tempo", tempo}})[0]) == std::vector{0, 15, 35});
 }
 
-TEST_CASE("sequence: one value at each trigger; a zero is a rest", "[nodes]") {
+TEST_CASE("sequence: one value at each trigger, and a zero is a rest", "[nodes]") {
   const Samples trigger{0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0}, reset{0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0};
   test::NodeRunner runner(test::node_type("sequence"), {{"trigger", trigger}, {"reset", reset}},
                           {{"values", "[3, 0, -1]"}});
@@ -69,7 +69,7 @@ TEST_CASE("sequence: one value at each trigger; a zero is a rest", "[nodes]") {
   CHECK(out[2] == Samples{0, 0, 0, 1, 1, 2, 2, 0, 0, 0, 0});
 }
 
-TEST_CASE("toggle: changes at each trigger; a reset wins", "[nodes]") {
+TEST_CASE("toggle: changes at each trigger, and a reset wins", "[nodes]") {
   CHECK(test::play_node(test::node_type("toggle"), 8,
                         {{"trigger", Samples{1, 0, 1, 0, 1, 1, 0, 1}},
                          {"reset", Samples{0, 0, 0, 0, 0, 1, 0, 0}}}) == Samples{1, 1, 0, 0, 1, 0, 0, 1});

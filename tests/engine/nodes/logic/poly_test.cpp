@@ -17,7 +17,8 @@ std::vector<Samples> play(const std::vector<double>& notes, int voices, const st
   const auto text =
       "format = 1\n[inputs]\nnote = {}\n[nodes]\n"
       "pitch = \"abs(note)\"\n"
-      "keys = { type = \"poly\", pitch = \"pitch\", on = \"note > 0\", off = \"note < 0\", voices = " +
+      "keys = { type = \"poly\", pitch = \"pitch\", note_on = \"note > 0\", note_off = \"note < 0\", voices "
+      "= " +
       std::to_string(voices) + further +
       " }\n[outputs]\nsounding = { from = \"keys.gate * keys.pitch\" }\nstarts = { from = \"keys\" }\n";
   // A pause between two notes, so that each is a rise.
@@ -60,7 +61,8 @@ TEST_CASE("poly: a note that is held already starts again in its voice", "[nodes
 TEST_CASE("poly: a part has as many copies as there are voices", "[nodes]") {
   // Two notes in turn through two strings: as two strings played alone.
   const std::string keys =
-      "keys = { type = \"poly\", pitch = \"select(x > 0.75, 200 Hz, 300 Hz)\", on = \"x\", voices = 2 }\n"
+      "keys = { type = \"poly\", pitch = \"select(x > 0.75, 200 Hz, 300 Hz)\", note_on = \"x\", voices = 2 "
+      "}\n"
       "bell = { type = \"decay\", trigger = \"keys\", time = \"1 ms\" }\n";
   Samples x(200);
   x[10] = 1;
