@@ -129,8 +129,8 @@ class ScenePlotter {
     if (scene_.bench) return;  // the sensors show it
     std::vector<std::pair<std::string, std::vector<Line>>> units;
     for (const auto& signal : recording_.signals) {
-      if (signal.name.starts_with("instrument.") || signal.dimension.plain() ||
-          signal.dimension == Dimension{.second = -1})
+      if (signal.name.starts_with("instrument.") || to_string(signal.dimension).empty() ||
+          is_frequency(signal.dimension))
         continue;
       auto series = trace(short_name(signal.name), signal.name, played_);
       if (is_constant(series)) {
@@ -160,16 +160,22 @@ class ScenePlotter {
     };
     if (const auto found = std::ranges::find_if(candidates_, fits); found != candidates_.end())
       return found->subplot;
-    candidates_.push_back(
-        {Kind::Motion,
-         {.y = {.label = quantity_name(unit), .unit = unit}, .height = unit == "m" ? 2.0 : 0.8},
-         range});
+    candidates_.push_back({Kind::Motion,
+                           {.y = {.label = quantity_name(unit), .unit = unit},
+                            .height = unit == "m" || unit == "rad" ? 2.0 : 0.8},
+                           range});
     return candidates_.back().subplot;
   }
 
   static std::string quantity_name(const std::string& unit) {
-    static const std::map<std::string, std::string> kNames = {
-        {"m", "position"}, {"m/s", "velocity"}, {"N", "force"}, {"V", "voltage"}, {"A", "current"}};
+    static const std::map<std::string, std::string> kNames = {{"m", "position"},
+                                                              {"m/s", "velocity"},
+                                                              {"N", "force"},
+                                                              {"V", "voltage"},
+                                                              {"A", "current"},
+                                                              {"rad", "angle"},
+                                                              {"rad/s", "angular velocity"},
+                                                              {"N m", "torque"}};
     const auto it = kNames.find(unit);
     return it == kNames.end() ? unit : it->second;
   }

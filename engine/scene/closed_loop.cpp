@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/core/index.h"
+
 namespace tactus {
 
 ClosedLoop::ClosedLoop(BlockProcessor& instrument, Player& plant, int instrument_outputs, int delay_frames,
@@ -15,8 +17,12 @@ ClosedLoop::ClosedLoop(BlockProcessor& instrument, Player& plant, int instrument
       sensor_count_(plant.out_channels()),
       drive_count_(instrument_outputs),
       ring_(static_cast<std::size_t>(instrument_outputs)) {
+  for (const auto& channel : plant.plan().channels)
+    if (channel.use != OutputUse::Tap) clips_.push_back(to_string(channel.dimension).empty());
   if (delay_ == 0) plant_.set_outside(*this);
 }
+
+bool ClosedLoop::has_units() const { return std::ranges::find(clips_, 0) != clips_.end(); }
 
 Status ClosedLoop::prepare(Hertz sample_rate, int max_block) {
   block_ = std::min(max_block, std::max(1, delay_));
@@ -66,15 +72,17 @@ void ClosedLoop::process(const BlockIo& io) noexcept {
 }
 
 void ClosedLoop::answer(int frames) noexcept {
-  for (double* const samples : sensors_) convert(samples, frames);
+  for (int c = 0; c < sensors_.size(); ++c) convert(sensors_[c], frames, clips_[index(c)] != 0);
   instrument_.process({sensors_.data(), drives_.data(), frames});
-  for (double* const samples : drives_) convert(samples, frames);
+  for (double* const samples : drives_) convert(samples, frames, true);
 }
 
-void ClosedLoop::convert(double* samples, int frames) const noexcept {
+void ClosedLoop::convert(double* samples, int frames, bool clips) const noexcept {
   if (!converters_.on) return;
-  for (int n = 0; n < frames; ++n)
-    samples[n] = std::clamp(std::nearbyint(samples[n] * steps_), -steps_, steps_ - 1) / steps_;
+  for (int n = 0; n < frames; ++n) {
+    const double steps = std::nearbyint(samples[n] * steps_);
+    samples[n] = (clips ? std::clamp(steps, -steps_, steps_ - 1) : steps) / steps_;
+  }
 }
 
 }  // namespace tactus

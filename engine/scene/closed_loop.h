@@ -17,7 +17,7 @@ namespace tactus {
 /// D is exact: what the instrument answers to the sensors of frame n moves the plant from frame n + D on. It
 /// runs in blocks of min(block, max(1, D)) frames; with D = 0 the plant calls the instrument in the middle of
 /// its frame (its schedule must have been compiled with `closed_outside`). The converters quantise to `bits`
-/// and clip at full scale.
+/// and clip at full scale; sensors with a unit do not clip, because nothing says what their full scale is.
 class ClosedLoop : private BlockProcessor {
  public:
   /// [control] Both must outlive this; the instrument comes guarded, like on any backend.
@@ -37,6 +37,8 @@ class ClosedLoop : private BlockProcessor {
   };
   using Listener = std::function<void(const Block&)>;
 
+  /// [control] Sensors with a unit, whose ends a sensor watch cannot know.
+  bool has_units() const;
   /// [control] Runs `frames` frames; `listener` receives every block.
   void run(int frames, const Listener& listener = {});
 
@@ -44,7 +46,7 @@ class ClosedLoop : private BlockProcessor {
   Status prepare(const StreamFormat&) override { return {}; }
   /// With no delay at all the plant runs first and calls the instrument from within its frame.
   void process(const BlockIo& io) noexcept override;
-  void convert(double* samples, int frames) const noexcept;
+  void convert(double* samples, int frames, bool clips) const noexcept;
   void answer(int frames) noexcept;
   void run_block(int frames) noexcept;
 
@@ -55,6 +57,7 @@ class ClosedLoop : private BlockProcessor {
   double steps_;  ///< quantisation steps from 0 to full scale
   int block_ = 0;
   int sensor_count_, drive_count_;
+  std::vector<char> clips_;  ///< [sensor] 0: it has a unit
   ChannelBuffers sensors_, drives_, delayed_, unused_;
   std::vector<std::vector<double>> ring_;  ///< [drive][frame mod size]
   std::size_t written_ = 0;

@@ -73,6 +73,7 @@ Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int
   Guarded guarded{*built.instrument, guarded_channels(built.instrument->plan(), scene.drives)};
   ClosedLoop loop{guarded, *built.plant, built.instrument->out_channels(), built.delay_frames,
                   scene.converters};
+  if (loop.has_units()) guarded.disable_sensor_watch();
   if (auto status = loop.prepare(recording.sample_rate, block); !status)
     return tl::unexpected(status.error());
   guarded.skip_soft_start();

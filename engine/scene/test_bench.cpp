@@ -30,6 +30,7 @@ struct Motion {
 constexpr Motion kMotions[] = {
     {{.metre = 1}, "10 mm"},
     {{.metre = 1, .second = -1}, "0.1 m/s"},
+    {{.radian = 1}, "30 deg"},
 };
 constexpr const char* kMotionFrequency = "0.5 Hz";
 
@@ -44,7 +45,7 @@ enum class Receives { Strikes, Motion, File, Silence };
 
 Receives received_by(const PortSpec& input, int number, const BenchInputs& inputs) {
   const bool strikes = inputs.kind == Kind::TestSignal || inputs.kind == Kind::Keyboard;
-  if (strikes && input.dimension.plain()) return Receives::Strikes;
+  if (strikes && to_string(input.dimension).empty()) return Receives::Strikes;
   if (inputs.kind == Kind::TestSignal) return Receives::Motion;
   return inputs.kind == Kind::File && number < inputs.channels ? Receives::File : Receives::Silence;
 }

@@ -185,6 +185,7 @@ class LiveWorld final : public Performer, private BlockProcessor {
         loop_(guarded_, *built_.plant, built_.instrument->out_channels(), built_.delay_frames,
               scene_.converters),
         listener_([this](const ClosedLoop::Block& block) { copy_monitor(block); }) {
+    if (loop_.has_units()) guarded_.disable_sensor_watch();
     name = scene_.name;
     input_signals = std::move(read.inputs);
     files = files_of(scene_);

@@ -42,7 +42,8 @@ class Checks {
     check_lanes(expression, node.lanes);
     const auto rule = port_unit(node, port.unit);
     const auto owner = "'" + port.name + "' of " + node.label();
-    if (rule.kind == PortUnit::Kind::Fixed) check_unit_is(expression, rule.dimension, owner);
+    if (rule.kind == PortUnit::Kind::Fixed)
+      check_unit_is(expression, rule.dimension, owner, remedy_of(node, rule));
     if (rule.kind == PortUnit::Kind::Follows && rule.follows >= 0 && node.inputs[index(rule.follows)]) {
       const auto followed = unit(*node.inputs[index(rule.follows)]);
       if (followed.kind == UnitKind::Known)
@@ -60,7 +61,7 @@ class Checks {
     } else if (expression.op == Op::Number && expression.bare && expression.number != 0) {
       const auto taken = short_number(expression.number) + " " + to_string(wanted);
       errors_.warn(Errc::UnitMismatch, expression.at, owner + " has no unit: it counts as " + taken,
-                   "write \"" + taken + "\"");
+                   "write \"" + taken + "\", or the unit that is meant");
     }
   }
 
@@ -205,7 +206,17 @@ class Checks {
                     : "multiply one of them by a quantity that turns its unit into the other's");
   }
 
-  void check_unit_is(const Expression& expression, const Dimension& wanted, const std::string& owner) {
+  /// Of a node that could turn as well: angles come in where positions are expected.
+  static std::string remedy_of(const FlatNode& node, const PortUnit& rule) {
+    const bool can_turn = find_named(node.type->settings, kMotionSetting) != nullptr;
+    if (!can_turn || in_rotation(rule.dimension) == rule.dimension) return {};
+    return std::string{"write "} + kMotionSetting + " = \"" + kRotation +
+           "\" for angles and torques, or give ";
+  }
+
+  /// `before`: the beginning of the remedy.
+  void check_unit_is(const Expression& expression, const Dimension& wanted, const std::string& owner,
+                     const std::string& before = {}) {
     const auto fact = unit(expression);
     if (fact.kind != UnitKind::Known) return;
     if (is_frequency(wanted) && is_angular_velocity(fact.dimension))
@@ -215,7 +226,7 @@ class Checks {
     errors_.add(Errc::UnitMismatch, expression.at,
                 owner + " is " + unit_phrase(wanted) + ", but this is " + unit_phrase(fact.dimension),
                 wanted.plain() ? "divide by a quantity in " + to_string(fact.dimension)
-                               : "give a quantity in " + to_string(wanted));
+                               : (before.empty() ? "give " : before) + "a quantity in " + to_string(wanted));
   }
 
   void check_range(const Expression& expression, const InputPort& port, const PortUnit& rule,

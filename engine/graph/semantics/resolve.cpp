@@ -156,7 +156,6 @@ class Instance {
     flat_.signals.push_back({kind, prefix_ + name, at, index, port, {}, {}, divisor_});
     const int id = static_cast<int>(flat_.signals.size()) - 1;
     scope_.add(name, id);
-    names_.emplace(name, id);
     return id;
   }
 
@@ -429,18 +428,14 @@ class Instance {
     const auto warn = [this](const std::string& what, const EntrySpec& entry, const char* remedy) {
       errors_.warn(Errc::UnknownName, entry.at, what + " '" + entry.name + "' is not used", remedy);
     };
-    const auto is_read = [this](const std::string& name) {
-      const auto id = names_.find(name);
-      return id == names_.end() || scope_.is_read(id->second);
-    };
     for (const auto& input : spec_.inputs)
-      if (!input.broken && is_name(input.name) && !is_read(input.name))
+      if (!input.broken && is_name(input.name) && !scope_.is_read(input.name))
         warn("input", input, "use it in a node or an output, or remove it");
     for (const auto& control : spec_.controls)
-      if (!control.broken && !is_read(control.name))
+      if (!control.broken && !scope_.is_read(control.name))
         warn("control", control, "use it in a node or an output, or remove it");
     for (const auto& node : spec_.nodes)
-      if (node.value ? !is_read(node.name) : is_unread_node(node.name))
+      if (node.value ? !scope_.is_read(node.name) : is_unread_node(node.name))
         warn("node", node, "connect it to an output, or remove it");
   }
 
@@ -488,7 +483,6 @@ class Instance {
   int outer_divisor_, divisor_;  ///< engine frames between two of its user's, and of its own
   PartRate rate_;
   Scope scope_;
-  std::map<std::string, int> names_;  ///< of signals
   std::map<std::string, int> nodes_by_name_;
   std::set<int> compensated_;            ///< nodes that a setting names
   std::map<std::string, int> bindings_;  ///< a part's inputs and controls: their signals

@@ -35,6 +35,11 @@ class Scope {
   Result<int> find(const std::string& name, const Source& at) const;
   /// Whether the signal was found under any of its names.
   bool is_read(int signal) const { return read_.contains(signal); }
+  /// The same of the signal with this name; true if there is none.
+  bool is_read(const std::string& name) const {
+    const auto signal = signals_.find(name);
+    return signal == signals_.end() || is_read(signal->second);
+  }
 
  private:
   static std::string first_word(const std::string& name) { return name.substr(0, name.find('.')); }

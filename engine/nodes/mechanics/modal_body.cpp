@@ -137,7 +137,7 @@ NodeType modal_body_type() {
                   1, 1e-9, 1e9})},
       .outputs = {{"wave", "N", "outgoing force wave"},
                   {"velocity", "m/s", "velocity of the point of contact"},
-                  {"position", "m", "velocity of the point of contact"},
+                  {"position", "m", "position of the point of contact"},
                   {"force", "N", "force on the body"}},
       .silencers = {{"wave"}},
       .settings = mode_settings(

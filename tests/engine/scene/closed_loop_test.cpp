@@ -74,6 +74,21 @@ TEST_CASE("ClosedLoop: the recording is behind the converters at any delay", "[s
   }
 }
 
+TEST_CASE("ClosedLoop: a sensor of full scale clips, and one with a unit does not", "[scene]") {
+  const auto largest = [](const std::string& level, const std::string& unit) {
+    const auto sensor =
+        play(1, 64, {.on = true, .bits = 12},
+             graph("[inputs]\ndrive = {}\n[nodes]\nwave = { type = \"sine\", frequency = \"120 Hz\", "
+                   "level = \"" +
+                   level + "\" }\n[outputs]\nsensor = { from = \"wave\"" + unit + " }\n"))
+            .sensor;
+    return *std::max_element(sensor.begin(), sensor.end());
+  };
+  CHECK(largest("2.5", "") == 2047.0 / 2048);
+  CHECK(largest("2.5 rad", ", unit = \"rad\"") == 2.5);
+  CHECK(largest("2.5 m", ", unit = \"m\"") == 2.5);
+}
+
 TEST_CASE("ClosedLoop: without delay a plant's state closes the loop within the frame", "[scene]") {
   // x[n] = start[n] - 0.5 x[n - 1]: the drive of frame n is the sensor of frame n.
   const auto played = play(0, 64, {.on = false, .bits = 24}, graph(R"([inputs]

@@ -291,7 +291,7 @@ std::vector<PitchPoint> track_notes(std::span<const double> sound, Hertz rate, H
 std::optional<Melody> melody_of(const SceneRecording& recording) {
   const auto* sound = recording.find(signal_of(recording.roles, "monitor"));
   const auto expected = std::ranges::find_if(recording.signals, [](const RecordedSignal& signal) {
-    return signal.dimension == Dimension{.second = -1} && !signal.name.starts_with("instrument.");
+    return is_frequency(signal.dimension) && !signal.name.starts_with("instrument.");
   });
   if (sound == nullptr || expected == recording.signals.end()) return std::nullopt;
   double lowest = kUnlimited, highest = 0;

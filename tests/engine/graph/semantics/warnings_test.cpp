@@ -25,7 +25,9 @@ TEST_CASE("warnings: a number without a unit where one is expected is named with
     return warnings_of(kGraph + "pulse = { type = \"decay\", trigger = \"hit\", time = " + time +
                        " }\n[outputs]\nout = { from = \"gain * pulse\" }\n");
   };
-  CHECK(with("6") == "test.toml:8:51: 'time' of decay 'pulse' has no unit: it counts as 6 s; write \"6 s\"");
+  CHECK(with("6") ==
+        "test.toml:8:51: 'time' of decay 'pulse' has no unit: it counts as 6 s; write \"6 s\", or the unit "
+        "that is meant");
   CHECK(with("\"6\"").find("counts as 6 s") != std::string::npos);
   CHECK(with("[1, \"2 ms\"]").find("counts as 1 s") != std::string::npos);
   CHECK(with("\"6 ms\"") == "");
