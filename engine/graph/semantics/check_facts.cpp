@@ -17,6 +17,8 @@ std::string quoted(const Operator& type) { return "'" + std::string{type.name} +
 
 bool is_even(double exponent) { return std::round(exponent / 2) * 2 == exponent; }
 
+constexpr const char* kOrTurn = ", or write motion = \"rotation\" for angles and torques";
+
 class Checks {
   using Op = Expression::Op;
   using UnitKind = UnitFact::Kind;
@@ -43,7 +45,7 @@ class Checks {
     const auto rule = port_unit(node, port.unit);
     const auto owner = "'" + port.name + "' of " + node.label();
     if (rule.kind == PortUnit::Kind::Fixed)
-      check_unit_is(expression, rule.dimension, owner, remedy_of(node, rule));
+      check_unit_is(expression, rule.dimension, owner, would_turn(node, rule, unit(expression)));
     if (rule.kind == PortUnit::Kind::Follows && rule.follows >= 0 && node.inputs[index(rule.follows)]) {
       const auto followed = unit(*node.inputs[index(rule.follows)]);
       if (followed.kind == UnitKind::Known)
@@ -206,17 +208,15 @@ class Checks {
                     : "multiply one of them by a quantity that turns its unit into the other's");
   }
 
-  /// Of a node that could turn as well: angles come in where positions are expected.
-  static std::string remedy_of(const FlatNode& node, const PortUnit& rule) {
-    const bool can_turn = find_named(node.type->settings, kMotionSetting) != nullptr;
-    if (!can_turn || in_rotation(rule.dimension) == rule.dimension) return {};
-    return std::string{"write "} + kMotionSetting + " = \"" + kRotation +
-           "\" for angles and torques, or give ";
+  /// Of a node that could turn as well: where an angle or a torque comes in.
+  static bool would_turn(const FlatNode& node, const PortUnit& rule, const UnitFact& fact) {
+    return find_named(node.type->settings, kMotionSetting) != nullptr && fact.kind == UnitKind::Known &&
+           to_string(fact.dimension) == to_string(in_rotation(rule.dimension));
   }
 
-  /// `before`: the beginning of the remedy.
+  /// `turns`: what is given fits a node that turns.
   void check_unit_is(const Expression& expression, const Dimension& wanted, const std::string& owner,
-                     const std::string& before = {}) {
+                     bool turns = false) {
     const auto fact = unit(expression);
     if (fact.kind != UnitKind::Known) return;
     if (is_frequency(wanted) && is_angular_velocity(fact.dimension))
@@ -226,7 +226,7 @@ class Checks {
     errors_.add(Errc::UnitMismatch, expression.at,
                 owner + " is " + unit_phrase(wanted) + ", but this is " + unit_phrase(fact.dimension),
                 wanted.plain() ? "divide by a quantity in " + to_string(fact.dimension)
-                               : (before.empty() ? "give " : before) + "a quantity in " + to_string(wanted));
+                               : "give a quantity in " + to_string(wanted) + (turns ? kOrTurn : ""));
   }
 
   void check_range(const Expression& expression, const InputPort& port, const PortUnit& rule,
