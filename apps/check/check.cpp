@@ -13,6 +13,7 @@
 #include "apps/cli/warnings.h"
 #include "engine/core/decibels.h"
 #include "engine/core/index.h"
+#include "engine/core/port_name.h"
 #include "engine/core/prefixed.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/nodes/networks/solver_names.h"
@@ -355,8 +356,7 @@ std::vector<std::string> highpass_lines(const CheckJob& job, const StabilityVerd
     for (const auto& stiff : regime.stiff) held.insert("'" + stiff.path + "'");
   // Where the plant is not known: an output that answers a slow motion most.
   for (const auto& pair : verdict.open) {
-    const auto highpass =
-        job.options.world.output_highpass.find(pair.output.substr(0, pair.output.find('[')));
+    const auto highpass = job.options.world.output_highpass.find(port_of(pair.output));
     if (highpass != job.options.world.output_highpass.end() && pair.peak_hz < highpass->second.value)
       held.insert(fmt::format("'{}' (from '{}')", pair.output, pair.input));
   }

@@ -104,12 +104,11 @@ Json entry_json(const ElementType& element) {
 [[noreturn]] void exit_unknown(const NodeTable& table, const std::string& name) {
   std::vector<std::string> names = {"network"};
   for (const auto* type : table.types) names.push_back(type->name);
-  const auto near = nearest_name(name, names), other = table.other_name(name);
+  const auto other = table.other_name(name);
   exit_with({Errc::UnknownName, "", "there is no node type '" + name + "'",
              find_element(name) ? "it is an element of networks, see `tactus nodes network`"
              : !other.empty()   ? other
-             : near.empty()     ? "`tactus nodes` lists them all"
-                                : "did you mean '" + near + "'?"});
+                                : suggest(name, names, "`tactus nodes` lists them all")});
 }
 
 std::string json_text(const NodeTable& table, const std::string& name) {

@@ -7,6 +7,7 @@
 
 #include "engine/core/index.h"
 #include "engine/core/named.h"
+#include "engine/core/port_name.h"
 #include "engine/graph/file/read_graph.h"
 
 namespace tactus {
@@ -156,9 +157,6 @@ NodeSpec resting(const PortSpec& input) {
   node.value = input.lanes == 1 ? zero : Value{Value::List(index(input.lanes), zero), input.at};
   return node;
 }
-
-/// "strings[2]" is lane 2 of "strings".
-std::string port_of(const std::string& channel) { return channel.substr(0, channel.find('[')); }
 
 }  // namespace
 

@@ -9,6 +9,7 @@
 
 #include "engine/core/index.h"
 #include "engine/core/named.h"
+#include "engine/core/port_name.h"
 #include "engine/graph/file/error_list.h"
 #include "engine/graph/file/quantity.h"
 
@@ -136,7 +137,7 @@ LimitOrigin* origin_of(GuardedChannel& channel, const char* limit) {
 }
 
 bool is_lane_of(const std::string& channel, const std::string& output) {
-  return channel == output || channel.substr(0, channel.find('[')) == output;
+  return channel == output || port_of(channel) == output;
 }
 
 bool concerns(const LimitRaise& raise, const LimitedOutput& output) {
@@ -201,7 +202,7 @@ std::string limit_text(const std::string& limit, double value) {
 
 GuardedChannel LimitBook::raised(const LimitedOutput& output, std::size_t raise_count) const {
   auto found = named.find(output.name);
-  if (found == named.end()) found = named.find(output.name.substr(0, output.name.find('[')));
+  if (found == named.end()) found = named.find(port_of(output.name));
   auto sources = found == named.end() ? std::vector<LimitSource>{} : found->second;
   const bool drive = output.use == OutputUse::Drive;
   if (drive) sources.insert(sources.end(), drives.begin(), drives.end());

@@ -281,7 +281,8 @@ class SceneBuilder {
     if (compiled == nullptr) return;
     built_.plant_taps = taps_of(*compiled, "");
     check_expected_pitch(scene_, built_.plant_taps, errors_);
-    // Gestures are read by controls, measures and plots, too; nobody has written a test bench.
+    // A gesture may be used by a control, a measure or a plot alone, and no user writes the files of a test
+    // bench.
     std::erase_if(compiled->warnings, [this](const Error& warning) {
       return scene_.bench ||
              (warning.code == Errc::UnknownName && warning.where.starts_with(*world_.file.file + ":"));

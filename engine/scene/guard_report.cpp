@@ -6,6 +6,7 @@
 #include <array>
 
 #include "engine/core/named.h"
+#include "engine/core/port_name.h"
 
 namespace tactus {
 namespace {
@@ -133,7 +134,7 @@ std::vector<std::string> sound_names(const Plan& schedule, const std::vector<Rol
     if (channel.use != OutputUse::Audio) continue;
     names.push_back(channel.name);
     // Lanes are called name[1], name[2], ...
-    if (channel.name.substr(0, channel.name.find('[')) == monitor) monitors.push_back(channel.name);
+    if (port_of(channel.name) == monitor) monitors.push_back(channel.name);
   }
   return monitors.empty() ? names : monitors;
 }

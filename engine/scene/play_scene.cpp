@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "engine/core/named.h"
+#include "engine/core/port_name.h"
 #include "engine/scene/closed_loop.h"
 
 namespace tactus {
@@ -13,7 +14,7 @@ namespace {
 Dimension unit_of_input(const SceneSpec& scene, const std::string& name) {
   const auto* part = scene.part("instrument");
   if (part == nullptr || part->graph == nullptr) return {};
-  const auto* input = find_named(part->graph->inputs, name.substr(0, name.find('[')));
+  const auto* input = find_named(part->graph->inputs, port_of(name));
   return input == nullptr ? Dimension{} : input->dimension;
 }
 

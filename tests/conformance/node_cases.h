@@ -30,7 +30,8 @@ std::map<std::string, Interval> typical_ranges(const NodeType& type);
 
 /// Settings of a type with each choice and each flag in turn, by label. A setting that must be given takes
 /// the value of the type's example line, or that of the table in node_cases_test.cpp; without either it is
-/// reported by `missing_example`. `motion` is left out: it changes units, and no number (rotation_test.cpp).
+/// reported by `missing_example`. `motion` is left out: it changes units and no
+/// numbers (rotation_test.cpp).
 std::map<std::string, std::map<std::string, std::string>> setting_variants(const NodeType& type);
 /// The value behind "name = " in a line of a graph file; nullopt if it is not there.
 std::optional<std::string> from_example(const std::string& line, const std::string& name);

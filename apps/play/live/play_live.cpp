@@ -87,7 +87,8 @@ class LivePlay {
         printer_(printer),
         options_(options),
         midi_map_(plan.rig ? plan.rig->midi : std::vector<RigMidi>{}) {
-    if (!midi_map_.bindings().empty() || !options.midi.empty() || plays_notes()) open_midi();
+    follow_notes();
+    if (!midi_map_.bindings().empty() || !options.midi.empty() || notes_.any()) open_midi();
   }
 
   /// `duration`: 0: until it is ended. Returns the exit code.
@@ -129,8 +130,10 @@ class LivePlay {
 
   void follow_midi() {
     for (const auto& message : midi_->news()) print(message);
-    follow_notes();
-    for (const auto& event : midi_->poll()) {
+    const auto events = midi_->poll();
+    if (!events.empty()) follow_notes();
+    if (const auto frame = player().frame(); frame < std::exchange(last_frame_, frame)) notes_.restart();
+    for (const auto& event : events) {
       notes_.play(event.message, first_free_frame());
       for (const auto& move : midi_map_.handle(event))
         if (!controls_.turn(move.control, move.position) && refused_.insert(move.control).second)
@@ -143,7 +146,7 @@ class LivePlay {
 
   Player& player() { return plan_.performer->instrument(); }
 
-  /// The controls that follow notes may have changed with the file, and the frames with the device.
+  /// Which controls follow notes may have changed with the file.
   void follow_notes() {
     std::vector<MidiNotes::Follower> followers;
     for (const auto& planned : player().plan().controls)
@@ -151,16 +154,10 @@ class LivePlay {
         followers.push_back(
             {planned.control.midi, player().control_index(planned.control.name), planned.control.range});
     notes_.follow(std::move(followers));
-    if (const auto frame = player().frame(); frame < std::exchange(last_frame_, frame)) notes_.restart();
   }
   /// Not before the end of the block after the one that may be in work.
   std::int64_t first_free_frame() {
     return player().frame() + 2 * std::int64_t{session_.granted().format.max_frames};
-  }
-  bool plays_notes() {
-    const auto& controls = player().plan().controls;
-    return std::ranges::any_of(controls,
-                               [](const auto& planned) { return planned.control.midi != MidiRole::None; });
   }
 
   void draw() {

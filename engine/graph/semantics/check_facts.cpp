@@ -191,9 +191,9 @@ class Checks {
   void check_agrees(const Expression& expression, const Expression& first, Expression::Op op) {
     const auto a = unit(first).dimension;
     const auto b = unit(expression).dimension;
-    const bool turns = is_frequency(a) && is_angular_velocity(b),
-               radians = is_angular_velocity(a) && is_frequency(b);
-    if (a == b && !turns && !radians) return;
+    const bool by_two_pi =
+        (is_frequency(a) && is_angular_velocity(b)) || (is_angular_velocity(a) && is_frequency(b));
+    if (a == b && !by_two_pi) return;
     const std::string meets = op == Op::Add                   ? "is added to"
                               : op == Op::Subtract            ? "is taken from"
                               : op == Op::Lanes               ? "is in a list with"
@@ -202,7 +202,7 @@ class Checks {
                                                               : "is compared with";
     errors_.add(Errc::UnitMismatch, expression.at,
                 "this is " + unit_phrase(b) + ", but it " + meets + " what is " + unit_phrase(a),
-                turns || radians ? "multiply what is in Hz by (2 * pi * 1 rad)"
+                by_two_pi ? "multiply what is in Hz by (2 * pi * 1 rad)"
                 : op == Op::Lanes || op == Op::Spread
                     ? "give both the same unit"
                     : "multiply one of them by a quantity that turns its unit into the other's");

@@ -123,7 +123,8 @@ class Inference {
     return rule.dimension.plain() ? followed : product(followed, UnitFact::known(rule.dimension), false);
   }
 
-  // ---- numbers in rad/s where Hz is wanted, and the other way round
+  // ---- quantities: from rad/s to Hz where a frequency is expected, from Hz to rad/s where an angular
+  // velocity is
 
   void convert_angles() {
     for (auto& node : graph_.nodes)

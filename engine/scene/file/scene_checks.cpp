@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "engine/core/named.h"
+#include "engine/core/port_name.h"
 #include "engine/scene/measures/measure.h"
 
 namespace tactus {
@@ -53,7 +54,7 @@ class SceneChecker {
   /// "plant.string[2]" is a lane of "plant.string", and "instrument.hit" the first output of that node.
   /// `measure`: what needs the signal, if the scene does not name it there.
   void check_signal(const std::string& signal, const Source& at, const std::string& measure = {}) {
-    const auto whole = signal.substr(0, signal.find('['));
+    const auto whole = port_of(signal);
     const auto is_meant = [&](const std::string& name) {
       return name == whole || name.starts_with(whole + ".");
     };

@@ -8,6 +8,7 @@
 
 #include "engine/core/dimension.h"
 #include "engine/core/index.h"
+#include "engine/core/port_name.h"
 #include "engine/graph/file/load.h"
 #include "engine/nodes/networks/network_elements.h"
 #include "engine/scene/guard_report.h"
@@ -148,9 +149,6 @@ std::string axis_text(const DeviceAxis& axis, const std::vector<Drive>& drives,
       axis.square_radius * device.damping, axis.damping_unit, push);
 }
 
-/// "woofer" of "woofer[1]".
-std::string port_name(const std::string& channel) { return channel.substr(0, channel.find('[')); }
-
 /// The assumed device as a graph: forces and torques act on it behind the card's high-passes, its positions
 /// and velocities are the sensors; other channels stay open.
 std::string device_text(const Plan& instrument, const std::vector<Dimension>& sensors,
@@ -161,7 +159,7 @@ std::string device_text(const Plan& instrument, const std::vector<Dimension>& se
     if (channel.use == OutputUse::Tap) continue;
     const auto name = fmt::format("d{}", drives.size());
     inputs += fmt::format("{} = {{ unit = \"{}\" }}\n", name, to_string(channel.dimension));
-    const auto highpass = options.output_highpass.find(port_name(channel.name));
+    const auto highpass = options.output_highpass.find(port_of(channel.name));
     const bool coupled = highpass != options.output_highpass.end();
     if (coupled)
       nodes += fmt::format("h{0} = {{ type = \"one_pole\", in = \"{0}\", cutoff = \"{1:.17g} Hz\" }}\n", name,
