@@ -23,12 +23,13 @@ bool among(const std::vector<int>& signals, int signal) {
 void find_growth(const LoopScan& scan, int cut, LoopVerdict& loop) {
   const double border = loop.margin.border;
   if (!std::isfinite(border) || border <= 0) return;
-  const auto growth = [&](double factor) {
-    const auto root = scan.root_near(loop.margin.border_hz, cut, factor * border);
-    return root ? root->growth_per_s : 0;
+  const auto root_at = [&](double factor) {
+    return scan.root_near(loop.margin.border_hz, cut, factor * border).value_or(LoopRoot{});
   };
-  loop.growth_below = growth(0.98);
-  loop.growth_above = growth(1.02);
+  loop.growth_below = root_at(0.98).growth_per_s;
+  const auto above = root_at(1.02);
+  loop.growth_above = above.growth_per_s;
+  loop.growing_hz = above.frequency_hz;
 }
 
 /// Only if the whole force goes through one drive, the force on the device is known.

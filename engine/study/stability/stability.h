@@ -51,13 +51,15 @@ struct LoopVerdict {
   bool integrates() const { return margin.border_hz == 0 && margin.border >= 1 && margin.border < 1 + 1e-6; }
   /// Of the root that crosses, a fiftieth below and above the border [1/s].
   double growth_below = 0, growth_above = 0;
+  double growing_hz = 0;  ///< of that root above it
 };
 
 /// A force that depends on a position: its stiffness, and the limits of it.
 struct StiffVerdict : StiffPlace {
-  double stable_up_to = 0;  ///< [N/m]; infinite: any
+  double stable_up_to = 0;  ///< as `stiffness`; infinite: any
   double border_hz = 0;
-  std::optional<double> passive_up_to;  ///< [N/m]; nullopt unless the device is driven by one drive alone
+  std::optional<double>
+      passive_up_to;  ///< as `stiffness`; nullopt unless the device is driven by one drive alone
 };
 
 /// The stability at one operating point.

@@ -4,9 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
+#include <span>
 
 #include "engine/core/channels.h"
+#include "engine/core/index.h"
+#include "engine/core/units.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/guard/guarded.h"
 #include "engine/nodes/networks/network.h"
@@ -136,9 +140,11 @@ ExtremeRun run_guarded(const StabilitySubject& subject, BuiltScene& built, Extre
   return run;
 }
 
+using Sensors = std::vector<std::vector<double>>;
+
 /// The signals of the sensors after a push.
-std::vector<double> sensors_after(double push, const StabilitySubject& subject, ExtremeRun& run) {
-  std::vector<double> samples;
+Sensors sensors_after(double push, const StabilitySubject& subject, ExtremeRun& run) {
+  Sensors samples;
   auto built = build_world(subject, run.world);
   if (!built) return samples;
   Disturbed disturbed{*built->instrument, run};
@@ -147,30 +153,61 @@ std::vector<double> sensors_after(double push, const StabilitySubject& subject, 
       disturbed, *built->plant, built->instrument->out_channels(), built->delay_frames, {.on = false}};
   if (!loop.prepare(run.rate, kExtremesBlock)) return samples;
   loop.run(static_cast<int>(run.seconds * run.rate.value), [&](const ClosedLoop::Block& block) {
-    for (const auto* sensor : block.sensors) samples.insert(samples.end(), sensor, sensor + block.frames);
+    samples.resize(index(block.sensors.size()));
+    for (int c = 0; c < block.sensors.size(); ++c)
+      samples[index(c)].insert(samples[index(c)].end(), block.sensors[c], block.sensors[c] + block.frames);
   });
   run.finite = run.finite && disturbed.finite();
   return samples;
+}
+
+/// Amplitude at a frequency in a quarter of a signal, under a Hann window: what decays beside it does not
+/// count.
+double amplitude_in_quarter(int quarter, std::span<const double> signal, double hertz, Hertz rate) {
+  const auto part = signal.subspan(signal.size() / 4 * index(quarter), signal.size() / 4);
+  const double frames = static_cast<double>(part.size()), turn = 2 * kPi * hertz / rate.value;
+  std::complex<double> sum = 0;
+  for (double n = 0; const double x : part) {
+    sum += x * (1 - std::cos(2 * kPi * n / frames)) * std::polar(1.0, -turn * n);
+    ++n;
+  }
+  return std::abs(sum) * 2 / frames;
 }
 
 /// The response to a small push at the start: sensors with it minus sensors without it.
 ExtremeRun run_linear(const StabilitySubject& subject, ExtremeRun run) {
   const auto still = sensors_after(0.0, subject, run);
   const auto moved_by = [&](double push) {
-    const auto pushed = sensors_after(push, subject, run);
-    Quarters moved;
-    for (std::size_t n = 0; n < pushed.size(); ++n)
-      moved.add(static_cast<double>(n) / static_cast<double>(pushed.size()), pushed[n] - still[n]);
+    auto moved = sensors_after(push, subject, run);
+    for (std::size_t c = 0; c < moved.size(); ++c)
+      for (std::size_t n = 0; n < moved[c].size(); ++n) moved[c][n] -= still[c][n];
     return moved;
   };
-  Quarters moved;
+  const auto quarters_of = [](const Sensors& moved) {
+    Quarters quarters;
+    for (const auto& signal : moved)
+      for (std::size_t n = 0; n < signal.size(); ++n)
+        quarters.add(static_cast<double>(n) / static_cast<double>(signal.size()), signal[n]);
+    return quarters;
+  };
+  Sensors moved;
+  Quarters quarters;
   for (const double push : kPushes) {
     moved = moved_by(push);
-    const double whole = moved.largest[1], half = moved_by(0.5 * push).largest[1];
+    quarters = quarters_of(moved);
+    const double whole = quarters.largest[1], half = quarters_of(moved_by(0.5 * push)).largest[1];
     if (whole > 0.0 && std::abs(whole - 2.0 * half) < kProportional * whole) break;
   }
-  run.energy_before = moved.largest[1];
-  run.energy_after = moved.largest[3];
+  run.energy_before = quarters.largest[1];
+  run.energy_after = quarters.largest[3];
+  run.grew = run.energy_after > run.energy_before;
+  if (run.grew || run.growing_hz == 0) return run;
+  // Slowly growing roots stay below others of the loop that decay, for longer than the run lasts.
+  run.energy_before = run.energy_after = 0;
+  for (const auto& signal : moved) {
+    run.energy_before += amplitude_in_quarter(1, signal, run.growing_hz, run.rate);
+    run.energy_after += amplitude_in_quarter(3, signal, run.growing_hz, run.rate);
+  }
   run.grew = run.energy_after > run.energy_before;
   return run;
 }
@@ -253,6 +290,7 @@ std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityV
          .drive_gain = (above ? 1.02 : 0.98) * loop->margin.border,
          .linear = true,
          .push_s = 0.1 / loop->margin.border_hz,
+         .growing_hz = above ? loop->growing_hz : 0,
          .expected = !above,
          .elsewhere = true});
   }

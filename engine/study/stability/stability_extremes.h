@@ -29,6 +29,7 @@ struct ExtremePlan {
   double drive_gain = 1;     ///< on every drive
   bool linear = false;       ///< one push at the start, no guard, no converters: to see which side it is on
   double push_s = 0;         ///< of linear runs: how long the push lasts, a frame at least
+  double growing_hz = 0;     ///< of linear runs: of the root that is predicted to grow; 0: none is
   bool expected = true;      ///< false: predicted to grow
   std::string control = {};  ///< which one is at the end of its range
   bool elsewhere = false;    ///< at another rate, delay or control than requested
@@ -39,8 +40,9 @@ struct ExtremePlan {
 constexpr double kExploded = 1e6;
 constexpr double kGrown = 1e3;
 
-/// One run of the engine and its result. Of a linear run before and after are the largest change of a sensor,
-/// not energies.
+/// One run of the engine and its result. Of a linear run before and after are not energies, but the largest
+/// change of a sensor in the second and the last quarter; of one that is predicted to grow, its part at the
+/// growing root.
 struct ExtremeRun : ExtremePlan {
   Hertz rate = {};
   double delay_s = 0;

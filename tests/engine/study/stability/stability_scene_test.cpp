@@ -1,11 +1,12 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
 
 #include "engine/nodes/table.h"
-#include "engine/study/stability/stability.h"
+#include "engine/study/stability/stability_check.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace tactus;
@@ -61,6 +62,48 @@ const RegimeVerdict* find_regime(const StabilityVerdict& verdict, std::string_vi
 }
 
 }  // namespace
+
+// A string at 110 Hz whose second partial is the first to grow, by 0.5 % a second 2 % above the border; the
+// others decay as slowly.
+TEST_CASE("stability: a partial that grows below others that decay is found in the run", "[analysis]") {
+  const test::TemporaryFolder folder;
+  folder.write("instrument.toml", R"(format = 1
+[inputs]
+piezo = { unit = "full scale" }
+[nodes]
+clean  = { type = "dc_blocker", in = "piezo", cutoff = "30 Hz" }
+string = { type = "string", in = "0.25 * clean", pitch = "110 Hz", gain = 0.996, loss = 0.3 }
+felt   = { type = "high_pass", in = "string", cutoff = "40 Hz" }
+[outputs]
+shaker = { from = "0.3 * felt" }
+)");
+  folder.write("plant.toml", R"(format = 1
+[inputs]
+drive = { unit = "full scale" }
+[outputs]
+piezo = { from = "0.02 * drive" }
+)");
+  folder.write("scene.toml", R"(format = 1
+delay = "5 ms"
+duration = "1 s"
+[parts]
+instrument = { use = "instrument.toml", piezo = "plant.piezo" }
+plant = { use = "plant.toml", drive = "instrument.shaker" }
+)");
+  const auto scene = load_scene_leniently(folder.path() / "scene.toml");
+  StabilityOptions options;
+  options.world.delay = scene.scene->delay;
+  const auto report = check_stability({&scene, nullptr, &standard_nodes()}, options, false);
+  REQUIRE(report);
+  CHECK(report->stability() == Stability::Stable);
+  const auto above = std::ranges::find(report->runs, false, &ExtremeRun::expected);
+  REQUIRE(above != report->runs.end());
+  CHECK(above->grew);
+  // From the second to the last quarter the mode grows for half of the run.
+  const auto& loop = report->verdict.regimes.front().loops.front();
+  CHECK(std::log(above->energy_after / above->energy_before) ==
+        Approx(loop.growth_above * above->seconds / 2).epsilon(0.05));
+}
 
 // The coil turns the volt of the spring into Bl / R = 0.5 N, and brakes by Bl^2 / R = 1 N s/m.
 TEST_CASE("stability: a scene is judged with its own plant, ring and coil", "[analysis]") {
