@@ -177,9 +177,9 @@ void print_regimes(const StabilityVerdict& verdict) {
                        prefixed(loop.margin.border_hz, "Hz"), decibels(loop.margin.peak),
                        prefixed(loop.margin.more_delay_s, "s"), yes(loop.wave_port), yes(loop.integrates())});
     for (const auto& one : regime.stiff)
-      stiff.push_back({regime.name, yes(regime.held), one.path, prefixed(one.stiffness, "N/m"),
-                       prefixed(one.stable_up_to, "N/m"),
-                       one.passive_up_to ? prefixed(*one.passive_up_to, "N/m") : "-"});
+      stiff.push_back({regime.name, yes(regime.held), one.path, one.with_unit(one.stiffness),
+                       one.with_unit(one.stable_up_to),
+                       one.passive_up_to ? one.with_unit(*one.passive_up_to) : "-"});
   }
   print_table(loops);
   print_table(stiff);

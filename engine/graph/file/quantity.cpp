@@ -42,10 +42,10 @@ std::string short_number(double number) {
 
 std::string short_quantity(double si, const Dimension& dimension) {
   // From small to large; the first of a dimension serves whatever is smaller.
-  static constexpr std::array kUnits = {"us", "ms", "s",  "um", "mm",   "m",    "mg",   "g",    "kg",
-                                        "mN", "N",  "kN", "Hz", "kHz",  "mJ",   "J",    "mW",   "W",
-                                        "mA", "A",  "mV", "V",  "ohm",  "kohm", "Mohm", "uH",   "mH",
-                                        "H",  "nF", "uF", "F",  "uN m", "mN m", "N m",  "rad/s"};
+  static constexpr std::array kUnits = {
+      "us",  "ms", "s",  "um", "mm", "m",    "mg",   "g",   "kg",       "mN",      "N",    "kN",   "Hz",
+      "kHz", "mJ", "J",  "mW", "W",  "mA",   "A",    "mV",  "V",        "ohm",     "kohm", "Mohm", "uH",
+      "mH",  "H",  "nF", "uF", "F",  "uN m", "mN m", "N m", "mN m/rad", "N m/rad", "rad/s"};
   // A torque is no energy, and an angular velocity no frequency; an arc with radians left in it is a length.
   for (const bool strictly : {true, false}) {
     std::string text;

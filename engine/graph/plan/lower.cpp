@@ -125,7 +125,8 @@ class Lowering {
                       .outputs = static_cast<int>(node.outputs.size()),
                       .path = lane_path(node.path, lane, node.lanes),
                       .at = node.at,
-                      .type = node.type};
+                      .type = node.type,
+                      .turns = turns(node)};
         set_lane(vertex, &node, lane, node.lanes);
         const auto wire = add(std::move(vertex));
         for (std::size_t port = 0; port < node.outputs.size(); ++port)

@@ -65,6 +65,7 @@ struct Vertex {
   std::vector<std::string> also = {};  ///< paths of equal nodes that it runs for
 
   std::shared_ptr<const NodeType> type = {};  ///< Node; keeps network declarations alive
+  bool turns = false;                         ///< Node: see `turns`
   std::shared_ptr<Node> node = {};            ///< what runs it, until the plan takes it over (Plan::nodes)
   std::uint64_t fingerprint = 0;              ///< of all that `node` was made from
 

@@ -117,8 +117,7 @@ NodeSetup setup_of(const FlatNode& node, Hertz sample_rate, int lane) {
   return {Hertz{sample_rate.value / node.divisor}, node.type.get(), {}, node.settings, lane, node.lanes};
 }
 
-/// A network says itself that it turns, a node by its setting.
-static bool turns(const FlatNode& node) {
+bool turns(const FlatNode& node) {
   if (node.type->turns) return true;
   for (std::size_t i = 0; i < node.settings.size(); ++i)
     if (node.type->settings[i].name == kMotionSetting) return node.settings[i].text == kRotation;

@@ -50,6 +50,8 @@ struct PortUnit {
   Dimension dimension;
   int follows = -1;  ///< input port
 };
+/// Whether it moves in rotation: a network says so itself, a node by `kMotionSetting`.
+bool turns(const FlatNode& node);
 PortUnit port_unit(const FlatNode& node, const std::string& declared);
 
 /// Works out and checks the unit, the number of lanes and the range of every signal, loops included, and

@@ -286,15 +286,15 @@ class PlanReader {
       return;
     } else if (type != nullptr && is_spring(*type, index(input), index(output))) {
       if (response->real() > 0 && restores) return graph_.unstable_equilibria.push_back(edge.path);
-      return add_stiff(edge, type->name, -response->real());
+      return add_stiff(edge, from, -response->real());
     }
     graph_.edges.push_back(std::move(edge));
   }
 
   /// A signal of its own between position and force, where the stiffness can be scaled.
-  void add_stiff(LinearEdge edge, const std::string& type, double stiffness) {
+  void add_stiff(LinearEdge edge, const Vertex& spring, double stiffness) {
     const int between = graph_.add_signal(edge.path, graph_.divisors[index(edge.to)]);
-    graph_.stiff.push_back({between, edge.path, type, stiffness});
+    graph_.stiff.push_back({between, edge.path, spring.type->name, stiffness, spring.turns});
     graph_.join(between, edge.to);
     edge.to = between;
     graph_.edges.push_back(std::move(edge));

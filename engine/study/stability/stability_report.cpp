@@ -12,8 +12,8 @@
 namespace tactus {
 namespace {
 
-std::string newtons_per_metre(double stiffness) {
-  return std::isfinite(stiffness) ? prefixed(std::abs(stiffness), "N/m") : "any stiffness";
+std::string stiffness_text(const StiffVerdict& stiff, double stiffness) {
+  return std::isfinite(stiffness) ? stiff.with_unit(std::abs(stiffness)) : "any stiffness";
 }
 
 /// Where one change has the largest effect: in a stable system the place with the least margin, else the one
@@ -152,7 +152,7 @@ class Report {
     if (stiff != nullptr)
       add("most critical: {} '{}' ({}), which {} {} and is stable up to {}", stiff->type, stiff->path,
           regime->name, stiff->stiffness < 0 ? "pushes away with" : "has",
-          newtons_per_metre(stiff->stiffness), newtons_per_metre(stiff->stable_up_to));
+          stiffness_text(*stiff, stiff->stiffness), stiffness_text(*stiff, stiff->stable_up_to));
     else if (loop != nullptr)
       add("most critical ({}): the loop {}, unstable above {:.3g} times its gain", regime->name,
           fmt::join(loop->way, " -> "), border);
@@ -165,10 +165,10 @@ class Report {
         for (const auto& stiff : regime.stiff)
           if (!regime.held && !regime.is_stable())
             remedies.push_back(fmt::format("give '{}' less than its {} (it increases together with others)",
-                                           stiff.path, newtons_per_metre(stiff.stiffness)));
+                                           stiff.path, stiffness_text(stiff, stiff.stiffness)));
     if (critical_.stiff != nullptr)
       remedies.push_back(fmt::format("give '{}' less than {}", critical_.stiff->path,
-                                     newtons_per_metre(critical_.stiff->stable_up_to)));
+                                     stiffness_text(*critical_.stiff, critical_.stiff->stable_up_to)));
     if (critical_.loop != nullptr)
       remedies.push_back(fmt::format("use less than {:.3g} times the gain", critical_.border));
     for (const auto& control : verdict_.controls)
@@ -214,9 +214,9 @@ class Report {
       }
     for (const auto* stiff : least) {
       add("held by a fingertip, '{}' is stable up to {}", stiff->path,
-          newtons_per_metre(stiff->stable_up_to));
+          stiffness_text(*stiff, stiff->stable_up_to));
       if (stiff->passive_up_to)
-        lines_.back() += ", and is passive up to " + newtons_per_metre(*stiff->passive_up_to);
+        lines_.back() += ", and is passive up to " + stiffness_text(*stiff, *stiff->passive_up_to);
     }
   }
 

@@ -97,7 +97,7 @@ struct DeviceAxis {
 };
 const DeviceAxis kDeviceAxes[] = {
     {"device", kTranslation, "kg", "N s/m", {1, 1, -2}, {1}, {1, 0, -1}, 1},
-    {"rotor", kRotation, "kg m^2", "N m s/rad", {2, 1, -2}, {0, 0, 0, 0, 1}, {0, 0, -1, 0, 1}, 1e-4},
+    {"rotor", kRotation, "kg m^2", "N m s/rad", {2, 1, -2}, {0, 0, 0, 0, 1}, {0, 0, -1, 0, 1}, kSquareRadius},
 };
 
 bool is_position(const DeviceAxis& axis, const Dimension& d) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/prefixed.h"
 #include "engine/core/units.h"
 #include "engine/graph/node.h"
 #include "engine/nodes/networks/network.h"
@@ -15,6 +16,9 @@
 #include "engine/study/stability/models/nonlinearities.h"
 
 namespace tactus {
+
+/// [m^2] Where something turns, what has a mass or a damping is 10 mm from the axis.
+inline constexpr double kSquareRadius = 1e-4;
 
 /// A fingertip on the driven point: the damping and mass that it adds. Defaults after Hajian & Howe, J.
 /// Biomech. Eng. 119, 1997: 1 ... 5 N s/m, 5 ... 10 g.
@@ -87,7 +91,11 @@ struct LinearEdge {
 struct StiffPlace {
   int signal = 0;  ///< between the position and the force
   std::string path, type;
-  double stiffness = 0;  ///< [N/m]
+  double stiffness = 0;  ///< [N/m], or [N m/rad] where it turns
+  bool turns = false;
+  std::string with_unit(double some_stiffness) const {
+    return prefixed(some_stiffness, turns ? "N m/rad" : "N/m");
+  }
 };
 
 /// An event-driven node, without a small-signal gain.

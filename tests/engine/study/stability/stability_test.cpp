@@ -132,8 +132,14 @@ TEST_CASE("stability: a torsion spring on a delayed rotor has the border of a sp
         stiffness);
   };
   const double border = 1e-4 * 0.1 / (0.001 + 0.5 / 48000);
-  CHECK(analysed(text(0.97 * border), {}).stable());
+  const auto below = analysed(text(0.97 * border), {});
+  CHECK(below.stable());
   CHECK_FALSE(analysed(text(1.03 * border), {}).stable());
+  CHECK(regime(below, "at rest", false).stiff.at(0).with_unit(2) == "2 N m/rad");
+  // So are those of the fingertip.
+  const double tau = 0.001 + 0.5 / 48000, x = 2.1 * tau / 0.056;
+  CHECK(regime(below, "at rest", true).stiff.at(0).stable_up_to ==
+        Approx(1e-4 * 2.1 / tau * phi(x) / std::sin(phi(x))).epsilon(0.01));
 }
 
 TEST_CASE("stability: a wall is analysed as it is touched, bare and held", "[analysis]") {
