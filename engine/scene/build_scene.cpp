@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/core/index.h"
 #include "engine/core/named.h"
 #include "engine/graph/file/error_list.h"
 #include "engine/graph/plan/compile.h"
@@ -45,6 +46,7 @@ NodeSpec gesture_node(const Gesture& gesture) {
 struct MovedControl {
   std::string control;
   const Gesture* gesture;
+  Source at;
 };
 
 /// Of a gesture over a long time, points a millisecond apart would be too many to keep.
@@ -66,7 +68,7 @@ void add_slope(const Gesture::Point& from, const Gesture::Point& to, Gesture::Cu
 /// becomes one a millisecond (at most 1000000 in all), which the control's own smoothing joins.
 std::vector<JournalEntry> gesture_journal(const std::vector<MovedControl>& moved, const Plan& plan) {
   std::vector<JournalEntry> entries;
-  for (const auto& [control, gesture] : moved) {
+  for (const auto& [control, gesture, at] : moved) {
     const int index = plan.control_index(control);
     const auto add = [&](double time_s, double value) {
       entries.push_back(
@@ -222,7 +224,7 @@ class SceneBuilder {
     const auto start = gesture != nullptr ? gesture->points.front().value : start_of(entry, field.value);
     if (!start) return;
     const bool asked = !controls_.try_emplace(entry.name, *start).second;
-    if (gesture != nullptr && !asked) moved_.push_back({entry.name, gesture});
+    if (gesture != nullptr && !asked) moved_.push_back({entry.name, gesture, field.value.at});
   }
 
   std::optional<double> start_of(const ControlSpec& entry, const Value& value) {
@@ -326,8 +328,24 @@ class SceneBuilder {
     auto compiled = compile_or_check(graph, options);
     if (compiled == nullptr) return;
     built_.instrument_taps = taps_of(*compiled, "instrument.");
+    check_moved(*compiled);
     built_.journal = gesture_journal(moved_, *compiled);
     built_.instrument = std::move(compiled);
+  }
+
+  /// A control that something was made with keeps its value.
+  void check_moved(const Plan& plan) {
+    for (const auto& [control, gesture, at] : moved_) {
+      const int found = plan.control_index(control);
+      const auto differs = [&](const Gesture::Point& point) {
+        return point.value != gesture->points.front().value;
+      };
+      if (found >= 0 && plan.controls[index(found)].frozen && std::ranges::any_of(gesture->points, differs))
+        errors_.add(Errc::WrongType, at,
+                    "a gesture cannot move control '" + control +
+                        "', because a number that does not change during playback is computed from it",
+                    "give it a number, or use the control where signals are allowed");
+    }
   }
 
   const SceneSpec& scene_;

@@ -6,6 +6,38 @@
 
 using namespace tactus;
 
+TEST_CASE("scene: a gesture on a control that a network is made with is refused", "[scene]") {
+  const test::SceneFolder folder;
+  folder.write("bar.toml", R"(format = 1
+[controls]
+tension = { value = "100 N/m", range = ["1 N/m", "1 kN/m"] }
+[inputs]
+mic = { unit = "full scale" }
+[networks.bar]
+tip   = { type = "oscillator", mass = "1 g", stiffness = "tension" }
+push  = { type = "force", on = "tip", force = "1 N * mic" }
+[outputs]
+woofer = { from = "bar.tip.position / 1 m" }
+)");
+  const auto compiled = [&](const char* points) {
+    folder.write("scene.toml", std::string{R"(format = 1
+duration = "1 s"
+delay = "1 ms"
+[parts]
+instrument = { use = "bar.toml", mic = "plant.mic", tension = "tighter" }
+plant = { use = "plant.toml", drive = "instrument.woofer", lift = "0 mm" }
+[gestures]
+tighter = { points = )"} + points + " }\n");
+    return compile_scene(load_scene_leniently(folder.path() / "scene.toml"), standard_nodes());
+  };
+  CHECK(compiled(R"([["0 s", "50 N/m"], ["1 s", "50 N/m"]])"));
+  const auto moved = compiled(R"([["0 s", "50 N/m"], ["1 s", "60 N/m"]])");
+  REQUIRE_FALSE(moved);
+  REQUIRE(moved.error().size() == 1);
+  CHECK(moved.error().front().code == Errc::WrongType);
+  CHECK(moved.error().front().where.ends_with("scene.toml:5:63"));
+}
+
 TEST_CASE("scene: what is set by name wins over the gesture that would move it", "[scene]") {
   const test::SceneFolder folder;
   folder.write("scene.toml", R"(format = 1
