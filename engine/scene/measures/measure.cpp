@@ -1,5 +1,7 @@
 #include "engine/scene/measures/measure.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -19,11 +21,16 @@ constexpr double kLeastStrike_N = 5.0;
 constexpr Seconds kTouchGap = 1_ms;
 constexpr double kLeastTouch_N = 0.1;
 
+/// Of a node's outputs a trigger, not the level that goes with it.
+bool is_event_of(const RecordedSignal& signal, const std::string& node) {
+  return signal.name.starts_with(node + ".") && !signal.name.ends_with(".level");
+}
+
 /// A signal, or the first trigger of a node.
 const RecordedSignal* find_signal(const SceneRecording& recording, const std::string& name) {
   if (const auto* exact = recording.find(name)) return exact;
   for (const auto& signal : recording.signals)
-    if (signal.name.starts_with(name + ".") && !signal.name.ends_with(".level")) return &signal;
+    if (is_event_of(signal, name)) return &signal;
   return nullptr;
 }
 
@@ -33,6 +40,15 @@ tl::unexpected<Error> unknown_signal(const SceneRecording& recording, const Expe
               expectation.of.empty() ? "'" + expectation.measure + "' needs an 'of'"
                                      : "no signal '" + expectation.of + "' was recorded",
               suggest(expectation.of, names, "recorded were " + listed(names)));
+}
+
+/// The events that a name may mean, such as those of the lanes of a node; none for the name of a signal.
+std::vector<std::string> events_of(const SceneRecording& recording, const std::string& name) {
+  std::vector<std::string> names;
+  if (recording.find(name) != nullptr) return names;
+  for (const auto& signal : recording.signals)
+    if (is_event_of(signal, name)) names.push_back(signal.name);
+  return names;
 }
 
 /// Finds what the measure is taken of.
@@ -50,6 +66,10 @@ Result<Window> window_of(const SceneRecording& recording, const Expectation& exp
                   "declare it under [ports]");
   }
   if (type.subject != Subject::Signal && type.subject != Subject::Events) return window;
+  if (const auto names = events_of(recording, expectation.of); names.size() > 1)
+    return fail(Errc::UnknownName, expectation.of_at.text(),
+                fmt::format("'{}' is {} signals", expectation.of, names.size()),
+                "name one of them: " + listed(names));
   window.signal =
       find_signal(recording, expectation.of.empty() ? signal_of(recording.roles, type.of) : expectation.of);
   if (!type.beside.empty()) window.beside = find_signal(recording, signal_of(recording.roles, type.beside));
