@@ -50,7 +50,7 @@ std::string adapted(std::string text, const std::string& name, bool instrument) 
                             std::regex_constants::format_first_only);
 }
 
-std::string readme(const std::string& name, const std::string& folder, const std::string& about) {
+std::string readme(const std::string& name, const std::string& folder, const std::string& about, bool plant) {
   return fmt::format(
       "# {0}\n\n{2}\n\n"
       "    tactus play {1}                      # simulate the scene: report, plot and sound files in out/\n"
@@ -59,8 +59,10 @@ std::string readme(const std::string& name, const std::string& folder, const std
       "    tactus play {1} --device default     # on a sound card; the drives are disarmed at first\n\n"
       "| file | contents |\n|---|---|\n"
       "| `instrument.toml` | the instrument: inputs, controls, nodes, outputs |\n"
+      "{3}"
       "| `scene.toml` | a performance in simulation, with what is expected of it |\n",
-      name, folder, about);
+      name, folder, about,
+      plant ? "| `plant.toml` | the simulated hardware and hand that the instrument is tried on |\n" : "");
 }
 
 /// Characters that need no quotes in a file or on a command line.
@@ -92,7 +94,8 @@ int run_new(const NewOptions& options) {
                        adapted(or_exit(read_graph_text(entry.path())), name, file == "instrument.toml")));
   }
   const auto path = folder.generic_string();
-  or_exit(write_file(folder / "README.md", readme(name, path, about_of(options.from))));
+  or_exit(write_file(folder / "README.md",
+                     readme(name, path, about_of(options.from), fs::exists(folder / "plant.toml"))));
   fmt::print("{} is made from the template '{}'\n\n", path, options.from);
   fmt::print(
       "play it:        tactus play {0}\nhear it:        tactus play {0} --listen\nchange it:      edit "

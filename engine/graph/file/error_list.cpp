@@ -73,6 +73,11 @@ std::string nearest_name(std::string_view wrong, std::span<const std::string> ca
     least = letters;
     nearest = candidate;
   }
+  // "freq" is short for "frequency".
+  constexpr std::size_t kLeastLetters = 3;
+  const auto shortened = [&](const std::string& candidate) { return candidate.starts_with(wrong); };
+  if (nearest.empty() && wrong.size() >= kLeastLetters && std::ranges::count_if(candidates, shortened) == 1)
+    return *std::ranges::find_if(candidates, shortened);
   return nearest;
 }
 

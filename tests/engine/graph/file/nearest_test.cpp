@@ -14,6 +14,13 @@ TEST_CASE("nearest_name: finds what was meant", "[graph]") {
   CHECK(nearest_name("gains", types) == "gain");
 }
 
+TEST_CASE("nearest_name: knows a name by its first letters, if no other begins so", "[graph]") {
+  const std::vector<std::string> inputs{"frequency", "phase", "level", "phasor"};
+  CHECK(nearest_name("freq", inputs) == "frequency");
+  CHECK(nearest_name("pha", inputs).empty());
+  CHECK(nearest_name("fr", inputs).empty());
+}
+
 TEST_CASE("nearest_name: says nothing when nothing is near", "[graph]") {
   const std::vector<std::string> types{"lowpass", "gain", "y"};
   CHECK(nearest_name("ramp", types).empty());
