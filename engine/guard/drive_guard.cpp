@@ -140,12 +140,8 @@ double DriveGuard::shape(double sample, double& wanted, std::int64_t frame, int 
 
 double DriveGuard::held_back(double from, double to, GuardStage::Index stage, std::int64_t frame,
                              std::int64_t hold) noexcept {
-  const double less = std::abs(from - to);
-  count(less, stage);
-  // The steps of an encoder are held back by less, for as long as a knob is turned. A loop that grows comes
-  // to more.
-  constexpr double kSmall = 0.01;
-  if (!(less <= kSmall * ceiling_)) feedback_.limited(frame, hold);
+  count(std::abs(from - to), stage);
+  feedback_.limited(frame, hold);
   return to;
 }
 

@@ -33,7 +33,8 @@ class LoopGroup {
   const std::vector<int>& signals() const { return signals_; }
   /// Of a sampled group those that are sampled.
   const std::vector<int>& cuts() const { return cuts_; }
-  int frames() const { return frames_; }  ///< between two samples; 1: every frame
+  const std::vector<std::size_t>& edges() const { return edges_; }  ///< inside the group
+  int frames() const { return frames_; }                            ///< between two samples; 1: every frame
   /// Too many nested loops to analyse: nothing below may be called.
   bool too_large() const { return cuts_.size() + inner_cuts_.size() > kMostCuts; }
   /// Index in `cuts`, or -1.

@@ -48,7 +48,10 @@ LoopScan::LoopScan(const LoopGroup& group, Hertz rate, For what)
   refine(first_points());
 }
 
-double LoopScan::hertz(double radians) const { return radians * rate_.value / (2 * kPi); }
+double LoopScan::hertz(double radians) const {
+  constexpr double kNone = 1e-9;  // the first point above 0
+  return std::abs(radians) < kNone ? 0 : radians * rate_.value / (2 * kPi);
+}
 
 LoopScan::Sample LoopScan::sample(double radians) const {
   const auto returned = group_.returned(std::polar(radius_, radians));
@@ -56,7 +59,43 @@ LoopScan::Sample LoopScan::sample(double radians) const {
   return {radians, LoopGroup::characteristic(returned), std::move(alone)};
 }
 
-/// Eight for each turn of the delays, more towards 0 Hz and around what rings in the networks.
+/// Points where a node rings, as a string does, so close that none of its resonances lies between two of
+/// them: by bisection on 1 / H, which has no peaks. What turns without becoming small is a delay.
+void LoopScan::add_ringing(const LinearEdge& edge, int base, std::vector<double>& points) const {
+  constexpr std::size_t kMostOfNode = 20'000;
+  constexpr double kClosest = 1e-13, kLow = 0.7;
+  const auto inverse = [&](double radians) {
+    const auto z = std::polar(std::pow(radius_, edge.divisor), edge.divisor * radians);
+    const auto gain = edge.node->response(edge.input, edge.output, z, edge.at);
+    return gain && *gain != 0.0 ? 1.0 / *gain : Complex{};
+  };
+  struct Place {
+    double radians;
+    Complex inverse;
+  };
+  std::vector<Place> ahead;
+  double highest = 0;
+  for (int i = base; i >= 0; --i) {
+    ahead.push_back({kPi * i / base, inverse(kPi * i / base)});
+    highest = std::max(highest, std::abs(ahead.back().inverse));
+  }
+  auto before = ahead.back();
+  for (ahead.pop_back(); !ahead.empty() && points.size() < kMostPoints;) {
+    const auto& next = ahead.back();
+    const double low = std::min(std::abs(before.inverse), std::abs(next.inverse));
+    if (low < kLow * highest && std::abs(next.inverse - before.inverse) > 0.5 * low &&
+        ahead.size() < kMostOfNode && next.radians - before.radians > kClosest) {
+      const double middle = 0.5 * (before.radians + next.radians);
+      points.push_back(middle);
+      ahead.push_back({middle, inverse(middle)});
+      continue;
+    }
+    before = next;
+    ahead.pop_back();
+  }
+}
+
+/// Eight for each turn of the delays, more towards 0 Hz and around what rings in networks and nodes.
 std::vector<double> LoopScan::first_points() const {
   const int even = std::clamp(4 * group_.delay_frames(), 1024, 60'000);
   std::vector<double> points;
@@ -67,6 +106,17 @@ std::vector<double> LoopScan::first_points() const {
     if (at <= 0) continue;
     for (int i = -90; i <= -20; ++i)
       for (const double side : {-1.0, 1.0}) points.push_back(at + side * std::pow(10.0, i / 10.0));
+  }
+  if (group_.frames() == 1) {
+    // The lowest string, 20 Hz at 48 kHz, has its partials 3.5 points apart.
+    constexpr int kOfOne = 4096, kOfAll = 32 * kOfOne;
+    const auto& edges = group_.graph().edges;
+    const auto rings = [&](std::size_t e) {
+      return edges[e].kind == LinearEdge::Kind::Node && edges[e].node != nullptr;
+    };
+    const auto nodes = std::ranges::count_if(group_.edges(), rings);
+    for (const auto e : group_.edges())
+      if (rings(e)) add_ringing(edges[e], std::min<int>(kOfOne, kOfAll / static_cast<int>(nodes)), points);
   }
   std::erase_if(points, [](double p) { return p < 0 || p > kPi; });
   std::ranges::sort(points);

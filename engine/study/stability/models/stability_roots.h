@@ -71,6 +71,7 @@ class LoopScan {
   };
   Sample sample(double radians) const;
   std::vector<double> first_points() const;
+  void add_ringing(const LinearEdge& edge, int base, std::vector<double>& points) const;
   std::vector<std::complex<double>> first_guesses(std::size_t most) const;
   void refine(std::vector<double> points);
   bool smooth(const Sample& a, const Sample& b) const;

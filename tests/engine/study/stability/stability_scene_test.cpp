@@ -105,6 +105,56 @@ plant = { use = "plant.toml", drive = "instrument.shaker" }
         Approx(loop.growth_above * above->seconds / 2).epsilon(0.05));
 }
 
+// Partials 0.2 Hz wide, between which the loop gives next to nothing. Left alone for 40 s after a push, the
+// second one grows by 0.051/s at 0.2 and by 0.203/s at 0.25, so that it neither grows nor decays at 0.183.
+TEST_CASE("stability: the narrow resonances of a string behind a mass are not overlooked", "[analysis]") {
+  const test::TemporaryFolder folder;
+  folder.write("plant.toml", R"(format = 1
+[inputs]
+drive = { unit = "full scale" }
+[networks.stick]
+stick  = { type = "oscillator", mass = "50 g", frequency = "60 Hz", damping_ratio = 0.2 }
+shaker = { type = "force", on = "stick", force = "3 N * drive" }
+[nodes]
+shake  = { type = "difference", in = "stick.stick.velocity" }
+[outputs]
+piezo = { from = "0.0005 / 1 m/s^2 * shake" }
+)");
+  folder.write("scene.toml", R"(format = 1
+delay = "5 ms"
+duration = "1 s"
+[parts]
+instrument = { use = "instrument.toml", piezo = "plant.piezo" }
+plant = { use = "plant.toml", drive = "instrument.shaker" }
+)");
+  const auto verdict = [&](double felt) {
+    folder.write("instrument.toml", fmt::format(R"(format = 1
+[inputs]
+piezo = {{ unit = "full scale" }}
+[nodes]
+s = {{ type = "string", in = "piezo", pitch = "110 Hz", gain = 0.995, loss = 0.4 }}
+[outputs]
+shaker = {{ from = "{} * s" }}
+)",
+                                                felt));
+    const auto scene = load_scene_leniently(folder.path() / "scene.toml");
+    StabilityOptions options;
+    options.world.delay = scene.scene->delay;
+    auto found = analyse_stability({&scene, nullptr, &standard_nodes()}, options);
+    if (!found) throw std::runtime_error(to_string(found.error()));
+    return *found;
+  };
+  const auto below = verdict(0.17);
+  CHECK(below.stable());
+  CHECK(0.17 * below.regimes.front().loops.front().margin.border == Approx(0.1834).epsilon(0.002));
+  for (const auto& [felt, growth] : {std::pair{0.2, 0.051}, std::pair{0.25, 0.203}}) {
+    const auto above = verdict(felt);
+    CHECK_FALSE(above.stable());
+    REQUIRE_FALSE(above.regimes.front().roots.empty());
+    CHECK(above.regimes.front().roots.front().growth_per_s == Approx(growth).epsilon(0.02));
+  }
+}
+
 // The coil turns the volt of the spring into Bl / R = 0.5 N, and brakes by Bl^2 / R = 1 N s/m.
 TEST_CASE("stability: a scene is judged with its own plant, ring and coil", "[analysis]") {
   const LeverFolder folder;

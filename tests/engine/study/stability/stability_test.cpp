@@ -142,6 +142,28 @@ TEST_CASE("stability: a torsion spring on a delayed rotor has the border of a sp
         Approx(1e-4 * 2.1 / tau * phi(x) / std::sin(phi(x))).epsilon(0.01));
 }
 
+// 1 - g z^-487 + k z^-1 = 0: with k = 1 - g the 243rd partial of the string, where z^-1 is all but -1,
+// neither grows nor decays; above it z^487 = g + k. Its resonance is 0.03 Hz wide.
+TEST_CASE("stability: a loop through a string that rings for long grows at one of its partials",
+          "[analysis]") {
+  constexpr double kGain = 0.999, kPeriod = 487;
+  const auto with = [&](double share) {
+    return analysed(fmt::format(R"(format = 1
+[inputs]
+x = {{}}
+[nodes]
+s    = {{ type = "string", in = "x - {:.17g} * back", pitch = "{:.17g} Hz", gain = {}, loss = 0 }}
+back = {{ type = "delay", in = "s", time = "1 / system.rate", interpolation = "none" }}
+[outputs]
+y = {{ from = "s" }}
+)",
+                                share * (1 - kGain), 48000 / kPeriod, kGain),
+                    {});
+  };
+  CHECK(with(0.97).stable());
+  CHECK_FALSE(with(1.03).stable());
+}
+
 TEST_CASE("stability: a wall is analysed as it is touched, bare and held", "[analysis]") {
   const auto verdict = analysed(kWall, {});
   const auto& bare = regime(verdict, "nonlinearities at their largest slope", false);
