@@ -44,6 +44,11 @@ class DeadMansSwitch {
   /// How many times it was not refreshed for five seconds or more, by the clock.
   std::uint32_t long_pauses() const noexcept { return long_pauses_.load(std::memory_order_relaxed); }
   bool stopped() const noexcept { return stopped_.load(std::memory_order_relaxed); }
+  /// Since the last refresh, by the clock.
+  Seconds age() const noexcept {
+    const std::chrono::nanoseconds age{clock_().count() - last_.load(std::memory_order_acquire)};
+    return Seconds{std::chrono::duration<double>{age}.count()};
+  }
   /// The longest time without a refresh until now, by the clock: the loop was blocked, or the whole
   /// program was stopped.
   Seconds longest_pause() const noexcept {

@@ -28,6 +28,9 @@ Status Guarded::prepare(const StreamFormat& format) {
   frame_ = 0;
   stopped_ = false;
   silent_ = true;
+  // A device that returns does not wait for a switch that nobody has refreshed while it was away.
+  if (!channels_.empty() && dead_man_ != nullptr && dead_man_->age() >= DeadMansWatch::kPatience)
+    expired_ = true;
   dead_mans_watch_.start(dead_man_, format.sample_rate, format.max_frames, expired_);
   const auto watched = std::exchange(
       sensors_, std::vector<SensorWatch>(index(format.in_channels), SensorWatch{format.sample_rate}));

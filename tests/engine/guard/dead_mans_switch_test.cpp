@@ -162,6 +162,25 @@ TEST_CASE("dead man's switch: where device and program stood still together for 
   CHECK(watched.drive.back() == 1.0);
 }
 
+TEST_CASE("dead man's switch: a device that returns finds it expired if it was not refreshed meanwhile",
+          "[core]") {
+  static std::chrono::nanoseconds now;
+  const auto [away_s, silent] = GENERATE(std::pair{0.45, false}, std::pair{0.55, true});
+  Watched watched;
+  DeadMansSwitch dead_man{[] { return now; }};
+  watched.guarded.set_dead_mans_switch(&dead_man);
+  REQUIRE(watched.guarded.prepare({.out_channels = 2, .max_frames = 4800}));
+  watched.play_until(4'800);
+  now += std::chrono::nanoseconds{static_cast<std::int64_t>(1e9 * away_s)};
+  REQUIRE(watched.guarded.prepare({.out_channels = 2, .max_frames = 4800}));
+  watched.drive.clear();
+  watched.play_until(4'800);
+  CHECK(watched.drive == frames_of({{4'800, silent ? 0.0 : 1.0}}));
+  dead_man.refresh();
+  watched.play_until(9'600);
+  CHECK(watched.drive.back() == 1.0);
+}
+
 TEST_CASE("dead man's switch: stopped, every output fades in the next block, for good", "[core]") {
   Watched watched;
   watched.play_until(4'800);
