@@ -5,6 +5,7 @@
 
 #include "engine/core/decibels.h"
 #include "engine/core/index.h"
+#include "engine/core/port_name.h"
 
 namespace tactus::app {
 namespace {
@@ -22,10 +23,10 @@ Json event_json(double time_s, const std::string& node, std::optional<double> le
 EventCollector::EventCollector(const std::vector<std::string>& taps, Hertz sample_rate)
     : sample_rate_(sample_rate) {
   for (std::size_t t = 0; t < taps.size(); ++t) {
-    const auto node = taps[t].substr(0, taps[t].rfind('.'));
-    if (taps[t] == node + ".level") continue;
-    tracks_.push_back({node, t});
-    const auto level = std::ranges::find(taps, node + ".level");
+    const EventSignal event{taps[t]};
+    if (event.is_level) continue;
+    tracks_.push_back({event.node, t});
+    const auto level = std::ranges::find(taps, event.level_of);
     if (level != taps.end()) tracks_.back().level_tap = static_cast<std::size_t>(level - taps.begin());
   }
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "engine/core/named.h"
+#include "engine/core/port_name.h"
 #include "engine/graph/file/error_list.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/scene/file/scene_spec.h"
@@ -23,7 +24,7 @@ constexpr double kLeastTouch_N = 0.1;
 
 /// Of a node's outputs a trigger, not the level that goes with it.
 bool is_event_of(const RecordedSignal& signal, const std::string& node) {
-  return signal.name.starts_with(node + ".") && !signal.name.ends_with(".level");
+  return signal.name.starts_with(node + ".") && !EventSignal{signal.name}.is_level;
 }
 
 /// A signal, or the first trigger of a node.
