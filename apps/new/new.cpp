@@ -50,7 +50,7 @@ std::string adapted(std::string text, const std::string& name, bool instrument) 
                             std::regex_constants::format_first_only);
 }
 
-std::string readme(const std::string& name, const std::string& folder, const std::string& about, bool plant) {
+std::string readme(const std::string& name, const std::string& folder, const std::string& about) {
   return fmt::format(
       "# {0}\n\n{2}\n\n"
       "    tactus play {1}                      # simulate the scene: report, plot and sound files in out/\n"
@@ -62,7 +62,9 @@ std::string readme(const std::string& name, const std::string& folder, const std
       "{3}"
       "| `scene.toml` | a performance in simulation, with what is expected of it |\n",
       name, folder, about,
-      plant ? "| `plant.toml` | the simulated hardware and hand that the instrument is tried on |\n" : "");
+      fs::exists(fs::path{folder} / "plant.toml")
+          ? "| `plant.toml` | the simulated hardware and hand that the instrument is tried on |\n"
+          : "");
 }
 
 /// Characters that need no quotes in a file or on a command line.
@@ -94,8 +96,7 @@ int run_new(const NewOptions& options) {
                        adapted(or_exit(read_graph_text(entry.path())), name, file == "instrument.toml")));
   }
   const auto path = folder.generic_string();
-  or_exit(write_file(folder / "README.md",
-                     readme(name, path, about_of(options.from), fs::exists(folder / "plant.toml"))));
+  or_exit(write_file(folder / "README.md", readme(name, path, about_of(options.from))));
   fmt::print("{} is made from the template '{}'\n\n", path, options.from);
   fmt::print(
       "play it:        tactus play {0}\nhear it:        tactus play {0} --listen\nchange it:      edit "

@@ -45,22 +45,26 @@ class DeadMansSwitch {
   std::uint32_t long_pauses() const noexcept { return long_pauses_.load(std::memory_order_relaxed); }
   bool stopped() const noexcept { return stopped_.load(std::memory_order_relaxed); }
   /// Since the last refresh, by the clock.
-  Seconds age() const noexcept {
-    const std::chrono::nanoseconds age{clock_().count() - last_.load(std::memory_order_acquire)};
-    return Seconds{std::chrono::duration<double>{age}.count()};
-  }
+  Seconds age() const noexcept { return seconds(since_refresh()); }
   /// The longest time without a refresh until now, by the clock: the loop was blocked, or the whole
   /// program was stopped.
   Seconds longest_pause() const noexcept {
-    const auto last = last_.load(std::memory_order_acquire);  // first: a refresh that follows changes nothing
-    const auto age = clock_().count() - last;
-    const std::chrono::nanoseconds longest{std::max(age, longest_.load(std::memory_order_relaxed))};
-    return Seconds{std::chrono::duration<double>{longest}.count()};
+    const auto age = since_refresh();  // first: a refresh that follows changes nothing
+    return seconds(std::max(age, longest_.load(std::memory_order_relaxed)));
   }
 
  private:
+  using Count = std::chrono::nanoseconds::rep;
+  Count since_refresh() const noexcept {
+    const auto last = last_.load(std::memory_order_acquire);  // before the clock, which only goes on
+    return clock_().count() - last;
+  }
+  static Seconds seconds(Count nanoseconds) noexcept {
+    return Seconds{std::chrono::duration<double>{std::chrono::nanoseconds{nanoseconds}}.count()};
+  }
+
   const Clock clock_;
-  std::atomic<std::chrono::nanoseconds::rep> last_{clock_().count()}, longest_{0};
+  std::atomic<Count> last_{clock_().count()}, longest_{0};
   std::atomic<std::uint32_t> refreshes_{0}, long_pauses_{0};
   std::atomic<bool> stopped_{false};
 };

@@ -28,7 +28,7 @@ Status Guarded::prepare(const StreamFormat& format) {
   frame_ = 0;
   stopped_ = false;
   silent_ = true;
-  // A device that returns does not wait for a switch that nobody has refreshed while it was away.
+  // When a device returns, the time in which the control loop has not refreshed the switch counts.
   if (!channels_.empty() && dead_man_ != nullptr && dead_man_->age() >= DeadMansWatch::kPatience)
     expired_ = true;
   dead_mans_watch_.start(dead_man_, format.sample_rate, format.max_frames, expired_);

@@ -27,12 +27,19 @@ bool is_event_of(const RecordedSignal& signal, const std::string& node) {
   return signal.name.starts_with(node + ".") && !EventSignal{signal.name}.is_level;
 }
 
-/// A signal, or the first trigger of a node.
-const RecordedSignal* find_signal(const SceneRecording& recording, const std::string& name) {
-  if (const auto* exact = recording.find(name)) return exact;
+/// What a name may mean: a signal, or the triggers of a node, of which each lane has its own.
+std::vector<const RecordedSignal*> signals_called(const SceneRecording& recording, const std::string& name) {
+  if (const auto* exact = recording.find(name)) return {exact};
+  std::vector<const RecordedSignal*> events;
   for (const auto& signal : recording.signals)
-    if (is_event_of(signal, name)) return &signal;
-  return nullptr;
+    if (is_event_of(signal, name)) events.push_back(&signal);
+  return events;
+}
+
+/// The first of them; nullptr: there is none.
+const RecordedSignal* find_signal(const SceneRecording& recording, const std::string& name) {
+  const auto all = signals_called(recording, name);
+  return all.empty() ? nullptr : all.front();
 }
 
 tl::unexpected<Error> unknown_signal(const SceneRecording& recording, const Expectation& expectation) {
@@ -41,15 +48,6 @@ tl::unexpected<Error> unknown_signal(const SceneRecording& recording, const Expe
               expectation.of.empty() ? "'" + expectation.measure + "' needs an 'of'"
                                      : "no signal '" + expectation.of + "' was recorded",
               suggest(expectation.of, names, "recorded were " + listed(names)));
-}
-
-/// The events that a name may mean, such as those of the lanes of a node; none for the name of a signal.
-std::vector<std::string> events_of(const SceneRecording& recording, const std::string& name) {
-  std::vector<std::string> names;
-  if (recording.find(name) != nullptr) return names;
-  for (const auto& signal : recording.signals)
-    if (is_event_of(signal, name)) names.push_back(signal.name);
-  return names;
 }
 
 /// Finds what the measure is taken of.
@@ -67,10 +65,13 @@ Result<Window> window_of(const SceneRecording& recording, const Expectation& exp
                   "declare it under [ports]");
   }
   if (type.subject != Subject::Signal && type.subject != Subject::Events) return window;
-  if (const auto names = events_of(recording, expectation.of); names.size() > 1)
+  if (const auto called = signals_called(recording, expectation.of); called.size() > 1) {
+    std::vector<std::string> names;
+    for (const auto* signal : called) names.push_back(signal->name);
     return fail(Errc::UnknownName, expectation.of_at.text(),
                 fmt::format("'{}' is {} signals", expectation.of, names.size()),
                 "name one of them: " + listed(names));
+  }
   window.signal =
       find_signal(recording, expectation.of.empty() ? signal_of(recording.roles, type.of) : expectation.of);
   if (!type.beside.empty()) window.beside = find_signal(recording, signal_of(recording.roles, type.beside));

@@ -80,8 +80,7 @@ int growing_in(const LinearGraph& graph, const std::vector<int>& signals, Hertz 
           doubts,
           {"'" + path + "' samples a signal of a loop without a regular clock, so its delay is not known",
            "trigger it by a clock of a whole number of frames, hold by select(trigger, x, held) and a 'held' "
-           "that is a "
-           "delay of one frame, or take it out of the loop"});
+           "that is a delay of one frame, or take it out of the loop"});
   const int frames = frames_between_samples(graph, signals);
   if (frames == 0)
     add_doubt(doubts,

@@ -22,7 +22,11 @@ class Watched final : private BlockTap {
   explicit Watched(DriveLimits limits = kAtOnce)
       : guarded(one_, {{DriveGuard::Kind::Drive, limits}, {DriveGuard::Kind::Audio, limits}}) {
     guarded.set_tap(this);
-    guarded.set_dead_mans_switch(&dead_man);
+    begin(dead_man);
+  }
+  /// A stream that this switch watches.
+  void begin(const DeadMansSwitch& watching) {
+    guarded.set_dead_mans_switch(&watching);
     REQUIRE(guarded.prepare({.out_channels = 2, .max_frames = 4800}));
   }
   /// Up to `frame`, in blocks of this length.
@@ -148,8 +152,7 @@ TEST_CASE("dead man's switch: where device and program stood still together for 
   const auto [seconds, disarms] = GENERATE(std::pair{4.9, false}, std::pair{5.1, true});
   Watched watched;
   DeadMansSwitch dead_man{[] { return now; }};
-  watched.guarded.set_dead_mans_switch(&dead_man);
-  REQUIRE(watched.guarded.prepare({.out_channels = 2, .max_frames = 4800}));
+  watched.begin(dead_man);
   watched.play_until(4'800);
   now += std::chrono::nanoseconds{static_cast<std::int64_t>(1e9 * seconds)};  // no block comes meanwhile
   for (int i = 0; i < 50; ++i) dead_man.refresh();  // the program goes on before the device does
@@ -168,11 +171,10 @@ TEST_CASE("dead man's switch: a device that returns finds it expired if it was n
   const auto [away_s, silent] = GENERATE(std::pair{0.45, false}, std::pair{0.55, true});
   Watched watched;
   DeadMansSwitch dead_man{[] { return now; }};
-  watched.guarded.set_dead_mans_switch(&dead_man);
-  REQUIRE(watched.guarded.prepare({.out_channels = 2, .max_frames = 4800}));
+  watched.begin(dead_man);
   watched.play_until(4'800);
   now += std::chrono::nanoseconds{static_cast<std::int64_t>(1e9 * away_s)};
-  REQUIRE(watched.guarded.prepare({.out_channels = 2, .max_frames = 4800}));
+  watched.begin(dead_man);
   watched.drive.clear();
   watched.play_until(4'800);
   CHECK(watched.drive == frames_of({{4'800, silent ? 0.0 : 1.0}}));

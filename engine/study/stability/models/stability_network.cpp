@@ -87,8 +87,8 @@ std::shared_ptr<const LinearNetwork> LinearNetwork::make(const NetworkView& view
   if (!recipe.elements.bonds.empty())
     for (std::size_t p = 0; p < recipe.elements.points.size(); ++p)
       recipe.elements.points[p].position = view.network.position(view.state, static_cast<int>(p));
-  const double lever = type.turns ? kSquareRadius : 1;
-  if (hand) model->add_fingertip({lever * hand->damping, lever * hand->mass});
+  const double square_radius = type.turns ? kSquareRadius : 1;
+  if (hand) model->add_fingertip({square_radius * hand->damping, square_radius * hand->mass});
   model->add_test_force();
   recipe.elements = tangent(std::move(recipe.elements), touching);
   const auto network =

@@ -21,6 +21,25 @@ Complex scaled(Complex f, Complex alone, double factor) {
   return factor == 1.0 ? f : f * (1.0 - factor * alone) / (1.0 - alone);
 }
 
+/// Hands on samples in the order of their `radians`, with further ones from `sample` halfway between two that
+/// are `apart`. `ahead`: the first ones, the last of them first; `take` returns where it keeps what it is
+/// given.
+template <class Sample>
+void take_refined(std::vector<Sample> ahead, const auto& sample, const auto& apart, const auto& take) {
+  constexpr double kClosest = 1e-13;
+  const Sample* before = nullptr;
+  while (!ahead.empty()) {
+    const auto& next = ahead.back();
+    if (before != nullptr && next.radians - before->radians > kClosest &&
+        apart(*before, next, ahead.size())) {
+      ahead.push_back(sample(0.5 * (before->radians + next.radians)));
+      continue;
+    }
+    before = &take(std::move(ahead.back()));
+    ahead.pop_back();
+  }
+}
+
 /// What comes back to `drive` alone, with what goes through `cut` times `factor`.
 Complex returned_to(Eigen::MatrixXcd returned, int drive, int cut, double factor) {
   returned.col(cut) *= factor;
@@ -63,36 +82,35 @@ LoopScan::Sample LoopScan::sample(double radians) const {
 /// them: by bisection on 1 / H, which has no peaks. What turns without becoming small is a delay.
 void LoopScan::add_ringing(const LinearEdge& edge, int base, std::vector<double>& points) const {
   constexpr std::size_t kMostOfNode = 20'000;
-  constexpr double kClosest = 1e-13, kLow = 0.7;
-  const auto inverse = [&](double radians) {
-    const auto z = std::polar(std::pow(radius_, edge.divisor), edge.divisor * radians);
-    const auto gain = edge.node->response(edge.input, edge.output, z, edge.at);
-    return gain && *gain != 0.0 ? 1.0 / *gain : Complex{};
-  };
+  constexpr double kLow = 0.7;
   struct Place {
     double radians;
     Complex inverse;
   };
+  const double radius = std::pow(radius_, edge.divisor);
+  const auto place = [&](double radians) {
+    const auto gain =
+        edge.node->response(edge.input, edge.output, std::polar(radius, edge.divisor * radians), edge.at);
+    return Place{radians, gain && *gain != 0.0 ? 1.0 / *gain : Complex{}};
+  };
   std::vector<Place> ahead;
   double highest = 0;
   for (int i = base; i >= 0; --i) {
-    ahead.push_back({kPi * i / base, inverse(kPi * i / base)});
+    ahead.push_back(place(kPi * i / base));
     highest = std::max(highest, std::abs(ahead.back().inverse));
   }
-  auto before = ahead.back();
-  for (ahead.pop_back(); !ahead.empty() && points.size() < kMostPoints;) {
-    const auto& next = ahead.back();
-    const double low = std::min(std::abs(before.inverse), std::abs(next.inverse));
-    if (low < kLow * highest && std::abs(next.inverse - before.inverse) > 0.5 * low &&
-        ahead.size() < kMostOfNode && next.radians - before.radians > kClosest) {
-      const double middle = 0.5 * (before.radians + next.radians);
-      points.push_back(middle);
-      ahead.push_back({middle, inverse(middle)});
-      continue;
-    }
-    before = next;
-    ahead.pop_back();
-  }
+  const auto add = [&](double radians) {
+    points.push_back(radians);
+    return place(radians);
+  };
+  const auto apart = [&](const Place& a, const Place& b, std::size_t left) {
+    const double low = std::min(std::abs(a.inverse), std::abs(b.inverse));
+    return low < kLow * highest && std::abs(b.inverse - a.inverse) > 0.5 * low && left < kMostOfNode &&
+           points.size() < kMostPoints;
+  };
+  Place before{};
+  take_refined(std::move(ahead), add, apart,
+               [&](const Place& taken) -> const Place& { return before = taken; });
 }
 
 /// Eight for each turn of the delays, more towards 0 Hz and around what rings in networks and nodes.
@@ -135,24 +153,18 @@ bool LoopScan::smooth(const Sample& a, const Sample& b) const {
 }
 
 void LoopScan::refine(std::vector<double> points) {
-  constexpr double kClosest = 1e-13;
   std::vector<Sample> ahead;
   for (auto p = points.rbegin(); p != points.rend(); ++p) ahead.push_back(sample(*p));
   heights_.assign(group_.cuts().size(), 0.0);
   for (const auto& s : ahead)
     for (std::size_t c = 0; c < s.alone.size(); ++c)
       heights_[c] = std::max(heights_[c], std::min(1.0, std::abs(s.alone[c])));
-  while (!ahead.empty()) {
-    if (!samples_.empty() && samples_.size() + ahead.size() < kMostPoints) {
-      const double from = samples_.back().radians, to = ahead.back().radians;
-      if (to - from > kClosest && !smooth(samples_.back(), ahead.back())) {
-        ahead.push_back(sample(0.5 * (from + to)));
-        continue;
-      }
-    }
-    samples_.push_back(std::move(ahead.back()));
-    ahead.pop_back();
-  }
+  const auto apart = [&](const Sample& a, const Sample& b, std::size_t left) {
+    return samples_.size() + left < kMostPoints && !smooth(a, b);
+  };
+  take_refined(
+      std::move(ahead), [&](double radians) { return sample(radians); }, apart,
+      [&](Sample&& taken) -> const Sample& { return samples_.emplace_back(std::move(taken)); });
 }
 
 template <class Value>

@@ -46,11 +46,30 @@ plant = { use = "plant.toml", drive = "instrument.motor" }
   }
 };
 
-StabilityVerdict analysed(const LeverFolder& folder) {
+/// A string whose sound a shaker turns into what its piezo reads.
+struct StringFolder : test::TemporaryFolder {
+  StringFolder() {
+    write("scene.toml", R"(format = 1
+delay = "5 ms"
+duration = "1 s"
+[parts]
+instrument = { use = "instrument.toml", piezo = "plant.piezo" }
+plant = { use = "plant.toml", drive = "instrument.shaker" }
+)");
+  }
+};
+
+/// What `judge`, such as analyse_stability, says of the scene of a folder.
+auto judged(const test::TemporaryFolder& folder, const auto& judge) {
   const auto scene = load_scene_leniently(folder.path() / "scene.toml");
   StabilityOptions options;
   options.world.delay = scene.scene->delay;
-  auto verdict = analyse_stability({&scene, nullptr, &standard_nodes()}, options);
+  return judge(StabilitySubject{&scene, nullptr, &standard_nodes()}, options);
+}
+
+StabilityVerdict analysed(const test::TemporaryFolder& folder) {
+  auto verdict = judged(
+      folder, [](const auto& scene, const auto& options) { return analyse_stability(scene, options); });
   if (!verdict) throw std::runtime_error(to_string(verdict.error()));
   return *verdict;
 }
@@ -66,7 +85,7 @@ const RegimeVerdict* find_regime(const StabilityVerdict& verdict, std::string_vi
 // A string at 110 Hz whose second partial is the first to grow, by 0.5 % a second 2 % above the border; the
 // others decay as slowly.
 TEST_CASE("stability: a partial that grows below others that decay is found in the run", "[analysis]") {
-  const test::TemporaryFolder folder;
+  const StringFolder folder;
   folder.write("instrument.toml", R"(format = 1
 [inputs]
 piezo = { unit = "full scale" }
@@ -83,17 +102,8 @@ drive = { unit = "full scale" }
 [outputs]
 piezo = { from = "0.02 * drive" }
 )");
-  folder.write("scene.toml", R"(format = 1
-delay = "5 ms"
-duration = "1 s"
-[parts]
-instrument = { use = "instrument.toml", piezo = "plant.piezo" }
-plant = { use = "plant.toml", drive = "instrument.shaker" }
-)");
-  const auto scene = load_scene_leniently(folder.path() / "scene.toml");
-  StabilityOptions options;
-  options.world.delay = scene.scene->delay;
-  const auto report = check_stability({&scene, nullptr, &standard_nodes()}, options, false);
+  const auto report = judged(
+      folder, [](const auto& scene, const auto& options) { return check_stability(scene, options, false); });
   REQUIRE(report);
   CHECK(report->stability() == Stability::Stable);
   const auto above = std::ranges::find(report->runs, false, &ExtremeRun::expected);
@@ -108,7 +118,7 @@ plant = { use = "plant.toml", drive = "instrument.shaker" }
 // Partials 0.2 Hz wide, between which the loop gives next to nothing. Left alone for 40 s after a push, the
 // second one grows by 0.051/s at 0.2 and by 0.203/s at 0.25, so that it neither grows nor decays at 0.183.
 TEST_CASE("stability: the narrow resonances of a string behind a mass are not overlooked", "[analysis]") {
-  const test::TemporaryFolder folder;
+  const StringFolder folder;
   folder.write("plant.toml", R"(format = 1
 [inputs]
 drive = { unit = "full scale" }
@@ -120,13 +130,6 @@ shake  = { type = "difference", in = "stick.stick.velocity" }
 [outputs]
 piezo = { from = "0.0005 / 1 m/s^2 * shake" }
 )");
-  folder.write("scene.toml", R"(format = 1
-delay = "5 ms"
-duration = "1 s"
-[parts]
-instrument = { use = "instrument.toml", piezo = "plant.piezo" }
-plant = { use = "plant.toml", drive = "instrument.shaker" }
-)");
   const auto verdict = [&](double felt) {
     folder.write("instrument.toml", fmt::format(R"(format = 1
 [inputs]
@@ -137,12 +140,7 @@ s = {{ type = "string", in = "piezo", pitch = "110 Hz", gain = 0.995, loss = 0.4
 shaker = {{ from = "{} * s" }}
 )",
                                                 felt));
-    const auto scene = load_scene_leniently(folder.path() / "scene.toml");
-    StabilityOptions options;
-    options.world.delay = scene.scene->delay;
-    auto found = analyse_stability({&scene, nullptr, &standard_nodes()}, options);
-    if (!found) throw std::runtime_error(to_string(found.error()));
-    return *found;
+    return analysed(folder);
   };
   const auto below = verdict(0.17);
   CHECK(below.stable());
