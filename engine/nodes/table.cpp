@@ -13,10 +13,11 @@ NodeType clip_type(), shaper_type(), map_type(), mix_type(), crossfade_type(), q
 NodeType envelope_type(), decay_type(), adsr_type(), onset_type(), pitch_type();
 NodeType one_pole_type(), low_pass_type(), high_pass_type(), band_pass_type(), modal_type();
 NodeType dc_blocker_type(), difference_type(), velocity_type();
-NodeType delay_type(), string_type(), align_type();
+NodeType delay_type(), string_type(), align_type(), event_delay_type();
 NodeType clock_type(), sequence_type(), poly_type(), threshold_type(), sample_hold_type(), latch_type(),
-    toggle_type(), counter_type();
-NodeType spring_type(), damper_type(), wall_type(), terrain_type(), modal_body_type(), waveguide_type();
+    toggle_type(), counter_type(), state_type(), interval_type();
+NodeType spring_type(), damper_type(), wall_type(), terrain_type(), modal_body_type(), waveguide_type(),
+    actuator_inverse_type();
 
 namespace {
 
@@ -40,11 +41,13 @@ const Family kFamilies[] = {
     {"filters",
      {one_pole_type, low_pass_type, high_pass_type, band_pass_type, fir_type, modal_type, dc_blocker_type,
       difference_type, velocity_type}},
-    {"delays", {delay_type, string_type, align_type}},
+    {"delays", {delay_type, string_type, align_type, event_delay_type}},
     {"logic",
      {clock_type, sequence_type, poly_type, threshold_type, sample_hold_type, latch_type, toggle_type,
-      counter_type}},
-    {"mechanics", {spring_type, damper_type, wall_type, terrain_type, modal_body_type, waveguide_type}},
+      counter_type, state_type, interval_type}},
+    {"mechanics",
+     {spring_type, damper_type, wall_type, terrain_type, modal_body_type, waveguide_type,
+      actuator_inverse_type}},
 };
 
 }  // namespace

@@ -133,6 +133,8 @@ const std::set<std::string> kRemember = {
     "curve.trigger",                      // stays at its last point
     "hysteresis.in", "hysteresis.width",  // where the play was left
     "sample_hold.trigger",                // the sample held
+    "state.trigger",                      // the value taken over
+    "interval.trigger",                   // the time since
     "toggle.trigger", "toggle.reset",
     "sequence.trigger",  // the place in the list
     "pitch.in",          // the last pitch that was clear

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "engine/dsp/envelopes/envelope_kernel.h"
 #include "engine/nodes/declare.h"
+#include "engine/nodes/generators/curve_run_kernel.h"
 
 namespace tactus {
 namespace {
@@ -30,30 +30,27 @@ class CurveNode final : public Node {
         waits_(setup.input("trigger").connected) {}
 
   void process(const NodeBlock& block) noexcept override {
+    const Signal* in = block.in;
     for (int i = 0; i < block.frames; ++i) {
-      const std::int64_t frame = block.first_frame + i;
-      if (tactus_rise_step(&rise_, block.in[0][i]) != 0) {
-        start_ = frame;
-        started_ = true;
-      }
-      const bool waiting = waits_ && !started_;
-      block.out[0][i] = points_.value(waiting ? 0.0 : static_cast<double>(frame - start_));
+      const double place =
+          tactus_curve_run_step(&run_, in[kTrigger][i], in[kSpeed][i], in[kLevel][i], waits_ ? 1 : 0);
+      block.out[0][i] = run_.level * points_.value(place);
     }
   }
-  void reset() noexcept override {
-    rise_ = {};
-    start_ = 0;
-    started_ = false;
-  }
+  void reset() noexcept override { run_ = {}; }
   void copy(const Node& other) noexcept override { assign(*this, other); }
 
  private:
+  enum Input { kTrigger, kSpeed, kLevel };
+
   Breakpoints points_;
   bool waits_;
-  tactus_rise rise_{};
-  std::int64_t start_ = 0;
-  bool started_ = false;
+  tactus_curve_run run_{};
 };
+
+Interval curve_range(int output, const NodeSetup& setup) {
+  return range_of_points(output, setup) * setup.input("level").range;
+}
 
 Result<std::unique_ptr<Node>> make_curve(const NodeSetup& setup) {
   const auto& points = setup.setting("points").points;
@@ -70,14 +67,17 @@ NodeType curve_type() {
       .name = "curve",
       .summary = "Moves through points in time and holds the last value.",
       .equation =
-          "t = time since the start; between the points (t0, y0) and (t1, y1), u = (t - t0) / (t1 - t0): "
+          "t = speed * time since the start, y = level * points(t); between the points (t0, y0) and (t1, "
+          "y1), u = (t - t0) / (t1 - t0): "
           "linear y0 + (y1 - y0) u; step y0; smooth: cubic without overshoot, slope continuous",
       .source = "smooth: Fritsch & Butland, SIAM J. Sci. Stat. Comput. 5, 1984",
       .example =
           "stroke = { type = \"curve\", points = [[\"0 s\", \"0 m/s\"], [\"0.1 s\", \"0.1 m/s\"]], unit = "
           "\"m/s\" }",
       .inputs = {{"trigger", "",
-                  "restarts the curve; if it is connected, the curve waits for the first trigger", 0}},
+                  "restarts the curve; if it is connected, the curve waits for the first trigger", 0},
+                 {"speed", "", "factor of the speed, read when the curve starts; 2: half as long", 1, 0, 1e6},
+                 {"level", "", "factor of the values, read when the curve starts", 1}},
       .outputs = {{"out", "=unit", "value of the curve"}},
       .settings = {required(
                        {"points",
@@ -88,7 +88,7 @@ NodeType curve_type() {
                           "linear"),
                    unit_setting("values")},
       .make = make_curve,
-      .range = range_of_points,
+      .range = curve_range,
   };
 }
 

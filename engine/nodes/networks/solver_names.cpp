@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/nodes/declare.h"
+
 namespace tactus {
 namespace {
 

@@ -141,15 +141,49 @@ static int run_onset(const double* const* in, int frames, double rate, double* o
 }
 
 /* Starts over at each trigger; waits for the first one. */
-static int run_curve(const double* in, int frames, double* out) {
+static int run_curve(const double* const* in, int frames, double* out) {
   static const double x[] = {0, 96, 480}, y[] = {0.25, 1, -1};
   const tactus_curve curve = {3, x, y, 0};
-  tactus_rise rise = {0};
-  int start = -1;
+  tactus_curve_run run = {{0}, 0, 0, 0, 0};
   for (int n = 0; n < frames; ++n) {
-    if (tactus_rise_step(&rise, in[n])) start = n;
-    out[n] = tactus_curve_value(&curve, TACTUS_CURVE_LINEAR, start < 0 ? 0 : n - start);
+    const double place = tactus_curve_run_step(&run, in[0][n], in[1][n], in[2][n], 1);
+    out[n] = run.level * tactus_curve_value(&curve, TACTUS_CURVE_LINEAR, place);
   }
+  return 1;
+}
+
+static int run_state(const double* const* in, int frames, double* out) {
+  tactus_state state = {{0}, 0, 0};
+  for (int n = 0; n < frames; ++n) {
+    out[n] = tactus_state_value(&state, in[2][n]);
+    tactus_state_take(&state, in[0][n], in[1][n]);
+  }
+  return 1;
+}
+
+static int run_interval(const double* const* in, int frames, double rate, double* out) {
+  tactus_interval state = {{0}, 0, 0};
+  for (int n = 0; n < frames; ++n) {
+    out[n] = tactus_interval_value(&state, in[1][n], rate);
+    tactus_interval_pass(&state, in[0][n]);
+  }
+  return 1;
+}
+
+static int run_actuator_inverse(const double* const* in, int frames, double rate, double* out) {
+  tactus_actuator_inverse state = {{0, 0}, {0, 0}, {0, 0, 0}, 0, 0};
+  for (int n = 0; n < frames; ++n) {
+    const tactus_actuator actuator = {in[1][n], in[2][n], in[3][n], in[4][n], in[5][n], in[6][n]};
+    out[n] = tactus_actuator_inverse_step(&state, in[0][n], &actuator, in[7][n], in[8][n], rate);
+  }
+  return 1;
+}
+
+static int run_event_delay(const double* const* in, int frames, double rate, double* out) {
+  static tactus_event_delay state;
+  memset(&state, 0, sizeof state);
+  for (int n = 0; n < frames; ++n)
+    out[n] = tactus_event_delay_step(&state, in[0][n], clamped(in[1][n], 0, 3600) * rate, in[2][n]);
   return 1;
 }
 
@@ -173,7 +207,11 @@ int tactus_run_kernel(const char* node, const double* const* in, int frames, dou
   if (strcmp(node, "string") == 0) return run_string(in, frames, rate, out);
   if (strcmp(node, "waveguide") == 0) return run_waveguide(in, frames, rate, out);
   if (strcmp(node, "onset") == 0) return run_onset(in, frames, rate, out);
-  if (strcmp(node, "curve") == 0) return run_curve(in[0], frames, out);
+  if (strcmp(node, "curve") == 0) return run_curve(in, frames, out);
+  if (strcmp(node, "state") == 0) return run_state(in, frames, out);
+  if (strcmp(node, "interval") == 0) return run_interval(in, frames, rate, out);
+  if (strcmp(node, "actuator_inverse") == 0) return run_actuator_inverse(in, frames, rate, out);
+  if (strcmp(node, "event_delay") == 0) return run_event_delay(in, frames, rate, out);
   if (strcmp(node, "sample") == 0) return run_sample(in, frames, out);
   if (strcmp(node, "wavetable") == 0) {
     static const double table[] = {0, 1, 0.5, -0.5, -1};

@@ -156,3 +156,14 @@ TEST_CASE("delay: errors are explained", "[nodes]") {
   CHECK(error({{"min", "2 s"}, {"max", "1 s"}}, {}) == "OutOfRange 'min' 'max'");
   CHECK(error({}, {0, 1000}) == "OutOfRange 1000 350 'time' 'max'");
 }
+
+TEST_CASE("event_delay: each trigger keeps the time and the value it came in with", "[nodes]") {
+  // The second overtakes the first; the third comes out at once, and a time that changes later moves none.
+  NodeRunner runner{test::node_type("event_delay"),
+                    {{"trigger", Samples{1, 0, 1, 0, 0, 1, 0, 0}},
+                     {"time", Samples{frames(6), 0, frames(2), 0, 0, frames(0), 0, 0}},
+                     {"value", Samples{1, 0, 2, 0, 0, 3, 0, 0}}}};
+  const auto out = runner.run(even_cutting(8, 3));
+  CHECK(out[0] == Samples{0, 0, 0, 0, 1, 1, 1, 0});
+  CHECK(out[1] == Samples{0, 0, 0, 0, 2, 3, 1, 1});
+}

@@ -172,3 +172,17 @@ TEST_CASE("curve: with a trigger it waits, runs, and starts over", "[nodes]") {
   CHECK(out[30] == 3);
   CHECK(out[40] == 13);
 }
+
+TEST_CASE("curve: speed and level are those of the frame in which it starts", "[nodes]") {
+  Samples trigger(20, 0.0), speed(20, 1.0), level(20, 1.0);
+  trigger[0] = trigger[10] = 1;
+  speed[0] = 2, level[0] = 3;
+  speed[10] = 0.5, level[10] = -1;
+  const auto out =
+      play_node(test::node_type("curve"), 20, {{"trigger", trigger}, {"speed", speed}, {"level", level}},
+                {{"points", "[[0, 0], [0.001, 48]]"}});
+  CHECK(out[4] == 3 * 8);
+  CHECK(out[9] == 3 * 18);
+  CHECK(out[10] == 0);
+  CHECK(out[14] == -2);
+}

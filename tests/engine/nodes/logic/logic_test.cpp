@@ -1,5 +1,6 @@
 
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "tests/support/graphs/play_node.h"
 
@@ -66,6 +67,7 @@ TEST_CASE("clip, map, curve: ranges that the compiler can rely on", "[nodes]") {
   CHECK(test::node_type("clip").range(0, clip).high == 2);
   for (const NodeType* type : {&test::node_type("map"), &test::node_type("curve")}) {
     NodeSetup table = {.sample_rate = 48_kHz, .type = type, .inputs = {{}}, .settings = {}};
+    table.inputs.resize(type->inputs.size(), {{1, 1}, 1.0});
     for (const auto& setting : type->settings)
       table.settings.push_back(test::setting_value(
           setting, setting.name == "points" ? "[[0, 110], [1, 440], [2, 220]]" : setting.fallback));
@@ -97,4 +99,20 @@ TEST_CASE("quantiser: nearest and floor", "[nodes]") {
 
 TEST_CASE("mix: passes a single lane on", "[nodes]") {
   CHECK(play_node(test::node_type("mix"), 3, {{"in", Samples{1, -2, 3}}}) == Samples{1, -2, 3});
+}
+
+TEST_CASE("interval: in the frame of a trigger it is the time since the one before", "[nodes]") {
+  const auto out = play_node(test::node_type("interval"), 8,
+                             {{"trigger", Samples{0, 0, 1, 0, 0, 1, 1, 0}}, {"initial", 1.0}});
+  Samples frames;
+  for (const double seconds : out) frames.push_back(std::round(seconds * 48000 * 1e6) / 1e6);
+  CHECK(frames == Samples{48000, 48001, 48002, 1, 2, 3, 1, 2});
+}
+
+TEST_CASE("state: takes over its input in the frame after a trigger, and is the initial value before",
+          "[nodes]") {
+  CHECK(play_node(
+            test::node_type("state"), 6,
+            {{"in", Samples{1, 2, 3, 4, 5, 6}}, {"trigger", Samples{0, 1, 0, 0, 1, 0}}, {"initial", 9.0}}) ==
+        Samples{9, 9, 2, 2, 2, 5});
 }

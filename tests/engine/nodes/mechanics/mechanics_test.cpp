@@ -99,3 +99,34 @@ TEST_CASE("spring, damper: F = -k (x - rest), F = -b v", "[nodes]") {
   CHECK(play_node(test::node_type("damper"), 2, {{"in", Samples{2, -4}}, {"damping", 0.5}}) ==
         Samples{-1, 2});
 }
+
+TEST_CASE("actuator_inverse: its voltage moves the coil of the equations along the plan", "[nodes]") {
+  // The plan: 2 mm to and fro at 20 Hz. The coil of the shipped woofer, integrated in steps of 1/16 frame.
+  constexpr double kRate = 48000, kR = 6.5, kL = 0.8e-3, kBl = 6, kMass = 0.035, kLoss = 1.2, kSpring = 1000;
+  constexpr int kFrames = 9600, kSteps = 16;
+  Samples plan;
+  for (int n = 0; n < kFrames; ++n) {
+    const double w = 2 * M_PI * 20, t = n / kRate;
+    plan.push_back(2e-3 * w * std::sin(w * t) * std::min(1.0, t / 0.05));
+  }
+  test::NodeRunner runner(test::node_type("actuator_inverse"), {{"velocity", plan},
+                                                                {"resistance", kR},
+                                                                {"inductance", kL},
+                                                                {"force_factor", kBl},
+                                                                {"mass", kMass},
+                                                                {"damping", kLoss},
+                                                                {"stiffness", kSpring},
+                                                                {"centring", 1000.0}});
+  const auto out = runner.run(test::even_cutting(kFrames, 64));
+  double x = 0, v = 0, i = 0, apart = 0;
+  for (int n = 0; n < kFrames; ++n) {
+    for (int k = 0; k < kSteps; ++k) {
+      const double dt = 1 / (kRate * kSteps);
+      i += dt * (out[0][static_cast<std::size_t>(n)] - kR * i - kBl * v) / kL;
+      v += dt * (kBl * i - kLoss * v - kSpring * x) / kMass;
+      x += dt * v;
+    }
+    if (n > kFrames / 2) apart = std::max(apart, std::abs(v - out[1][static_cast<std::size_t>(n)]));
+  }
+  CHECK(apart < 0.01 * 2e-3 * 2 * M_PI * 20);
+}
