@@ -63,6 +63,9 @@ const SectionType& scene_fields() {
        only("roll", text_field("hits", "trigger of a detected strike", "the role hit")),
        only("roll", text_field("contact", "contact force of the strikes", "the role contact")),
        only("roll", whole_field("fewest", 1, 100, "minimum number of strikes in any second", "10")),
+       only("roll", choice_field("roll", {"even", "gallop", "backwards", "any"},  // as Playability::Roll
+                                 "what the roll should be", "even")),
+       only("roll", quantity_field("rate", "Hz", 1, 200, "strikes a second that it should have", "any rate")),
        only("tone", text_field("sound", "monitor output", "the role monitor")),
        only("tone",
             quantity_field("pitch", "Hz", 1, 20e3, "expected pitch, or a signal such as \"wanted.pitch\"")),

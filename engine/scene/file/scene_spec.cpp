@@ -224,6 +224,8 @@ std::optional<Playability> read_playability(const Value::Table& section, const S
   read.hits = signal("hits", "hit");
   read.contact = signal("contact", "contact");
   read.fewest = number("fewest", read.fewest);
+  read.roll = static_cast<Playability::Roll>(fields.choice("roll").value_or(0));
+  read.rate_hz = fields.number("rate");
   read.sound = signal("sound", "monitor");
   read.begin_s = number("begin", read.begin_s, end_s);
   read.quiet = number("quiet", read.quiet);

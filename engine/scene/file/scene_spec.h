@@ -118,6 +118,13 @@ struct Playability {
     Roll,  ///< repeated strikes
     Tone,  ///< a note that is held, or several
   };
+  /// What a roll is wanted to be.
+  enum class Roll {
+    Even,
+    Gallop,     ///< long and short in turn
+    Backwards,  ///< intervals that grow
+    Any,        ///< even, or a pattern that repeats
+  };
   Kind kind = Kind::Roll;
   Source at;
   double from_s = 1;             ///< start of the evaluated window
@@ -127,11 +134,13 @@ struct Playability {
   SignalName hits{};     ///< of a roll: the trigger of a detected strike
   SignalName contact{};  ///< the contact force of the strikes
   double fewest = 10;    ///< strikes in its worst second
-  SignalName sound{};    ///< of a tone
-  double pitch_hz = 0;   ///< the expected note; 0: that of `pitch`
-  SignalName pitch{};    ///< the expected notes, one after the other; "": the one of `pitch_hz`
-  double begin_s = 0;    ///< when the bow is on the string
-  double quiet = 1e-3;   ///< softer than this it is silent: root mean square
+  Roll roll = Roll::Even;
+  std::optional<double> rate_hz{};  ///< strikes a second; empty: any
+  SignalName sound{};               ///< of a tone
+  double pitch_hz = 0;              ///< the expected note; 0: that of `pitch`
+  SignalName pitch{};               ///< the expected notes, one after the other; "": the one of `pitch_hz`
+  double begin_s = 0;               ///< when the bow is on the string
+  double quiet = 1e-3;              ///< softer than this it is silent: root mean square
 };
 
 /// The same scene once more with some controls elsewhere, to show beside it what they do.

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "engine/core/decibels.h"
 #include "engine/scene/measures/events.h"
 
 namespace tactus {
@@ -13,12 +15,18 @@ constexpr double kRepeats = 0.02;  // a pattern that close needs no longer one
 constexpr std::size_t kMinHits = 6;
 constexpr double kStep_s = 0.1;
 
-double pattern_spread(const std::vector<double>& intervals, std::size_t beats, double mean) {
-  if (intervals.size() <= beats) return 1;
+/// How far values are from those `beats` before them, root mean square / sqrt(2).
+std::optional<double> spread_over(const std::vector<double>& values, std::size_t beats) {
+  if (values.size() <= beats) return std::nullopt;
   double squares = 0;
-  for (std::size_t i = beats; i < intervals.size(); ++i)
-    squares += (intervals[i] - intervals[i - beats]) * (intervals[i] - intervals[i - beats]);
-  return std::sqrt(squares / (2 * static_cast<double>(intervals.size() - beats))) / mean;
+  for (std::size_t i = beats; i < values.size(); ++i)
+    squares += (values[i] - values[i - beats]) * (values[i] - values[i - beats]);
+  return std::sqrt(squares / (2 * static_cast<double>(values.size() - beats)));
+}
+
+double pattern_spread(const std::vector<double>& intervals, std::size_t beats, double mean) {
+  const auto spread = spread_over(intervals, beats);
+  return spread ? *spread / mean : 1;
 }
 
 double detected_share(const Detection& detection) {
@@ -26,10 +34,34 @@ double detected_share(const Detection& detection) {
   return all == 0 ? 0 : static_cast<double>(detection.found) / all;
 }
 
-const char* kind_of(bool lives, const Evenness& even) {
+const char* kind_of(bool lives, const Evenness& even, const Rhythm& rhythm, Playability::Roll wanted) {
   if (!lives) return "dead";
+  if (wanted == Playability::Roll::Backwards && rhythm.growing >= kFewestGrowing) return "backwards";
   if (even.spread <= kEvenSpread) return "regular";
   return even.pattern_spread <= kEvenSpread ? "gallop" : "irregular";
+}
+
+double rhythm_share(const Evenness& even, const Rhythm& rhythm, Playability::Roll wanted) {
+  const double repeats = near(even.pattern_spread, kHalfSpread);
+  switch (wanted) {
+    case Playability::Roll::Even:
+      return near(even.spread, kHalfSpread);
+    case Playability::Roll::Any:
+      return repeats;
+    case Playability::Roll::Gallop:
+      return repeats * (1 - near(std::log(std::max(1.0, rhythm.long_short)), std::log(kHalfRatio)));
+    case Playability::Roll::Backwards:
+      return std::pow(std::min(1.0, static_cast<double>(rhythm.growing) / kFewestGrowing), 2);
+  }
+  return 0;
+}
+
+std::vector<Strike> strikes_between(const RecordedSignal& contact, const Window& window) {
+  auto strikes = strikes_in(contact, window.rate());
+  std::erase_if(strikes, [&](const Strike& strike) {
+    return strike.start_s < window.from_s || strike.start_s > window.to_s;
+  });
+  return strikes;
 }
 
 PlayabilityResult evaluate_roll(const SceneRecording& recording, const Playability& playability) {
@@ -44,10 +76,14 @@ PlayabilityResult evaluate_roll(const SceneRecording& recording, const Playabili
   const auto even = evenness_of(hits);
   const double lasts = sustained(hits, window.from_s, window.to_s, playability.fewest);
   const bool lives = lasts == 1.0;
+  const auto rhythm = rhythm_of(hits, window.from_s, window.to_s);
   PlayabilityResult run;
-  run.kind = kind_of(lives, even);
-  run.score = lasts * detected_share(detection) *
-              std::min(1.0, kEvenSpread / std::max(even.pattern_spread, kEvenSpread));
+  run.kind = kind_of(lives, even, rhythm, playability.roll);
+  run.score = lasts * detected_share(detection) * rhythm_share(even, rhythm, playability.roll);
+  if (contact != nullptr && playability.roll != Playability::Roll::Backwards)
+    run.score *= near(loudness_spread(strikes_between(*contact, window), even.beats), kHalfLoudness_db);
+  if (playability.rate_hz && rhythm.rate_hz > 0)
+    run.score *= near(std::log(rhythm.rate_hz / *playability.rate_hz), std::log(kHalfRate));
   run.playable = lives && run.score >= kLeastScore;
   window.events = hits;
   window.detection = &detection;
@@ -67,6 +103,7 @@ const std::vector<MeasureColumn>& measure_columns(Playability::Kind kind) {
       {"beats", "beats", 0, "beats"},
       {"pattern_spread", "pattern", 2, "pattern_spread"},
       {"long_short", "long/short", 2, "long_short", true},
+      {"growing", "growing", 0, "growing"},
       {"strikes", "strikes", 0, "detected"},
       {"missed", "missed", 0, "missed"},
       {"doubled", "doubled", 0, "doubled"},
@@ -77,9 +114,11 @@ const std::vector<MeasureColumn>& measure_columns(Playability::Kind kind) {
       {"cents", "cents", 1, "cents", true},
       {"right", "right", 2, "right_share", true},
       {"level_spread", "unsteady", 2, "level_spread", true},
+      {"onset_noise", "noise", 2, "onset_noise", true},
       {"swing_cents", "swing", 1, "swing"},
       {"rms", "rms", 3, "tone_level"},
       {"notes", "notes", 0, "notes"},
+      {"note_levels_db", "levels dB", 1, "note_levels"},
       {"good", "good", 0, "good_notes"},
   };
   return kind == Playability::Kind::Roll ? roll : tone;
@@ -96,6 +135,7 @@ const std::vector<RunKind>& run_kinds(Playability::Kind kind) {
   static const std::vector<RunKind> roll = {
       {"regular", 'R', "intervals spread by at most 15 %"},
       {"gallop", 'G', "a pattern of two to four strikes that repeats within 15 %: short and long"},
+      {"backwards", 'b', "six intervals or more that grow, where that is wanted"},
       {"irregular", 'i', "strikes continue without a repeating pattern"},
       {"dead", '.', "in at least one second, fewer strikes than [playability] requires"},
   };
@@ -128,6 +168,12 @@ Evenness evenness_of(const std::vector<double>& times_s) {
       even.beats = beats, even.pattern_spread = spread;
   }
   return even;
+}
+
+double loudness_spread(const std::vector<Strike>& strikes, int beats) {
+  std::vector<double> levels;
+  for (const auto& strike : strikes) levels.push_back(amplitude_to_db(strike.peak));
+  return spread_over(levels, static_cast<std::size_t>(beats)).value_or(0);
 }
 
 PlayabilityResult evaluate(const SceneRecording& recording, const Playability& playability) {

@@ -33,7 +33,7 @@ struct ToneNote {
 /// The moments of the part that should be steady.
 struct SteadyMoments {
   double frames;  ///< that there are, with a pitch or without
-  double right, partials;
+  double right, partials, in_tune;
   std::vector<double> hertz, off_cents, level;
 
   double right_share() const { return right / frames; }
@@ -45,15 +45,18 @@ SteadyMoments steady_moments_of(const std::vector<PitchPoint>& track, const Tone
   SteadyMoments steady{std::max(1.0, std::floor((note.until_s - note.steady_s) / kPitchHop_s)),
                        0,
                        0,
+                       0,
                        each(all, &ToneMoment::hertz),
                        each(all, &ToneMoment::off_cents),
                        each(all, &ToneMoment::rms)};
   for (const auto& moment : all) {
     const int partial = partial_of(moment.hertz, moment.expected_hz);
     if (partial == 1 && std::abs(moment.off_cents()) <= kInTune_cents) ++steady.right;
+    if (partial == 1) steady.in_tune += near(moment.off_cents(), kHalfCents);
     if (partial > 1) ++steady.partials;
   }
   steady.right = std::min(steady.right, steady.frames);
+  steady.in_tune = std::min(1.0, steady.in_tune / steady.frames);
   return steady;
 }
 
@@ -91,8 +94,25 @@ const char* kind_of(double level, double quiet, const SteadyMoments& moments) {
   return moments.partials > moments.strays() ? "wrong partial" : "howl";
 }
 
-ToneResult evaluate_note(std::span<const double> steady, const std::vector<PitchPoint>& track,
-                         const ToneNote& note, double quiet) {
+/// The energy in the beginning of a note that does not come back after a period, over that of as long of the
+/// tone itself, if that is more: 0 of what repeats itself, 1 of noise.
+double noise_of(std::span<const double> onset, double period, double level) {
+  const auto whole = static_cast<std::size_t>(period);
+  const double share = period - static_cast<double>(whole);
+  // The straight line between two samples takes some of the noise away.
+  const double kept = 0.5 * (1 + (1 - share) * (1 - share) + share * share);
+  double differences = 0, energy = 0, tone = 0;
+  for (std::size_t n = whole + 1; n < onset.size(); ++n) {
+    const double before = (1 - share) * onset[n - whole] + share * onset[n - whole - 1];
+    differences += (onset[n] - before) * (onset[n] - before);
+    energy += onset[n] * onset[n] + before * before;
+    tone += 2 * level * level;
+  }
+  return differences > 0 ? std::min(1.0, differences / kept / std::max(energy, tone)) : 0;
+}
+
+ToneResult evaluate_note(std::span<const double> onset, std::span<const double> steady, Hertz rate,
+                         const std::vector<PitchPoint>& track, const ToneNote& note, double quiet) {
   ToneResult tone;
   auto& [run, values] = tone;
   const auto moments = steady_moments_of(track, note);
@@ -101,13 +121,15 @@ ToneResult evaluate_note(std::span<const double> steady, const std::vector<Pitch
   values.partial = pitch > 0 ? partial_of(pitch, note.hertz) : 0;
   values.cents = pitch > 0 ? cents(pitch, std::max(1, values.partial) * note.hertz) : 0;
   values.right = moments.right_share();
+  values.in_tune = moments.in_tune;
   values.level_spread = spread_of(moments.level);
   values.swing_cents = swing_of(moments.hertz);
   values.level = rms_of(steady);
+  values.onset_noise = noise_of(onset, rate.value / note.hertz, values.level);
   run.kind = kind_of(values.level, quiet, moments);
   if (run.kind != "silent")
-    run.score = values.right * kPrompt_s / std::max(values.start_s, kPrompt_s) * kSteadySpread /
-                std::max(values.level_spread, kSteadySpread);
+    run.score = values.in_tune * near(values.start_s, kHalfStart_s) *
+                near(values.level_spread, kHalfUnsteady) * near(values.onset_noise, kHalfNoise);
   run.playable = run.kind == "right note" && run.score >= kLeastScore;
   return tone;
 }
@@ -145,6 +167,19 @@ std::vector<ToneNote> notes_of(const SceneRecording& recording, const Playabilit
   return notes;
 }
 
+/// Standard deviation of the levels of those that sound.
+double level_deviation_db(const std::vector<ToneResult>& notes) {
+  double count = 0, sum = 0, squares = 0;
+  for (const auto& note : notes) {
+    if (note.run.kind == "silent") continue;
+    const double level = amplitude_to_db(note.values.level);
+    ++count;
+    sum += level;
+    squares += level * level;
+  }
+  return count > 1 ? std::sqrt(std::max(0.0, squares / count - sum / count * (sum / count))) : 0;
+}
+
 /// All notes as one run.
 ToneResult together(const std::vector<ToneResult>& notes) {
   const auto worse = [](const ToneResult& a, const ToneResult& b) {
@@ -157,7 +192,9 @@ ToneResult together(const std::vector<ToneResult>& notes) {
     all.values.good_notes += note.run.playable ? 1 : 0;
   }
   all.values.notes = static_cast<int>(notes.size());
-  all.run.score = score / static_cast<double>(notes.size());
+  all.values.level_deviation_db = level_deviation_db(notes);
+  all.run.score =
+      score / static_cast<double>(notes.size()) * near(all.values.level_deviation_db, kHalfLevel_db);
   return all;
 }
 
@@ -178,7 +215,9 @@ ToneResult tone_of(const SceneRecording& recording, const Playability& playabili
     std::vector<ToneResult> tones;
     for (const auto& note : notes) {
       const auto steady = Window{recording, note.steady_s, note.to_s}.samples(*sound);
-      tones.push_back(evaluate_note(steady, track, note, playability.quiet));
+      const auto onset = Window{recording, note.from_s, std::min(note.to_s, note.from_s + kOnset_s)};
+      tones.push_back(evaluate_note(onset.samples(*sound), steady, recording.sample_rate, track, note,
+                                    playability.quiet));
     }
     tone = together(tones);
   }

@@ -10,9 +10,12 @@ namespace {
 
 constexpr std::size_t kMostMaps = 12;
 
-// From the best kind to the worst.
-constexpr PlotColor kKindColors[] = {PlotColor::Green, PlotColor::Blue, PlotColor::Orange,
-                                     PlotColor::Vermillion};
+/// Kinds are in order from the best to the worst.
+PlotColor color_of(std::size_t kind, std::size_t kinds) {
+  constexpr PlotColor kBest[] = {PlotColor::Green, PlotColor::Blue, PlotColor::Sky};
+  if (kind + 1 == kinds) return PlotColor::Vermillion;
+  return kind + 2 == kinds ? PlotColor::Orange : kBest[kind];
+}
 
 using RunValue = std::function<double(const PlayedRun&)>;
 
@@ -36,8 +39,9 @@ Subplot value_subplot(const PlayabilityStudy& study, const std::string& label, c
   PlotSeries line{.color = PlotColor::Grey};
   std::vector<PlotSeries> kinds;
   for (std::size_t k = 0; k < run_kinds(study.kind).size(); ++k)
-    kinds.push_back(
-        {.label = run_kinds(study.kind)[k].name, .mark = PlotMark::Points, .color = kKindColors[k]});
+    kinds.push_back({.label = run_kinds(study.kind)[k].name,
+                     .mark = PlotMark::Points,
+                     .color = color_of(k, run_kinds(study.kind).size())});
   for (const auto& run : study.runs) {
     if (!run.as_written()) continue;
     for (auto* series : {&line, &kinds[study.kind_of(run)]}) {
@@ -83,10 +87,12 @@ PlotMap kind_map(const PlayabilityStudy& study, std::vector<std::string> columns
   const auto& kinds = run_kinds(study.kind);
   for (const auto* run : runs) {
     const auto kind = study.kind_of(*run);
-    map.cells.push_back({.color = kKindColors[kind], .letter = std::string(1, kinds[kind].letter)});
+    map.cells.push_back(
+        {.color = color_of(kind, kinds.size()), .letter = std::string(1, kinds[kind].letter)});
   }
   for (std::size_t k = 0; k < kinds.size(); ++k)
-    map.keys.push_back({{.color = kKindColors[k]}, fmt::format("{} {}", kinds[k].letter, kinds[k].name)});
+    map.keys.push_back(
+        {{.color = color_of(k, kinds.size())}, fmt::format("{} {}", kinds[k].letter, kinds[k].name)});
   return map;
 }
 

@@ -68,8 +68,9 @@ struct SceneHash {
   void add(const LimitSource& source) { (*this)(static_cast<std::uint64_t>(source.kind), source.limits); }
   void add(const LimitRaise& raise) { (*this)(raise.output, raise.limit, raise.value); }
   void add(const Playability& rules) {
-    (*this)(rules.kind, rules.from_s, rules.to_s, rules.fewest, rules.hits.name, rules.contact.name,
-            rules.sound.name, rules.pitch.name, rules.pitch_hz, rules.begin_s, rules.quiet);
+    (*this)(rules.kind, rules.from_s, rules.to_s, rules.fewest, rules.roll, rules.rate_hz, rules.hits.name,
+            rules.contact.name, rules.sound.name, rules.pitch.name, rules.pitch_hz, rules.begin_s,
+            rules.quiet);
   }
 };
 
