@@ -91,8 +91,15 @@ std::vector<double> hits_in(const SceneRecording& recording) {
   return triggers_of(recording, signal_of(recording.roles, "hit"));
 }
 
-Rhythm rhythm_in(const SceneRecording& recording) {
-  return rhythm_of(hits_in(recording), 0, recording.seconds());
+Rhythm rhythm_in(const SceneRecording& recording, double from_s = 0) {
+  return rhythm_of(hits_in(recording), from_s, recording.seconds());
+}
+
+/// From where on a scene judges its roll; 0 where it does not, or is played for a shorter time.
+double judged_from_s(const PlayedScene& played) {
+  const auto& judged = played.scene.playability;
+  if (!judged || judged->kind != Playability::Kind::Roll) return 0;
+  return judged->from_s < played.recording.seconds() ? judged->from_s : 0;
 }
 
 /// Strikes and the hits that were detected of them.
@@ -100,7 +107,8 @@ ReportSection roll_section(const PlayedScene& played, const PlayedScene* compare
   const auto& recording = played.recording;
   const auto* contact = playing(recording, "contact");
   if (contact == nullptr) return {};
-  const auto rhythm = rhythm_in(recording);
+  const double from_s = judged_from_s(played), last_s = rhythm_in(recording).last_s;
+  const auto rhythm = rhythm_in(recording, from_s);
   const auto strikes = strikes_in(*contact, recording.sample_rate).size(), hits = hits_in(recording).size();
   const double missed = value_of("missed", recording), doubled = value_of("doubled", recording);
   const double longest_detection_ms = 1e3 * value_of("detection_time", recording);
@@ -111,22 +119,24 @@ ReportSection roll_section(const PlayedScene& played, const PlayedScene* compare
        {"missed", missed},
        {"doubled", doubled},
        {"longest_detection_ms", longest_detection_ms},
+       {"roll_from_s", from_s},
        {"roll_rate_hz", rhythm.rate_hz},
        {"fewest_in_a_second", rhythm.fewest_in_a_second},
        {"spread", rhythm.spread},
        {"long_short", rhythm.long_short},
        {"growing_intervals", rhythm.growing},
-       {"last_hit_s", rhythm.last_s},
+       {"last_hit_s", last_s},
        {"restitution", restitution}},
       fmt::format(
           "  hits detected       {}, of {} strikes above 5 N {} missed; {} doubled; detected within {:.2f} "
           "ms\n"
-          "  roll                {:.1f} hits per second, at least {} in any second, spread {:.0f} %\n"
+          "  roll                {:.1f} hits per second, at least {} in any second, spread {:.1f} %{}\n"
           "  intervals           long/short {:.2f}, longest run of increasing intervals {}, last hit at "
           "{:.2f} s\n"
           "  restitution         {:.2f}",
           hits, strikes, missed, doubled, longest_detection_ms, rhythm.rate_hz, rhythm.fewest_in_a_second,
-          100 * rhythm.spread, rhythm.long_short, rhythm.growing, rhythm.last_s, restitution)};
+          100 * rhythm.spread, from_s > 0 ? fmt::format(", from {:g} s on", from_s) : "", rhythm.long_short,
+          rhythm.growing, last_s, restitution)};
   if (compared != nullptr) {
     const auto& name = compared->scene.compare->name;
     const auto other = rhythm_in(compared->recording);
