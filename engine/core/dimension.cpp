@@ -267,7 +267,41 @@ std::string_view unit_prefix(std::string_view text) {
   return text.substr(0, end);
 }
 
-std::string unit_in_other_case(std::string_view text) {
+std::string meant_unit(std::string_view text) {
+  // Names and abbreviations that are written for units.
+  static constexpr std::pair<std::string_view, const char*> kNames[] = {{"msec", "ms"},
+                                                                        {"millisecond", "ms"},
+                                                                        {"sec", "s"},
+                                                                        {"second", "s"},
+                                                                        {"usec", "us"},
+                                                                        {"microsecond", "us"},
+                                                                        {"minute", "min"},
+                                                                        {"hertz", "Hz"},
+                                                                        {"kilohertz", "kHz"},
+                                                                        {"cps", "Hz"},
+                                                                        {"meter", "m"},
+                                                                        {"metre", "m"},
+                                                                        {"millimeter", "mm"},
+                                                                        {"millimetre", "mm"},
+                                                                        {"newton", "N"},
+                                                                        {"volt", "V"},
+                                                                        {"ohms", "ohm"},
+                                                                        {"gram", "g"},
+                                                                        {"kilogram", "kg"},
+                                                                        {"degree", "deg"},
+                                                                        {"radian", "rad"},
+                                                                        {"decibel", "dB"},
+                                                                        {"semitone", "semitones"},
+                                                                        {"cent", "cents"},
+                                                                        {"percent", "%"}};
+  std::string lower{text};
+  std::ranges::transform(lower, lower.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (const auto* const named = std::ranges::find_if(
+          kNames,
+          [&](const auto& name) { return lower == name.first || lower == std::string{name.first} + "s"; });
+      named != std::end(kNames) && parse_unit(named->second))
+    return named->second;
   constexpr std::size_t kMostLetters = 8;
   std::vector<std::size_t> letters;
   for (std::size_t i = 0; i < text.size(); ++i)

@@ -62,8 +62,9 @@ std::string_view unit_prefix(std::string_view text);
 /// True for one unit symbol ("ms", "ohm", "dB").
 bool is_unit_symbol(std::string_view word);
 
-/// The unit that was meant where only the case of letters is wrong: "kHz" for "KHZ"; "" if none is.
-std::string unit_in_other_case(std::string_view text);
+/// The unit that was meant by its name or by letters of the wrong case: "ms" for "msec", "kHz" for "KHZ"; ""
+/// if none is known.
+std::string meant_unit(std::string_view text);
 
 /// A number with a unit or without.
 struct QuantityValue {

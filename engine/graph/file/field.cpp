@@ -100,9 +100,8 @@ std::optional<Unit> FieldReader::unit(std::string_view key) {
     errors_.add(Errc::WrongType, found->at, key_of(key, owner_) + " must be a string, not " + found->kind(),
                 kUnits);
   else if (!unit)
-    errors_.add(
-        Errc::UnknownName, found->at, "'" + *text + "' is not a unit",
-        unit_in_other_case(*text).empty() ? kUnits : "did you mean " + unit_in_other_case(*text) + "?");
+    errors_.add(Errc::UnknownName, found->at, "'" + *text + "' is not a unit",
+                meant_unit(*text).empty() ? kUnits : "did you mean " + meant_unit(*text) + "?");
   return unit;
 }
 

@@ -97,7 +97,7 @@ Result<QuantityValue> read_quantity(const Value& value) {
   if (unit && parse_unit(*unit))
     return fail(Errc::OutOfRange, value.at.text(), "'" + *text + "' is not finite",
                 "give a number below 1e300 in SI units");
-  const auto meant = unit ? unit_in_other_case(*unit) : std::string{};
+  const auto meant = unit ? meant_unit(*unit) : std::string{};
   return fail(
       Errc::Syntax, value.at.text(), "'" + *text + "' is not a number with a unit",
       meant.empty() ? "write a number and its unit, such as \"15 ms\"" : "did you mean " + meant + "?");

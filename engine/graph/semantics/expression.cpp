@@ -72,6 +72,21 @@ class Parser {
     return other == kOthers.end() ? nullptr : other;
   }
 
+  /// How a function of other languages is written here; nullptr: no such one.
+  static const char* other_function(std::string_view name) {
+    static constexpr std::array<OtherOperator, 8> kOthers{
+        {{"mtof", "write 440 Hz * pow(2, (note - 69) / 12)"},
+         {"midicps", "write 440 Hz * pow(2, (note - 69) / 12)"},
+         {"dbamp", "give the level its unit: -6 dB"},
+         {"dbtorms", "give the level its unit: -6 dB"},
+         {"if", "write select(condition, a, b)"},
+         {"fmod", "write mod(a, b)"},
+         {"clip", "write clamp(x, low, high)"},
+         {"lerp", "write mix(a, b, share)"}}};
+    const auto* const other = std::ranges::find(kOthers, name, &OtherOperator::sign);
+    return other == kOthers.end() ? nullptr : other->remedy;
+  }
+
   /// sum [ sign sum ]
   Result<Expression> comparison() {
     auto left = sum();
@@ -202,7 +217,8 @@ class Parser {
     if (const auto* type = find_function(word); type != nullptr && (peek() == '(' || is_reserved(word)))
       return function(start, *type);
     if (peek() == '(')
-      return syntax(start, "there is no function '" + word + "'", suggest(word, function_names()));
+      return syntax(start, "there is no function '" + word + "'",
+                    other_function(word) != nullptr ? other_function(word) : suggest(word, function_names()));
     if (const auto* constant = find_constant(word)) return number_called(*constant, start);
     if (!dotted_name(word))
       return syntax(start, "'" + word + "' is not a name",
@@ -293,7 +309,7 @@ class Parser {
   Result<Expression> not_a_unit(std::string_view digits) {
     skip_space();
     const auto word = word_here();
-    const auto meant = unit_in_other_case(word);
+    const auto meant = meant_unit(word);
     return syntax(here_, "'" + word + "' is not a unit",
                   meant.empty() ? "to multiply, write " + std::string{digits} + " * " + word
                                 : "did you mean " + meant + "?");

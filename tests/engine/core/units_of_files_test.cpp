@@ -43,12 +43,15 @@ TEST_CASE("units: a ratio of frequencies is a factor in an expression", "[core]"
 }
 
 TEST_CASE("units: where only the case of letters is wrong the remedy names the unit", "[core]") {
-  CHECK(unit_in_other_case("KHZ") == "kHz");
-  CHECK(unit_in_other_case("hz") == "Hz");
-  CHECK(unit_in_other_case("MS") == "ms");
-  CHECK(unit_in_other_case("DB") == "dB");
-  CHECK(unit_in_other_case("n/M") == "N/m");
-  CHECK(unit_in_other_case("furlong") == "");
+  CHECK(meant_unit("KHZ") == "kHz");
+  CHECK(meant_unit("hz") == "Hz");
+  CHECK(meant_unit("MS") == "ms");
+  CHECK(meant_unit("DB") == "dB");
+  CHECK(meant_unit("n/M") == "N/m");
+  CHECK(meant_unit("furlong") == "");
+  CHECK(meant_unit("msec") == "ms");
+  CHECK(meant_unit("Seconds") == "s");
+  CHECK(meant_unit("kilohertz") == "kHz");
   const auto remedy = [](const std::string& value) {
     const auto compiled = compile(
         parse_graph_leniently("format = 1\n[controls]\nf = { value = \"1 kHz\", range = [\"0 Hz\", " + value +

@@ -67,5 +67,6 @@ TEST_CASE("warnings: names that other programs have for nodes lead to ours", "[g
       "test.toml:3:14: there is no node type 'metro~'; use clock: { type = \"clock\", tempo = \"120 bpm\" }");
   CHECK(error("LPF.ar") == "test.toml:3:14: there is no node type 'LPF.ar'; use low_pass");
   CHECK(error("biquad").find("use low_pass, high_pass or band_pass") != std::string::npos);
+  CHECK(error("EnvGen.kr").find("use adsr, decay or curve") != std::string::npos);
   CHECK(error("onsett").find("did you mean 'onset'?") != std::string::npos);
 }
