@@ -31,14 +31,17 @@ bool is_denormal(double x) { return x != 0 && std::abs(x) < std::numeric_limits<
 
 // ---- Scenes ----
 
-/// A scene in a closed loop; keeps one signal of its windows.
+/// A scene in a closed loop; keeps one signal of its windows. Gestures stay from `held_s` on as they are
+/// then.
 class ScenePlay : public Subject {
  public:
-  ScenePlay(const std::string& file, std::string watched) : watched_(std::move(watched)) {
+  ScenePlay(const std::string& file, std::string watched, double held_s) : watched_(std::move(watched)) {
     const std::filesystem::path root = std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments";
     auto scene = load_scene(root / file, root);
     if (!scene) throw std::runtime_error(to_string(scene.error()));
     scene_ = std::move(*scene);
+    for (auto& gesture : scene_.gestures)
+      std::erase_if(gesture.points, [&](const auto& point) { return point.time_s > held_s; });
     auto built = build_scene(scene_, standard_nodes());
     if (!built) throw std::runtime_error(to_string(built.error()));
     built_ = std::make_unique<BuiltScene>(std::move(*built));
@@ -104,7 +107,7 @@ class ScenePlay : public Subject {
 /// Strikes a second, over a minute.
 class Drum final : public ScenePlay {
  public:
-  Drum() : ScenePlay("haptic_drum/scene.toml", "instrument.hit") {}
+  Drum() : ScenePlay("haptic_drum/scene.toml", "instrument.hit", 1) {}
   void look() override {
     constexpr double kSeconds = 60;
     double hits = 0;
@@ -126,7 +129,7 @@ class Drum final : public ScenePlay {
 /// The pitch of a bowed string.
 class Cellomobo final : public ScenePlay {
  public:
-  Cellomobo() : ScenePlay("cellomobo/open_string.toml", "instrument.sound") {}
+  Cellomobo() : ScenePlay("cellomobo/open_string.toml", "instrument.sound", 1) {}
   void look() override {
     std::vector<double> found;
     for (const auto& point : track_pitch(window(4), Hertz{rate()}, 40_Hz, 2_kHz))
@@ -355,7 +358,7 @@ low = { type = "low_pass", in = "in", cutoff = "100 Hz", q = 5 }
 band = { type = "band_pass", in = "in", frequency = "1 kHz", q = 50 }
 dc = { type = "dc_blocker", in = "in" }
 modes = { type = "modal", in = "in", frequency = "220 Hz", series = "bar", modes = 12, decay = "4 s" }
-string = { type = "string", in = "in", pitch = "110 Hz", gain = 0.9999, loss = 0.01 }
+string = { type = "string", in = "in", pitch = "110 Hz", gain = 0.999, loss = 0.01 }
 fade = { type = "envelope", in = "in", release = "1 s" }
 pulse = { type = "decay", trigger = "in", time = "1 s" }
 loop = { type = "delay", in = "in + 0.99 * loop", time = "7.3 ms" }
