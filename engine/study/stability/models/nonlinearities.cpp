@@ -201,8 +201,13 @@ Summit summit(const std::function<double(double)>& height, double start, const s
         const double away = std::pow(10.0, step / static_cast<double>(kPerDecade));
         if (rises(middle + side * away)) stride = 0.1 * away;
       }
-  for (int halved = 0; stride > 0 && halved < 40;)
-    if (!rises(best.at + stride) && !rises(best.at - stride)) stride *= 0.5, ++halved;
+  // Between the neighbours of the highest of these places, 0.2 of its distance away; what rises for ever (a
+  // product) is not followed beyond.
+  const double low = best.at - 2 * stride, high = best.at + 2 * stride;
+  for (int halved = 0; stride > 0 && halved < 40;) {
+    const double up = best.at + stride, down = best.at - stride;
+    if (!(up <= high && rises(up)) && !(down >= low && rises(down))) stride *= 0.5, ++halved;
+  }
   return best;
 }
 
