@@ -51,7 +51,8 @@ World load_world(const Target& target, const std::string& inputs, bool by_hand) 
   }
   auto instrument = load_graph_leniently(target.file, target.root());
   if (instrument.spec == nullptr) throw CommandError{std::move(instrument.errors)};
-  const auto bench = bench_of(inputs, by_hand);
+  auto bench = bench_of(inputs, by_hand);
+  bench.inputs.notes = bench.inputs.kind == BenchInputs::Kind::TestSignal && !by_hand;
   // Errors of the instrument are reported without those that they cause around it.
   CompileOptions options;
   options.sample_rate = bench.rate;

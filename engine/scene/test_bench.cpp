@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <utility>
@@ -89,6 +91,44 @@ std::string plant_text(const GraphSpec& instrument, const BenchInputs& inputs) {
       inputs.kind == Kind::TestSignal ? 1 : 0, nodes, outputs);
 }
 
+// ---- a keyboard
+
+bool takes_notes(const GraphSpec& instrument) {
+  return std::ranges::any_of(
+      instrument.controls, [](const ControlSpec& control) { return control.control.midi != MidiRole::None; });
+}
+
+constexpr double kKeys[] = {60, 64, 67, 72};  // a chord of C major
+constexpr double kVelocity = 0.7, kEvery_s = 0.5, kHeld_s = 0.4, kPulse_s = 0.01;
+
+/// What the keyboard does to a control: steps between values of its range.
+Gesture played_notes(const ControlSpec& control, Seconds duration) {
+  Gesture gesture;
+  gesture.name = "bench_" + control.name;
+  gesture.at = control.at;
+  gesture.curve = Gesture::Curve::Step;
+  gesture.bare = true;
+  const auto add = [&](double time_s, double value) {
+    gesture.points.push_back(
+        {time_s, std::clamp(value, control.control.range.low, control.control.range.high)});
+  };
+  const auto pulse = [&](double time_s) {
+    add(time_s, 1);
+    add(time_s + kPulse_s, 0);
+  };
+  using enum MidiRole;
+  const auto role = control.control.midi;
+  if (role == NoteOn || role == NoteOff) add(0, 0);
+  for (int note = 0; note * kEvery_s < duration.value; ++note) {
+    const double time_s = note * kEvery_s + kPulse_s;  // key and velocity are there before the note begins
+    if (role == Note) add(time_s - kPulse_s, kKeys[note % std::ssize(kKeys)]);
+    if (role == Velocity) add(time_s - kPulse_s, kVelocity);
+    if (role == NoteOn) pulse(time_s);
+    if (role == NoteOff) pulse(time_s + kHeld_s);
+  }
+  return gesture;
+}
+
 /// The same signal on every lane.
 Value wire_to(const PortSpec& input) {
   const Value wire{"plant." + input.name, input.at};
@@ -117,6 +157,10 @@ std::string describe(const BenchInputs& inputs, const GraphSpec& instrument, boo
   std::vector<std::string> lines;
   for (const auto& [receives, receivers] : names)
     lines.push_back(fmt::format("{} at {}", texts.at(receives), fmt::join(receivers, ", ")));
+  if (takes_notes(instrument))
+    lines.emplace_back(inputs.notes ? "2 notes per second as from a keyboard"
+                       : by_hand    ? "the notes of the MIDI keyboards that are connected"
+                                    : "no notes");
   return fmt::format("{}", fmt::join(lines, "\n"));
 }
 
@@ -136,6 +180,11 @@ LoadedScene scene_around(LoadedGraph instrument, const BenchInputs& inputs, Hert
       parse_graph_leniently(plant_text(graph, inputs), (folder / "test bench").generic_string(), folder);
   Value::Table wires;
   for (const auto& input : graph.inputs) wires.push_back({input.name, input.at, wire_to(input)});
+  for (const auto& control : graph.controls)
+    if (inputs.notes && control.control.midi != MidiRole::None) {
+      scene.gestures.push_back(played_notes(control, duration));
+      wires.push_back({control.name, control.at, {scene.gestures.back().name, control.at}});
+    }
   scene.parts.push_back({"instrument", graph.file, instrument.spec, std::move(wires)});
   scene.parts.push_back({"plant", graph.file, plant.spec, {}});
   add_roles_by_name(scene);

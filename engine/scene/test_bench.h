@@ -21,10 +21,11 @@ struct BenchInputs {
   Kind kind = Kind::TestSignal;
   std::filesystem::path file{};  ///< Kind::File
   int channels = 0;              ///< of the file
+  bool notes = false;            ///< controls that keyboards set receive a note every half second
 };
 
-/// A line for each kind of signal and the inputs that receive it: "2 strikes per second at microphone".
-/// Empty if the instrument has no inputs. `by_hand`: see SceneOptions::by_hand.
+/// A line for each kind of signal and the inputs that receive it: "2 strikes per second at microphone"; one
+/// for the notes of a keyboard. Empty if the instrument takes neither. `by_hand`: see SceneOptions::by_hand.
 std::string describe(const BenchInputs& inputs, const GraphSpec& instrument, bool by_hand = false);
 
 /// A scene of an instrument alone: its inputs are connected to a plant of signal generators, its outputs to

@@ -115,6 +115,43 @@ TEST_CASE("test bench: what the inputs receive is described by input", "[scene]"
   CHECK(describe({}, GraphSpec{}).empty());
 }
 
+// Keys 60, 64, 67 and 72, one every half second, each with its trigger 10 ms later and its end 0.4 s after
+// that.
+TEST_CASE("test bench: controls that keyboards set receive notes", "[scene]") {
+  constexpr const char* kKeyboard = R"(
+format = 1
+name = "keys"
+[controls]
+key = { value = 69, range = [0, 127], midi = "note" }
+loud = { value = 0, range = [0, 1], midi = "velocity" }
+down = { value = 0, range = [0, 1], midi = "note_on" }
+up = { value = 0, range = [0, 1], midi = "note_off" }
+[nodes]
+begins = { type = "counter", trigger = "down" }
+ends = { type = "counter", trigger = "up" }
+[outputs]
+key = { from = "key / 127" }
+loud = { from = "loud" }
+begins = { from = "begins / 100" }
+ends = { from = "ends / 100" }
+)";
+  const auto graph = parse_graph_leniently(kKeyboard, "keys.toml");
+  CHECK(describe({}, *graph.spec) == "no notes");
+  CHECK(describe({.notes = true}, *graph.spec) == "2 notes per second as from a keyboard");
+  const auto recording = play(kKeyboard, {.notes = true});
+  const auto at = [&](const char* name, double time_s) {
+    return recording.find(name)->samples[static_cast<std::size_t>(std::lround(time_s * 48e3))];
+  };
+  const double keys[] = {60, 64, 67, 72};
+  for (int note = 0; note < 4; ++note) {
+    INFO(note);
+    CHECK(at("instrument.key", 0.5 * note + 0.2) == Approx(keys[note] / 127).margin(1e-6));
+    CHECK(at("instrument.loud", 0.5 * note + 0.2) == Approx(0.7).margin(1e-6));
+    CHECK(at("instrument.begins", 0.5 * note + 0.2) == Approx(0.01 * (note + 1)).margin(1e-6));
+    CHECK(at("instrument.ends", 0.5 * note + 0.45) == Approx(0.01 * (note + 1)).margin(1e-6));
+  }
+}
+
 TEST_CASE("test bench: the errors are those of the instrument", "[scene]") {
   const auto loaded = bench("format = 1\n[outputs]\no = { from = 7, kind = \"odour\" }\n", {});
   REQUIRE_FALSE(loaded.errors.empty());
