@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "engine/core/index.h"
 #include "engine/core/named.h"
@@ -246,9 +247,8 @@ class SceneBuilder {
   void check_gesture(const Gesture& gesture, const FlatControl& control, const Source& at) {
     if (!gesture.bare && !(gesture.unit.dimension == control.unit.dimension))
       return errors_.add(Errc::UnitMismatch, at,
-                         "control '" + control.name + "' has the unit of " +
-                             in_unit(control.value, control.unit) + ", but gesture '" + gesture.name +
-                             "' has the unit of " + in_unit(gesture.points.front().value, gesture.unit),
+                         "control '" + control.name + "' is " + unit_phrase(control.unit.dimension) +
+                             ", but gesture '" + gesture.name + "' is " + unit_phrase(gesture.unit.dimension),
                          "write the points of the gesture in the unit of the control");
     for (const auto& point : gesture.points)
       if (!check_range(control, point.value, at, errors_, " by gesture '" + gesture.name + "'")) return;
@@ -283,13 +283,40 @@ class SceneBuilder {
     if (compiled == nullptr) return;
     built_.plant_taps = taps_of(*compiled, "");
     check_expected_pitch(scene_, built_.plant_taps, errors_);
-    // A gesture may be used by a control, a measure or a plot alone, and no user writes the files of a test
-    // bench.
+    // To the compiler a gesture is a node, which a control, a measure or a plot may take all the same;
+    // nothing else of the scene's own file can be unused. No user writes the files of a test bench.
+    const auto unused = [&](const Gesture& gesture) {
+      return std::ranges::any_of(compiled->warnings,
+                                 [&](const Error& warning) {
+                                   return warning.code == Errc::UnknownName &&
+                                          warning.where == gesture.at.text();
+                                 }) &&
+             !taken(gesture.name);
+    };
+    std::vector<Error> of_gestures;
+    for (const auto& gesture : scene_.gestures)
+      if (!scene_.bench && options_.set.empty() && unused(gesture))
+        of_gestures.push_back({Errc::UnknownName, gesture.at.text(),
+                               "gesture '" + gesture.name + "' is not used",
+                               "connect it to an input or a control of a part, or remove it"});
     std::erase_if(compiled->warnings, [this](const Error& warning) {
       return scene_.bench ||
              (warning.code == Errc::UnknownName && warning.where.starts_with(*world_.file.file + ":"));
     });
+    std::ranges::move(of_gestures, std::back_inserter(compiled->warnings));
     built_.plant = std::move(compiled);
+  }
+
+  /// Whether a control of the instrument, a measure or a role takes a gesture.
+  bool taken(const std::string& gesture) const {
+    const auto is_it = [&](const std::string& signal) { return signal == gesture; };
+    const auto& judged = scene_.playability;
+    return std::ranges::any_of(moved_, is_it,
+                               [](const MovedControl& moved) { return moved.gesture->name; }) ||
+           std::ranges::any_of(scene_.roles, is_it, &Role::signal) ||
+           std::ranges::any_of(scene_.expect, is_it, &Expectation::of) ||
+           std::ranges::any_of(scene_.accuracy, is_it, &Accuracy::of) ||
+           (judged && (is_it(judged->pitch.name) || is_it(judged->sound.name)));
   }
 
   /// All that is recorded must fit into memory.

@@ -65,7 +65,9 @@ class SceneChecker {
     errors_.add(Errc::UnknownName, at,
                 measure.empty() ? "no signal '" + signal + "' is recorded"
                                 : "'" + measure + "' needs '" + signal + "', but no such signal is recorded",
-                suggest(signal, names, "recorded are " + listed(recorded_)));
+                suggest(signal, names,
+                        recorded_.empty() ? "nothing is recorded until the errors above are fixed"
+                                          : "recorded are " + listed(recorded_)));
   }
 
   void check_role(const SignalName& signal, const std::string& role, const std::string& needed_by) {

@@ -62,3 +62,24 @@ swell = { points = [["0 s", 0.1], ["1 s", 0.9]] }
   REQUIRE(fixed->instrument->controls.size() == 1);
   CHECK(fixed->instrument->controls[0].control.value == 0.25);
 }
+
+TEST_CASE("scene: a gesture that nothing takes is named", "[scene]") {
+  const test::SceneFolder folder;
+  folder.write("scene.toml", R"(format = 1
+duration = "1 s"
+delay = "1 ms"
+[parts]
+instrument = { use = "instrument.toml", mic = "plant.mic", pedal = 0, strength = "swell" }
+plant = { use = "plant.toml", drive = "instrument.woofer", lift = "rises" }
+[gestures]
+swell  = { points = [["0 s", 0.1], ["1 s", 0.9]] }
+rises  = { points = [["0 s", "0 mm"], ["1 s", "1 mm"]] }
+wobble = { points = [["0 s", "0 mm"], ["1 s", "1 mm"]] }
+)");
+  const auto compiled = compile_scene(load_scene_leniently(folder.path() / "scene.toml"), standard_nodes());
+  REQUIRE(compiled);
+  REQUIRE(compiled->plant->warnings.size() == 1);
+  const auto& warning = compiled->plant->warnings.front();
+  CHECK(warning.where.ends_with("scene.toml:10:1"));
+  CHECK(warning.what == "gesture 'wobble' is not used");
+}
