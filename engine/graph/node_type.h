@@ -136,6 +136,10 @@ struct NodeType {
   /// Of an input without `Node::response`: the gain from the first input that the node comes close to while
   /// its signal moves far enough. nullopt: such an input is event-driven and has no small-signal gain.
   std::optional<double> small_signal_gain = {};
+  /// Its output stays where it is while its first input moves little, or until a trigger.
+  bool dead_band = false;
+  /// Its first output passes the triggers of its first input on, each once.
+  bool passes_triggers = false;
   /// Unread outputs may be given as nullptr (networks: hundreds of outputs, few of them read).
   bool skips_unused_outputs = false;
   /// Which inputs matter to the outputs that are read (`NodeSetup::read`); empty: all. Nothing is computed

@@ -60,6 +60,7 @@ NodeType event_delay_type() {
                    .doc = "the value of the last trigger that came out; 0 before the first",
                    .event_level = true}},
       .make = make_node<EventDelayNode>,
+      .passes_triggers = true,
       .range = event_delay_range,
   };
 }

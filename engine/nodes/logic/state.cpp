@@ -81,11 +81,12 @@ NodeType state_type() {
           "strength = { type = \"state\", in = \"0.9 * strength + 0.1 * hit.level\", trigger = \"hit\", "
           "initial = 0.5 }",
       .inputs = {late({"in", "any", "next value"}),
-                 late({"trigger", "", "trigger that takes over `in`"}),
+                 late(sampling({"trigger", "", "trigger that takes over `in`"})),
                  {"initial", "=in", "value before the first trigger", 0}},
       .outputs = {{"out", "=in", "the value"}},
       .make = make_node<StateNode>,
       .small_signal_gain = 1,
+      .dead_band = true,
       .range = state_range,
   };
 }

@@ -25,6 +25,7 @@ NodeType sample_hold_type() {
       .silencers = {{"in"}, {"trigger"}},
       .make = make_node<KernelNode<tactus_sample_hold_step, 2>>,
       .small_signal_gain = 1,
+      .dead_band = true,
       .range = from_zero_to("in"),
   };
 }

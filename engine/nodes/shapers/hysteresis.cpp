@@ -15,6 +15,7 @@ NodeType hysteresis_type() {
       .silencers = {{"in"}},
       .make = make_node<KernelNode<tactus_hysteresis_step, 2>>,
       .small_signal_gain = 1,
+      .dead_band = true,
       .range = from_zero_to("in"),
   };
 }

@@ -74,8 +74,14 @@ int growing_when_sampled(const LinearGraph& graph, const std::vector<int>& signa
 /// Roots that grow in a group of loops; `scan`: of the same, where there is one.
 int growing_in(const LinearGraph& graph, const std::vector<int>& signals, Hertz rate, const LoopScan* scan,
                std::vector<Doubt>& doubts) {
+  // What computes its next value from the last one alone grows or decays at whatever time it is sampled.
+  const auto within = [&](const LinearEdge& edge) {
+    return edge.kind != LinearEdge::Kind::Gain && edge.kind != LinearEdge::Kind::Event &&
+           std::ranges::binary_search(signals, edge.from) && std::ranges::binary_search(signals, edge.to);
+  };
+  const bool recursion = std::ranges::none_of(graph.edges, within);
   for (const auto& [signal, path] : graph.unclocked)
-    if (std::ranges::binary_search(signals, signal))
+    if (!recursion && std::ranges::binary_search(signals, signal))
       add_doubt(
           doubts,
           {"'" + path + "' samples a signal of a loop without a regular clock, so its delay is not known",
@@ -346,7 +352,7 @@ class Analysis {
   }
 
   void find_event_loops(const RestingWorld& world) {
-    const auto graph = world.closed({}).graph;
+    const auto graph = world.closed({.all_paths = true}).graph;
     verdict_.events = graph.events;
     for (auto& event : verdict_.events) event.on_loop = event_loop_through(graph, event.path);
     doubt_unlimited_events(graph);
@@ -354,13 +360,7 @@ class Analysis {
 
   /// Loops on which no event has to wait.
   void doubt_unlimited_events(LinearGraph graph) {
-    const auto limited = [&](const LinearEdge& edge) {
-      return edge.kind == LinearEdge::Kind::Event &&
-             std::ranges::any_of(verdict_.events, [&](const EventPlace& event) {
-               return event.path == edge.path && event.hold_s.value_or(0) > 0;
-             });
-    };
-    std::erase_if(graph.edges, limited);
+    std::erase_if(graph.edges, &LinearEdge::limited);
     for (const auto& event : verdict_.events)
       if (event_loop_through(graph, event.path))
         add_doubt(verdict_.doubts, {"the loop through " + event.type + " '" + event.path +

@@ -133,6 +133,8 @@ ExtremeRun run_guarded(const StabilitySubject& subject, BuiltScene& built, Extre
   run.energy_after = energy.largest[3];
   run.finite = run.finite && disturbed.finite();
   run.exploded = disturbed.exploded();
+  for (GuardEvent event; guarded.take_event(event);)
+    run.faded = run.faded || event.kind == GuardEvent::Kind::Feedback;
   // The energy of rolls and rotations varies; that of an unstable system doubles more than once in a quarter.
   run.grew = !(run.energy_after <= kGrows * run.energy_before + kNothing_J);
   count_faults(*built.instrument, run);
@@ -303,12 +305,23 @@ std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityV
 }
 
 Checked<ExtremeRun> run_extreme(const StabilitySubject& subject, const ExtremePlan& plan) {
-  auto built = build_world(subject, plan.world);
-  if (!built) return tl::unexpected(built.error());
-  ExtremeRun run{plan};
-  run.rate = built->instrument->plan().sample_rate;
-  run.delay_s = built->delay_frames / run.rate.value;
-  return run.linear ? run_linear(subject, std::move(run)) : run_guarded(subject, *built, std::move(run));
+  const auto run_for = [&](double seconds) -> Checked<ExtremeRun> {
+    auto built = build_world(subject, plan.world);
+    if (!built) return tl::unexpected(built.error());
+    ExtremeRun run{plan};
+    run.seconds = seconds;
+    run.rate = built->instrument->plan().sample_rate;
+    run.delay_s = built->delay_frames / run.rate.value;
+    return run.linear ? run_linear(subject, std::move(run)) : run_guarded(subject, *built, std::move(run));
+  };
+  auto run = run_for(plan.seconds);
+  if (!run || run->linear || !run->grew) return run;
+  // An instrument that throws gains energy until it plays; a loop gains it for longer, or until the guard
+  // fades it.
+  constexpr double kLonger = 4;
+  run = run_for(kLonger * plan.seconds);
+  if (run) run->grew = run->grew || run->faded;
+  return run;
 }
 
 void exclude_player_energy(std::vector<ExtremeRun>& runs) {

@@ -47,6 +47,7 @@ struct ExtremeRun : ExtremePlan {
   Hertz rate = {};
   double delay_s = 0;
   double peak = 0;           ///< of the drives, behind the guard where there is one
+  bool faded = false;        ///< the guard faded a drive for feedback
   double energy_before = 0;  ///< of the networks, largest in the first three quarters [J]
   double energy_after = 0;   ///< and in the last
   std::int64_t faults = 0;   ///< of nodes

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ranges>
+#include <set>
 
 #include "engine/core/index.h"
 #include "engine/graph/plan/plan.h"
@@ -75,6 +76,8 @@ class PlanReader {
     const bool crosses = step.divider_in != step.divider_out;
     const auto& from = vertex(step.vertex);
     if (crosses && signal(from.in.front()) < 0) return;
+    for (int i = 0; from.type != nullptr && i < step.inputs; ++i)
+      if (from.type->inputs[index(i)].hold && value(step.first_in + i) > 0) held_apart_.insert(step.vertex);
     for (int o = 0; o < step.outputs; ++o) {
       if (!is_read(step, o)) continue;
       std::string name = from.path;
@@ -146,7 +149,7 @@ class PlanReader {
     graph_.nonlinear |= steep != rest;
     const auto gain = regime_.touched ? touched_slope(operation, k) : rest;
     if (!gain) return add_step(edge, type);
-    if (*gain == 0) return;
+    if (*gain == 0 && !regime_.all_paths) return;
     graph_.edges.push_back(edge);
     graph_.edges.back().gain = *gain;
   }
@@ -154,8 +157,7 @@ class PlanReader {
   /// An operator that steps, or one whose slope is not finite here.
   void add_step(LinearEdge edge, const Operator& type) {
     edge.kind = LinearEdge::Kind::Event;
-    const bool known = std::ranges::any_of(graph_.events, [&](const auto& e) { return e.path == edge.path; });
-    if (!known) graph_.events.push_back({edge.path, std::string{"operator "} + type.name, {}});
+    add_event({edge.path, std::string{"operator "} + type.name, {}});
     graph_.edges.push_back(std::move(edge));
   }
 
@@ -274,21 +276,31 @@ class PlanReader {
                     .divisor = divisor(step)};
     const auto response = node->response(input, output, kSomewhere, at);
     if (!response) {
-      if (type != nullptr && input == 0 && sampling_trigger(*type) >= 0) return add_sampling(std::move(edge));
+      if (type != nullptr && input == 0 && sampling_trigger(*type) >= 0)
+        return add_sampling(*type, std::move(edge));
       if (type != nullptr && input == 0 && type->small_signal_gain) {
         edge.kind = LinearEdge::Kind::Gain;
         edge.gain = *type->small_signal_gain;
+        stay_behind(*type, edge);
       } else {
         edge.kind = LinearEdge::Kind::Event;
-        note_event(edge, type, at);
+        edge.limited = note_event(edge, type, at, from.in[index(input)]);
       }
     } else if (type != nullptr && type->stateless && *response == 0.0) {
-      return;
+      if (!regime_.all_paths) return;
     } else if (type != nullptr && is_spring(*type, index(input), index(output))) {
       if (response->real() > 0 && restores) return graph_.unstable_equilibria.push_back(edge.path);
       return add_stiff(edge, from, -response->real());
     }
     graph_.edges.push_back(std::move(edge));
+  }
+
+  /// What has a dead band, or samples now and then, stays behind small motions: at rest its output does not
+  /// follow, and where something else is moved neither. It follows where everything moves.
+  void stay_behind(const NodeType& type, LinearEdge& edge) {
+    if (!type.dead_band) return;
+    graph_.has_touched = true;
+    if (!regime_.touched || !regime_.moved.empty()) edge.gain = 0;
   }
 
   /// A signal of its own between position and force, where the stiffness can be scaled.
@@ -301,12 +313,13 @@ class PlanReader {
   }
 
   /// A signal of its own for what is sampled, which has a sample once in a clock's period.
-  void add_sampling(LinearEdge edge) {
+  void add_sampling(const NodeType& type, LinearEdge edge) {
     const auto clock = clocks_.find(edge.node.get());
     edge.kind = LinearEdge::Kind::Gain;
     edge.gain = 1;
     if (clock == clocks_.end() || clock->second == 0) {
       graph_.unclocked.emplace_back(edge.from, edge.path);
+      stay_behind(type, edge);
       graph_.edges.push_back(std::move(edge));
       return;
     }
@@ -320,13 +333,45 @@ class PlanReader {
     graph_.edges.push_back(std::move(edge));
   }
 
-  void note_event(const LinearEdge& edge, const NodeType* type, const std::vector<double>& at) {
+  /// Whether its events are kept apart, which come `from` there.
+  bool note_event(const LinearEdge& edge, const NodeType* type, const std::vector<double>& at,
+                  const Wire& from) {
     EventPlace place{edge.path, type != nullptr ? type->name : "phase delay", {}};
     for (std::size_t i = 0; type != nullptr && i < type->inputs.size(); ++i)
       if (type->inputs[i].hold) place.hold_s = at[i];
-    const bool known =
-        std::ranges::any_of(graph_.events, [&](const auto& e) { return e.path == place.path; });
-    if (!known) graph_.events.push_back(std::move(place));
+    const bool limited = place.hold_s.value_or(0) > 0 || (type != nullptr && comes_apart(from, 0));
+    add_event(std::move(place));
+    return limited;
+  }
+
+  /// A signal that is 0 but in frames which a hold time keeps apart: the output of a node that has one, or
+  /// what is made of such alone. A product needs one such factor.
+  bool comes_apart(const Wire& wire, int depth) const {
+    constexpr int kDeepest = 32;
+    if (depth > kDeepest) return false;
+    const auto& from = vertex(wire.vertex);
+    const auto apart = [&](const Wire& in) { return comes_apart(in, depth + 1); };
+    if (from.kind == Vertex::Kind::Constant) return from.value == 0;
+    if (from.kind == Vertex::Kind::Node)
+      return held_apart_.contains(wire.vertex) ||
+             (from.type->passes_triggers && wire.port == 0 && apart(from.in.front()));
+    if (from.kind != Vertex::Kind::Operation) return false;
+    switch (from.op) {
+      case Expression::Op::Multiply:
+        return std::ranges::any_of(from.in, apart);
+      case Expression::Op::Signal:
+      case Expression::Op::Add:
+      case Expression::Op::Max:
+        return std::ranges::all_of(from.in, apart);
+      default:
+        return false;
+    }
+  }
+
+  /// A node and the expression of its input have one path.
+  void add_event(EventPlace place) {
+    const auto same = [&](const EventPlace& e) { return e.path == place.path && e.type == place.type; };
+    if (std::ranges::none_of(graph_.events, same)) graph_.events.push_back(std::move(place));
   }
 
   void join_network(const Step& step) {
@@ -375,6 +420,7 @@ class PlanReader {
   const SamplingClocks& clocks_;
   const Regime& regime_;
   std::string prefix_;
+  std::set<int> held_apart_;              ///< vertices of nodes with a hold time
   std::vector<std::vector<int>> places_;  ///< [vertex][port] signal of the graph, or -1
   AffineMaps derived_;
 };

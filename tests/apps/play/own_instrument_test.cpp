@@ -156,8 +156,8 @@ TEST_CASE("own instrument: a window that the run does not reach is not judged", 
   const auto ran = folder.run("play " TACTUS_SOURCE_DIR "/instruments/haptic_drum --duration '3 s'");
   INFO(ran.text);
   CHECK(ran.exit == 0);
-  CHECK(has(ran, "--    roll             not reached"));
-  CHECK(has(ran, "ok    missed"));
+  CHECK(has(ran, "--    even             not reached"));
+  CHECK(has(ran, "ok    faults"));
   // The detent is reached after 1.2 s: too weak a pull before that is no failure.
   const auto detent = folder.run("play wall/detent.toml --duration '0.1 s'");
   CHECK(detent.exit == 0);

@@ -130,8 +130,8 @@ up = { value = 0, range = [0, 1], midi = "note_off" }
 begins = { type = "counter", trigger = "down" }
 ends = { type = "counter", trigger = "up" }
 [outputs]
-key = { from = "key / 127" }
-loud = { from = "loud" }
+key = { from = "key / 1000" }
+loud = { from = "loud / 10" }
 begins = { from = "begins / 100" }
 ends = { from = "ends / 100" }
 )";
@@ -145,8 +145,8 @@ ends = { from = "ends / 100" }
   const double keys[] = {60, 64, 67, 72};
   for (int note = 0; note < 4; ++note) {
     INFO(note);
-    CHECK(at("instrument.key", 0.5 * note + 0.2) == Approx(keys[note] / 127).margin(1e-6));
-    CHECK(at("instrument.loud", 0.5 * note + 0.2) == Approx(0.7).margin(1e-6));
+    CHECK(at("instrument.key", 0.5 * note + 0.2) == Approx(keys[note] / 1000).margin(1e-6));
+    CHECK(at("instrument.loud", 0.5 * note + 0.2) == Approx(0.07).margin(1e-6));
     CHECK(at("instrument.begins", 0.5 * note + 0.2) == Approx(0.01 * (note + 1)).margin(1e-6));
     CHECK(at("instrument.ends", 0.5 * note + 0.45) == Approx(0.01 * (note + 1)).margin(1e-6));
   }

@@ -84,7 +84,8 @@ struct LinearEdge {
   int input = 0, output = 0;    ///< of the node; column and row of a network's model
   std::vector<double> at = {};  ///< the node's inputs
   int network = -1;
-  int divisor = 1;  ///< engine frames between two of those that it runs in
+  int divisor = 1;       ///< engine frames between two of those that it runs in
+  bool limited = false;  ///< of events: a hold time keeps them apart
 };
 
 /// A force that depends on a position, as of a spring: it can be too stiff.
@@ -108,9 +109,10 @@ struct EventPlace {
 /// Which operating point is analysed: contacts open or closed, free or held.
 struct Regime {
   std::string name = "at rest";
-  bool certain = true;   ///< false: its laws may never be where they are taken together
-  bool touched = false;  ///< nonlinearities at their steepest point: behind the wall, on the slope
-  Displaced moved = {};  ///< touched: the displacements that lead there; others are displaced one by one
+  bool certain = true;     ///< false: its laws may never be where they are taken together
+  bool touched = false;    ///< nonlinearities at their steepest point: behind the wall, on the slope
+  bool all_paths = false;  ///< signals that have no effect there, as a product with 0, are joined too
+  Displaced moved = {};    ///< touched: the displacements that lead there; others are displaced one by one
   std::map<std::string, Touching> contacts = {};  ///< [path of the network]
   std::optional<Fingertip> hand = {};
 };

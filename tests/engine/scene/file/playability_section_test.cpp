@@ -85,7 +85,8 @@ TEST_CASE("playability section: its errors come with line and column", "[scene]"
         "scene.toml:7:1 Missing [playability] 'kind' 'kind' 'roll' 'tone'");
   CHECK(folder.errors_of("kind = \"rol\"\n") == "scene.toml:8:8 UnknownName 'kind' 'rol' 'roll'");
   CHECK(folder.errors_of("kind = \"roll\"\ncontact = \"plant.stick\"\npitch = \"110 Hz\"\n") ==
-        "scene.toml:10:1 UnknownName 'pitch' 'kind' 'from' 'to' 'hits' 'contact' 'fewest' 'about'");
+        "scene.toml:10:1 UnknownName 'pitch' 'kind' 'from' 'to' 'hits' 'contact' 'fewest' 'roll' 'rate' "
+        "'about'");
   CHECK(folder.errors_of("kind = \"roll\"\n") ==
         R"(scene.toml:7:1 Missing '[playability]' 'contact' [roles] contact "plant.contact")");
   CHECK(folder.errors_of("kind = \"roll\"\ncontact = \"plant.stik\"\n") ==

@@ -61,7 +61,7 @@ drum.gain = 1
 scene.toml:4:1 Missing 'pedal' pedal "plant.pedal"
 scene.toml:4:48 UnknownName 'plant.mik' 'plant.mic'
 scene.toml:4:60 UnknownName 'strenght' 'strength'
-scene.toml:4:85 UnitMismatch 'strength' 0.5 'hand' 10
+scene.toml:4:85 UnitMismatch 'strength' 'hand'
 scene.toml:5:40 UnitMismatch 'drive'
 scene.toml:5:55 UnknownName 'heigth' 'height'
 scene.toml:10:20 UnknownName 'measure' 'peek' 'peak'

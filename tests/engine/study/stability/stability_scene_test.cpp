@@ -254,6 +254,54 @@ less = {{ points = [["0.10013 s", 1], ["0.90013 s", 0]] }}
   CHECK(crossed.gestures.back().seconds == Approx(0.5).margin(0.06));  // 1 - (2 t / 0.8 s)^2 above 0.98
 }
 
+// Until it moves, what a spring is anchored to is a fixed place: the border is that of a spring alone.
+TEST_CASE("stability: a spring to an anchor that stays behind is a spring", "[analysis]") {
+  const LeverFolder folder;
+  const double border = 1.5 / (0.002 + 0.5 / 48000) / 0.5;
+  const auto verdict = [&](const std::string& anchor, double stiffness) {
+    folder.write("instrument.toml", fmt::format(R"(format = 1
+[inputs]
+place = {{ unit = "m" }}
+[nodes]
+anchor = {}
+pull = "-{:.9g} N/m * (place - anchor)"
+[outputs]
+motor = {{ from = "pull / 1 N" }}
+)",
+                                                anchor, stiffness));
+    return analysed(folder).stability;
+  };
+  constexpr const char* kBacklash = R"({ type = "hysteresis", in = "place", width = "2 mm" })";
+  CHECK(verdict(kBacklash, 0.98 * border) == Stability::Stable);
+  CHECK(verdict(kBacklash, 1.02 * border) == Stability::Unstable);
+  // When it is taken anew the check cannot know.
+  constexpr const char* kState =
+      R"({ type = "state", in = "place", trigger = "abs(place - anchor) > 1 mm" })";
+  CHECK(verdict(kState, 0.98 * border) == Stability::Undecided);
+  CHECK(verdict(kState, 1.02 * border) == Stability::Unstable);
+}
+
+// A recursion x -> a x at each trigger grows for a > 1, however often it is triggered.
+TEST_CASE("stability: a state that computes itself is judged by its own recursion", "[analysis]") {
+  const LeverFolder folder;
+  const auto verdict = [&](double gain) {
+    folder.write("instrument.toml", fmt::format(R"(format = 1
+[inputs]
+place = {{ unit = "m" }}
+[nodes]
+hit  = {{ type = "threshold", in = "place / 1 m", level = 0.001, hold = "20 ms" }}
+sum  = {{ type = "state", in = "{:.9g} * sum + place / 1 m", trigger = "hit" }}
+[outputs]
+motor = {{ from = "0.001 * hit" }}
+sound = {{ from = "sum", kind = "audio" }}
+)",
+                                                gain));
+    return analysed(folder).stability;
+  };
+  CHECK(verdict(0.98) == Stability::Stable);
+  CHECK(verdict(1.02) == Stability::Unstable);
+}
+
 TEST_CASE("stability: explicit contacts too short for the rate are refused, with the steps that they need",
           "[analysis]") {
   // A gram on 4e6 N/m touches for pi sqrt(m / K) = 49.7 us, 2.4 steps at 48 kHz: fewer than 5.
