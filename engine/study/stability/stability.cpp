@@ -355,7 +355,7 @@ class Analysis {
     const auto graph = world.closed({.all_paths = true}).graph;
     verdict_.events = graph.events;
     for (auto& event : verdict_.events) event.on_loop = event_loop_through(graph, event.path);
-    doubt_unlimited_events(graph);
+    doubt_unlimited_events(world.closed({}).graph);
   }
 
   /// Loops on which no event has to wait.

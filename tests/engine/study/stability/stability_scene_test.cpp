@@ -259,7 +259,7 @@ TEST_CASE("stability: a spring to an anchor that stays behind is a spring", "[an
   const LeverFolder folder;
   const double border = 1.5 / (0.002 + 0.5 / 48000) / 0.5;
   const auto verdict = [&](const std::string& anchor, double stiffness) {
-    folder.write("instrument.toml", fmt::format(R"(format = 1
+    folder.write("instrument.toml", fmt::format(R"--(format = 1
 [inputs]
 place = {{ unit = "m" }}
 [nodes]
@@ -267,7 +267,7 @@ anchor = {}
 pull = "-{:.9g} N/m * (place - anchor)"
 [outputs]
 motor = {{ from = "pull / 1 N" }}
-)",
+)--",
                                                 anchor, stiffness));
     return analysed(folder).stability;
   };
