@@ -53,7 +53,10 @@ std::string remedy_of(const GuardedOutput& output, std::size_t stage, bool fed_b
   if (limit.empty()) return std::string{"; "} + kStages[stage].remedy;
   const auto origin = std::ranges::find(output.limits, limit, &LimitOrigin::limit);
   if (origin == output.limits.end()) return "; lower its level";
-  return fmt::format("; the limit is from {}; --raise-limit {}.{}=… would allow more", origin->source,
+  const char* warm = stage == GuardStage::Heat
+                         ? "; at the start the actuator is taken to be warm, and is allowed more as it cools"
+                         : "";
+  return fmt::format("{}; the limit is from {}; --raise-limit {}.{}=… would allow more", warm, origin->source,
                      output.name, limit);
 }
 
