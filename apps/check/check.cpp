@@ -127,10 +127,32 @@ Json gesture_json(const GestureVerdict& gesture) {
 Json doubt_json(const Doubt& doubt) { return {{"reason", doubt.reason}, {"remedy", doubt.remedy}}; }
 
 Json held_json(const HeldVerdict& held) {
-  return {{"input", held.input},
-          {"added", held.level},
-          {"alternates", held.alternates},
-          {"verdict", word_of(held.stability)}};
+  Json json{{"input", held.input},
+            {"added", held.level},
+            {"alternates", held.alternates},
+            {"verdict", word_of(held.stability)}};
+  if (held.place) json["place"] = *held.place;
+  return json;
+}
+
+constexpr const char* kPlayIt = "play it with these settings, for as long as you mean to use it";
+
+/// Why a run leaves the verdict undecided.
+std::string not_as_predicted(const ExtremeRun& run) {
+  return fmt::format("not as predicted: {} {}", run.what,
+                     run.exploded     ? "grew until an output, ahead of its guard, was beyond 120 dB"
+                     : !run.finite    ? "gave values that are not finite"
+                     : run.faults > 0 ? "had faults"
+                     : run.expected   ? "grew"
+                                      : "did not grow");
+}
+
+/// Doubts of the analysis, and runs that contradict it.
+Json undecided_json(const StabilityReport& report) {
+  Json list = list_of(report.verdict.doubts, doubt_json);
+  for (const auto& run : report.runs)
+    if (!run.as_expected()) list.push_back({{"reason", not_as_predicted(run)}, {"remedy", kPlayIt}});
+  return list;
 }
 
 Json event_json(const EventPlace& event) {
@@ -259,7 +281,7 @@ Json check_json(const CheckReport& report) {
       {"name", report.name},
       {"verdict", word_of(report.stability())},
       {"holds", report.stability() == Stability::Stable},
-      {"undecided", list_of(verdict.doubts, doubt_json)},
+      {"undecided", undecided_json(report)},
       {"outside_known", verdict.outside_known},
       {"sample_rate_hz", verdict.rate.value},
       {"delay_ms", 1e3 * verdict.delay_s},
@@ -287,9 +309,7 @@ void print(const CheckReport& report, bool verbose) {
   fmt::print("{}: {} ({})\n", report.name, sentences.front(), report.delay_source);
   for (std::size_t i = 1; i < sentences.size(); ++i) fmt::print("  {}\n", sentences[i]);
   for (const auto& run : report.runs)
-    if (!run.as_expected())
-      fmt::print("  not as predicted: {}{}\n", run.what,
-                 run.exploded ? ": a loop grew until an output, ahead of its guard, was beyond 120 dB" : "");
+    if (!run.as_expected()) fmt::print("  {}; {}\n", not_as_predicted(run), kPlayIt);
   for (const auto& line : report.highpass_lines) fmt::print("  {}\n", line);
   for (const auto& warning : report.warnings) fmt::print("  {}\n", text_of_warning(warning));
   fmt::print("{}{}\n", checked_text(report), verbose ? "" : "; --verbose prints the tables");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "engine/core/index.h"
@@ -195,6 +196,34 @@ Stability stability_of(const RestingWorld& world, double push, std::size_t most_
   return doubts.empty() ? all : worse(all, Stability::Undecided);
 }
 
+/// A regime where an input was taken to a place that is no equilibrium. What only creeps away from there, at
+/// 0 Hz, comes to another place.
+struct AtPlace {
+  bool grows = false;
+  double border = std::numeric_limits<double>::infinity();  ///< the least factor on a cut at which it grows
+};
+
+AtPlace at_place(const RestingWorld& world, const Regime& regime) {
+  constexpr std::size_t kRoots = 6;
+  std::vector<Doubt> ignored;
+  AtPlace found;
+  const auto closed = world.closed(regime);
+  std::vector<int> wanted;
+  for (const auto& place : closed.graph.stiff) wanted.push_back(place.signal);
+  for (auto& signals : loops_of(closed.graph, false)) {
+    const LoopGroup group(closed.graph, std::move(signals), wanted);
+    if (!regime.certain || too_large(group, ignored)) continue;
+    const LoopScan scan(group, world.rate());
+    for (int c = 0; c < std::ssize(group.cuts()); ++c)
+      if (const auto margin = scan.margin(c); margin.border_hz > 0)
+        found.border = std::min(found.border, margin.border);
+    if (growing_in(closed.graph, group.signals(), world.rate(), &scan, ignored) == 0) continue;
+    for (const auto& root : scan.roots(kRoots))
+      found.grows |= root.growth_per_s > kSlowestGrowth && root.frequency_hz > 0;
+  }
+  return found;
+}
+
 /// The gains of what lies in loops, at some z.
 std::vector<std::complex<double>> loop_gains(const LinearGraph& graph) {
   std::vector<std::complex<double>> gains;
@@ -236,8 +265,10 @@ class Analysis {
     find_event_loops(*world);
     for (std::size_t i = 0; i < std::min(regimes.size(), kAllWithMargins); ++i)
       find_open_gains(*world, regimes[i]);
-    find_borders(world->instrument().controls);
+    hold_places(*world);
     hold_inputs(*world);
+    keep_nearest_places();
+    find_borders(world->instrument().controls);
     auto gestures = judge_gestures(subject_, options_, verdict_.rate, [this] { report_progress(); });
     if (!gestures) return tl::unexpected(gestures.error());
     verdict_.gestures = std::move(*gestures);
@@ -368,6 +399,51 @@ class Analysis {
                                     "give it a 'hold' time, or check it with the runs", true});
   }
 
+  /// Gains that depend on a place: with each input that reads one held where the scene takes it.
+  void hold_places(const RestingWorld& world) {
+    const auto at_rest = world.closed({}).graph;
+    if (!at_rest.varies && !at_rest.has_touched) return;
+    constexpr int kPlaces = 5;
+    const auto ranges = played_ranges(subject_, options_.world);
+    std::vector<std::vector<std::complex<double>>> known{loop_gains(at_rest)};
+    for (const int channel : world.moved_inputs())
+      for (int k = 0; k < kPlaces && index(channel) < ranges.size(); ++k) {
+        const auto unit = world.unit_of_place(channel);
+        if (unit.empty()) break;
+        const auto [low, high] = ranges[index(channel)];
+        const double place = low + (high - low) * k / (kPlaces - 1);
+        if (!(high > low)) break;
+        const HeldInput held{channel, place - world.resting(channel)};
+        const auto then = RestingWorld::make(subject_, options_.world, {held});
+        if (!then) continue;
+        auto gains = loop_gains(then->closed({}).graph);
+        if (std::ranges::any_of(known, [&](const auto& other) { return same(gains, other); })) continue;
+        known.push_back(std::move(gains));
+        verdict_.held.push_back({world.instrument().input_names[index(channel)], held.level, false, place,
+                                 unit, judge_place(*then, held)});
+        report_progress();
+      }
+  }
+
+  /// To where they grow: the others have wider limits.
+  void keep_nearest_places() {
+    constexpr std::size_t kNearest = 2;
+    std::ranges::sort(places_, {}, &HeldPlace::border);
+    if (places_.size() > kNearest) places_.resize(kNearest);
+  }
+
+  Stability judge_place(const RestingWorld& there, const HeldInput& held) {
+    constexpr std::size_t kMostRegimes = 16;
+    auto all = Stability::Stable;
+    const auto regimes = there.regimes(options_.push);
+    for (std::size_t r = 0; r < std::min(regimes.size(), kMostRegimes); ++r) {
+      const auto found = at_place(there, regimes[r]);
+      if (found.grows) all = Stability::Unstable;
+      places_.push_back({held, r, found.grows ? 0 : found.border});
+    }
+    return all;
+  }
+
   /// Gains that depend on signals: with each input of the instrument held.
   void hold_inputs(const RestingWorld& world) {
     const auto at_rest = world.closed({}).graph;
@@ -391,8 +467,10 @@ class Analysis {
                        "', and with some of them they grow",
                    "play it, or lower the gain of what is multiplied"});
       }
+      if (!first.alternates && held.size() == 1 && !world.unit_of_place(first.channel).empty())
+        (void)judge_place(*then, first);
       verdict_.held.push_back(
-          {plan.input_names[index(first.channel)], first.level, first.alternates, stability});
+          {plan.input_names[index(first.channel)], first.level, first.alternates, {}, {}, stability});
       report_progress();
     };
     constexpr std::size_t kMostInputs = 8;
@@ -439,7 +517,12 @@ class Analysis {
   bool is_stable_at(const FlatControl& control, double value) const {
     auto with = options_.world;
     with.set[control.name] = ControlValue{value};
-    return stability_with(subject_, with, options_.push) == Stability::Stable;
+    if (stability_with(subject_, with, options_.push) != Stability::Stable) return false;
+    return std::ranges::all_of(places_, [&](const HeldPlace& place) {
+      const auto there = RestingWorld::make(subject_, with, {place.held});
+      const auto regimes = there ? there->regimes(options_.push) : std::vector<Regime>{};
+      return place.regime >= regimes.size() || !at_place(*there, regimes[place.regime]).grows;
+    });
   }
 
   void find_borders(const std::vector<PlannedControl>& controls) {
@@ -480,6 +563,12 @@ class Analysis {
   const std::function<void(double)>& progress_;
   const int workers_;
   double done_ = 0;
+  struct HeldPlace {
+    HeldInput held;
+    std::size_t regime = 0;
+    double border = 0;  ///< see AtPlace; 0 if it grows
+  };
+  std::vector<HeldPlace> places_;  ///< the nearest to growth
   StabilityVerdict verdict_;
 };
 

@@ -95,8 +95,10 @@ struct Doubt {
 /// others than at rest.
 struct HeldVerdict {
   std::string input;
-  double level = 0;         ///< SI
-  bool alternates = false;  ///< between this level and its opposite
+  double level = 0;                  ///< SI
+  bool alternates = false;           ///< between this level and its opposite
+  std::optional<double> place = {};  ///< that the scene comes to, where the input is then; SI
+  std::string unit = {};             ///< of the place: "m", "rad"
   Stability stability = Stability::Stable;
 };
 

@@ -299,7 +299,7 @@ std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityV
   // Dry friction would hide the growth: the border is that of the system without it, before gestures begin.
   for (auto& plan : plans) {
     plan.world = without_gestures(plan.world, verdict);
-    plan.world.friction = false;
+    plan.world.friction = plan.world.gestures = false;
   }
   return plans;
 }

@@ -33,7 +33,7 @@ void find_gains(const LinearGraph& graph, std::complex<double> z, const std::vec
     const auto at = [&] { return edge.divisor == 1 ? z : std::pow(z, edge.divisor); };
     switch (edge.kind) {
       case LinearEdge::Kind::Gain:
-        gains[e] = edge.gain;
+        gains[e] = edge.gain * std::exp(-static_cast<double>(edge.frames) * log_z);
         break;
       case LinearEdge::Kind::Delay:
         gains[e] = std::exp(-static_cast<double>(edge.frames) * log_z);

@@ -62,7 +62,8 @@ class Report {
     for (const auto& gesture : verdict_.gestures) add_gesture(gesture);
     for (const auto& held : verdict_.held)
       if (held.stability == Stability::Unstable)
-        add("unstable while {} to input '{}'", added(held), held.input);
+        held.place ? add("unstable where input '{}' is at {:.4g} {}", held.input, *held.place, held.unit)
+                   : add("unstable while {} to input '{}'", added(held), held.input);
     for (const auto& doubt : verdict_.doubts) add("undecided: {}; {}", doubt.reason, doubt.remedy);
     for (const auto& network : verdict_.networks) add_network(network);
     if (std::ranges::any_of(verdict_.networks, &NetworkVerdict::has_friction))

@@ -10,6 +10,7 @@
 #include "engine/core/index.h"
 #include "engine/core/port_name.h"
 #include "engine/graph/file/load.h"
+#include "engine/guard/guarded.h"
 #include "engine/nodes/networks/network_elements.h"
 #include "engine/scene/guard_report.h"
 #include "engine/study/sweep/scene_variants.h"
@@ -27,10 +28,14 @@ class Disconnected final : public BlockProcessor {
     outputs_ = format.out_channels;
     half_period_ = std::max(1, static_cast<int>(0.002 * format.sample_rate.value));
     sensors_.resize(format.in_channels, format.max_frames);
+    last_.assign(index(format.in_channels), 0.0);
     return inner_.prepare(format);
   }
   void process(const BlockIo& io) noexcept override {
-    for (int c = 0; c < sensors_.size(); ++c) std::copy_n(io.in[c], io.frames, sensors_[c]);
+    for (int c = 0; c < sensors_.size(); ++c) {
+      std::copy_n(io.in[c], io.frames, sensors_[c]);
+      last_[index(c)] = io.in[c][io.frames - 1];
+    }
     for (const auto& held : held_)
       for (int n = 0; n < io.frames; ++n)
         sensors_[held.channel][n] +=
@@ -40,10 +45,14 @@ class Disconnected final : public BlockProcessor {
     frame_ += io.frames;
   }
 
+  /// Of each input, before something was added.
+  const std::vector<double>& last() const { return last_; }
+
  private:
   BlockProcessor& inner_;
   const std::vector<HeldInput>& held_;
   ChannelBuffers sensors_;
+  std::vector<double> last_;
   int outputs_ = 0, half_period_ = 1;
   std::int64_t frame_ = 0;
 };
@@ -215,8 +224,12 @@ LoadedScene without_friction(LoadedScene loaded) {
 
 Checked<BuiltScene> build_world(const StabilitySubject& subject, const WorldOptions& options) {
   if (subject.instrument != nullptr) return build_alone(subject, options);
-  return build_scene(options.friction ? *subject.scene : without_friction(*subject.scene), *subject.table,
-                     options);
+  if (options.friction && options.gestures) return build_scene(*subject.scene, *subject.table, options);
+  auto scene = options.friction ? *subject.scene : without_friction(*subject.scene);
+  if (scene.scene && !options.gestures)
+    for (auto& gesture : scene.scene->gestures)
+      if (!gesture.points.empty()) gesture.points.resize(1);
+  return build_scene(scene, *subject.table, options);
 }
 
 Checked<RestingWorld> RestingWorld::make(const StabilitySubject& subject, const WorldOptions& options,
@@ -239,6 +252,7 @@ void RestingWorld::rest(const std::vector<HeldInput>& held) {
   ClosedLoop loop{
       instrument, *built_.plant, built_.instrument->out_channels(), built_.delay_frames, {.on = false}};
   if (loop.prepare(rate(), 1)) loop.run(frames, [&](const ClosedLoop::Block&) { own.next(), around.next(); });
+  resting_ = instrument.last();
   own.note(clocks_);
   around.note(clocks_);
 }
@@ -295,6 +309,41 @@ std::vector<int> RestingWorld::moved_inputs() const {
     if (alone_ || (sensor >= 0 && reached[index(sensor)])) moved.push_back(c);
   }
   return moved;
+}
+
+std::string RestingWorld::unit_of_place(int channel) const {
+  const auto& sensors = built_.plant->plan().channels;
+  if (alone_ || index(channel) >= sensors.size()) return "";
+  const auto& dimension = sensors[index(channel)].dimension;
+  return dimension == Dimension{.metre = 1} || dimension == Dimension{.radian = 1} ? to_string(dimension)
+                                                                                   : "";
+}
+
+std::vector<Interval> played_ranges(const StabilitySubject& subject, const WorldOptions& options) {
+  if (subject.scene == nullptr) return {};
+  auto built = build_world(subject, options);
+  if (!built) return {};
+  const auto& scene = *subject.scene->scene;
+  const auto& plan = built->instrument->plan();
+  Guarded guarded{*built->instrument, guarded_channels(plan, scene.drives)};
+  ClosedLoop loop{guarded, *built->plant, built->instrument->out_channels(), built->delay_frames,
+                  scene.converters};
+  constexpr int kBlock = 64;
+  constexpr double kMostSeconds = 8;
+  if (!loop.prepare(plan.sample_rate, kBlock)) return {};
+  guarded.skip_soft_start();
+  guarded.disable_sensor_watch();
+  std::vector<Interval> ranges(plan.input_names.size(), Interval{kUnlimited, -kUnlimited});
+  const double seconds = std::min(scene.duration.value, kMostSeconds);
+  loop.run(static_cast<int>(seconds * plan.sample_rate.value), [&](const ClosedLoop::Block& block) {
+    for (std::size_t c = 0; c < ranges.size() && index(block.sensors.size()) > c; ++c)
+      for (int n = 0; n < block.frames; ++n) {
+        const double x = block.sensors[static_cast<int>(c)][n];
+        if (!std::isfinite(x)) continue;
+        ranges[c] = {std::min(ranges[c].low, x), std::max(ranges[c].high, x)};
+      }
+  });
+  return ranges;
 }
 
 std::vector<OpenPair> RestingWorld::open_pairs(LinearGraph& graph, const Regime& regime) const {

@@ -44,6 +44,7 @@ struct WorldOptions : SceneOptions {
   /// between the output and the device.
   std::map<std::string, Hertz> output_highpass = {};
   bool friction = true;  ///< false: the networks of the scene have no friction
+  bool gestures = true;  ///< false: those of the scene stay where they begin
 };
 
 /// A scene, or an instrument alone: one of the two.
@@ -77,6 +78,10 @@ class RestingWorld {
   /// Input channels of the instrument that something else may move than its gestures: those that its drives
   /// reach, and all of an instrument alone.
   std::vector<int> moved_inputs() const;
+  /// Where an input of the instrument rests [SI], before something is added to it.
+  double resting(int channel) const { return resting_[static_cast<std::size_t>(channel)]; }
+  /// "m", "rad": of an input that reads a length or an angle; "" of others, and of an instrument alone.
+  std::string unit_of_place(int channel) const;
   /// Its operating points: at rest, touched, each contact closed.
   std::vector<Regime> regimes(double push) const;
 
@@ -94,7 +99,12 @@ class RestingWorld {
 
   BuiltScene built_;
   SamplingClocks clocks_;
+  std::vector<double> resting_;
   bool alone_ = false;
 };
+
+/// [control] From where to where each input of the instrument goes while the scene is played, behind the
+/// guard and for 8 s at most; SI. Nothing for an instrument alone.
+std::vector<Interval> played_ranges(const StabilitySubject& subject, const WorldOptions& options);
 
 }  // namespace tactus

@@ -281,6 +281,54 @@ motor = {{ from = "pull / 1 N" }}
   CHECK(verdict(kState, 1.02 * border) == Stability::Unstable);
 }
 
+// A force that grows with the place is judged where the scene comes to, not only where it starts: the
+// stiffness at the place x is k x / 10 mm, and the border that of the first test.
+TEST_CASE("stability: a gain that depends on the place is judged where the scene takes it", "[analysis]") {
+  const LeverFolder folder;
+  const double border = 1.5 / (0.002 + 0.5 / 48000) / 0.5;
+  const auto verdict = [&](double share) {
+    folder.write("instrument.toml", fmt::format(R"--(format = 1
+[inputs]
+place = {{ unit = "m" }}
+[controls]
+k = {{ value = "{:.9g} N/m", range = ["0 N/m", "9000 N/m"] }}
+[nodes]
+pull = {{ type = "terrain", profile = "sine", position = "place", weight = "k * 1 mm * clamp(place / 10 mm, 0, 1)", height = "1 mm / (2 * pi)", length = "6.2831853 mm" }}
+[outputs]
+motor = {{ from = "pull / 1 N" }}
+)--",
+                                                share * border));
+    folder.write("plant.toml", R"(format = 1
+[inputs]
+drive = { unit = "full scale" }
+hand = { unit = "N" }
+[networks.arm]
+frame   = { type = "ground" }
+lever   = { type = "mass", mass = "1 kg" }
+bearing = { type = "damper", between = ["frame", "lever"], damping = "0.5 N s/m" }
+motor   = { type = "coil", on = "lever", voltage = "1 V * drive", force_factor = "2 T m", resistance = "4 ohm", inductance = "0 H" }
+push    = { type = "force", on = "lever", force = "hand" }
+[outputs]
+place = { from = "arm.lever.position", unit = "m" }
+)");
+    folder.write("scene.toml", R"(format = 1
+delay = "2 ms"
+duration = "4 s"
+[parts]
+instrument = { use = "instrument.toml", place = "plant.place" }
+plant = { use = "plant.toml", drive = "instrument.motor", hand = "push" }
+[gestures]
+push = { points = [["0 s", "0.02 N"]] }
+)");
+    return analysed(folder);
+  };
+  const auto soft = verdict(0.3), stiff = verdict(3);
+  CHECK(soft.stability == Stability::Stable);
+  CHECK(stiff.stability == Stability::Unstable);
+  CHECK(std::ranges::any_of(
+      stiff.held, [](const auto& held) { return held.place && held.stability == Stability::Unstable; }));
+}
+
 // A recursion x -> a x at each trigger grows for a > 1, however often it is triggered.
 TEST_CASE("stability: a state that computes itself is judged by its own recursion", "[analysis]") {
   const LeverFolder folder;
