@@ -9,7 +9,7 @@ using namespace tactus;
 TEST_CASE("plan: a simulated world is not recorded, which is said before any device is looked for",
           "[live]") {
   app::LiveOptions options;
-  options.target = "nowhere";
+  options.target = "haptic_drum";
   options.listen = true;
   options.record = "take.wav";
   options.backend = "none of this name";
