@@ -45,10 +45,11 @@ TEST_CASE("instruments: every scene does what it expects of itself", "[instrumen
 
 // The interval is 1 / roll_rate, and the spread of an even roll is 0: the map from one landing to the next
 // has a fixed point at the wanted interval. Before the first second the drum tosses the stick, to find out
-// how strongly the hand presses.
+// how strongly the hand presses. With this hand, of 0.35 N, the woofer's excursion allows no less than 11
+// strokes a second.
 TEST_CASE("haptic drum: the roll is even at its rate, at 0, 10, 20 and 30 ms of delay", "[instruments]") {
   const auto delay = GENERATE(0_ms, 10_ms, 20_ms, 30_ms);
-  const double rate = GENERATE(10.0, 20.0);
+  const double rate = GENERATE(12.0, 20.0);
   INFO("delay " << delay.value * 1e3 << " ms, " << rate << " strokes a second");
   SceneOptions options;
   options.delay = delay;

@@ -281,8 +281,9 @@ motor = {{ from = "pull / 1 N" }}
   CHECK(verdict(kState, 1.02 * border) == Stability::Unstable);
 }
 
-// A force that grows with the place is judged where the scene comes to, not only where it starts: the
-// stiffness at the place x is k x / 10 mm, and the border that of the first test.
+// The force k x^2 / 10 mm has the stiffness 2 k x / 10 mm, up to 2 k at 10 mm, and k beyond. Where the scene
+// begins it is 0, and at the 0.1 m and 1 m that are tried anyway it is k. The border is that of the first
+// test.
 TEST_CASE("stability: a gain that depends on the place is judged where the scene takes it", "[analysis]") {
   const LeverFolder folder;
   const double border = 1.5 / (0.002 + 0.5 / 48000) / 0.5;
@@ -293,7 +294,7 @@ place = {{ unit = "m" }}
 [controls]
 k = {{ value = "{:.9g} N/m", range = ["0 N/m", "9000 N/m"] }}
 [nodes]
-pull = {{ type = "terrain", profile = "sine", position = "place", weight = "k * 1 mm * clamp(place / 10 mm, 0, 1)", height = "1 mm / (2 * pi)", length = "6.2831853 mm" }}
+pull = "-1 * k * clamp(place / 10 mm, 0, 1) * place"
 [outputs]
 motor = {{ from = "pull / 1 N" }}
 )--",
@@ -318,11 +319,11 @@ duration = "4 s"
 instrument = { use = "instrument.toml", place = "plant.place" }
 plant = { use = "plant.toml", drive = "instrument.motor", hand = "push" }
 [gestures]
-push = { points = [["0 s", "0.02 N"]] }
+push = { points = [["0 s", "3 N"]] }
 )");
     return analysed(folder);
   };
-  const auto soft = verdict(0.3), stiff = verdict(3);
+  const auto soft = verdict(0.45), stiff = verdict(0.8);
   CHECK(soft.stability == Stability::Stable);
   CHECK(stiff.stability == Stability::Unstable);
   CHECK(std::ranges::any_of(
