@@ -58,12 +58,15 @@ std::string unit_of(const InputPort& port) {
 using Scale = double;
 constexpr Scale kFirst = 1.0, kEdited = 0.9;
 
-std::string expression(const InputPort& port, const std::string& node, Scale scale) {
+/// The node reads itself where it may, if its output has the unit of the input.
+std::string expression(const NodeType& type, const InputPort& port, const std::string& node, Scale scale) {
   const auto range = useful_range(port);
   const auto unit = unit_of(port);
   const auto low = short_number(range.low) + unit, span = short_number(range.high - range.low) + unit;
   if (port.fixed) return low + " + " + short_number(0.65 * scale) + " * " + span;
-  const auto loop = port.late && unit.empty() ? " + 0.1 * " + node : "";
+  const auto& out = type.outputs.front().unit;
+  const bool reads_itself = port.late && unit.empty() && (out.empty() || out.front() == '=');
+  const auto loop = reads_itself ? " + 0.1 * " + node : "";
   return low + " + " + short_number(scale) + " * " + span + " * within" + loop;
 }
 
@@ -92,7 +95,7 @@ std::string value(const Setting& setting, const std::string& sound_file) {
 std::string line(const NodeType& type, const std::string& name, const std::string& sound_file, Scale scale) {
   auto text = name + " = { type = \"" + type.name + "\"";
   for (const auto& port : type.inputs)
-    text += ", " + port.name + " = \"" + expression(port, name, scale) + "\"";
+    text += ", " + port.name + " = \"" + expression(type, port, name, scale) + "\"";
   for (const auto& setting : type.settings)
     if (setting.required) text += ", " + setting.name + " = " + value(setting, sound_file);
   return text;
