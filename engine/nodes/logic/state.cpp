@@ -78,7 +78,7 @@ NodeType state_type() {
       .equation = "out[n + 1] = in[n] in the frame n of a trigger, else out[n]; initial before the first one",
       .source = "a clocked register",
       .example =
-          "strength = { type = \"state\", in = \"0.9 * strength + 0.1 * hit.level\", trigger = \"hit\", "
+          "strength = { type = \"state\", in = \"0.9 * strength + 0.1 * level\", trigger = \"hit\", "
           "initial = 0.5 }",
       .inputs = {late({"in", "any", "next value"}),
                  late(sampling({"trigger", "", "trigger that takes over `in`"})),
