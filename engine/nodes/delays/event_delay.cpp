@@ -45,7 +45,7 @@ NodeType event_delay_type() {
           "most "
           "64 are under way: further ones are left out. Triggers due in one frame are one",
       .source = "event queue of a sequencer",
-      .example = "due = { type = \"event_delay\", trigger = \"hit\", time = \"wait\", value = \"level\" }",
+      .example = "due = { type = \"event_delay\", trigger = \"hit\", time = \"wait\" }",
       .inputs = {{"trigger", "", "triggers to delay"},
                  {"time", "s", "delay of a trigger that comes in", {}, 0, kLongest_s},
                  {"value", "any", "value to carry", 0}},
