@@ -30,7 +30,7 @@ COMMAND = re.compile(r"^(?:\$ )?(?:build/\w+/)?(?:tactus|scripts/\w+)\b")
 GALLERY = pages.DOCS / "gallery/index.md"
 NODES = pages.DOCS / "nodes.md"
 SECONDS = 120  # for one command
-UNITS = ["full scale", "m", "N", "m/s", "Hz", "m/s^2"]  # of the signals that examples of the reference name
+UNITS = ["full scale", "m", "N", "m/s", "Hz", "m/s^2", "s"]  # of the signals that examples of the reference name
 
 
 def silent_wav():
