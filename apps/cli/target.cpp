@@ -88,8 +88,8 @@ Target resolve_target(const std::string& text, FolderMeans means) {
   fs::path path{text};
   if (!fs::exists(path, none) && path.is_relative())
     for (const auto& folder : instrument_folders())
-      if (fs::exists(folder / without_collection(text), none)) {
-        path = folder / without_collection(text);
+      if (const auto shipped = folder / without_collection(text); fs::exists(shipped, none)) {
+        path = shipped;
         break;
       }
   if (!fs::exists(path, none)) refuse_missing(text);

@@ -91,10 +91,6 @@ std::vector<double> hits_in(const SceneRecording& recording) {
   return triggers_of(recording, signal_of(recording.roles, "hit"));
 }
 
-Rhythm rhythm_in(const SceneRecording& recording, double from_s = 0) {
-  return rhythm_of(hits_in(recording), from_s, recording.seconds());
-}
-
 /// From where on a scene judges its roll; 0 where it does not, or is played for a shorter time.
 double judged_from_s(const PlayedScene& played) {
   const auto& judged = played.scene.playability;
@@ -107,15 +103,16 @@ ReportSection roll_section(const PlayedScene& played, const PlayedScene* compare
   const auto& recording = played.recording;
   const auto* contact = playing(recording, "contact");
   if (contact == nullptr) return {};
-  const double from_s = judged_from_s(played), last_s = rhythm_in(recording).last_s;
-  const auto rhythm = rhythm_in(recording, from_s);
-  const auto strikes = strikes_in(*contact, recording.sample_rate).size(), hits = hits_in(recording).size();
+  const auto hits = hits_in(recording);
+  const double from_s = judged_from_s(played), last_s = hits.empty() ? 0 : hits.back();
+  const auto rhythm = rhythm_of(hits, from_s, recording.seconds());
+  const auto strikes = strikes_in(*contact, recording.sample_rate).size();
   const double missed = value_of("missed", recording), doubled = value_of("doubled", recording);
   const double longest_detection_ms = 1e3 * value_of("detection_time", recording);
   const double restitution = value_of("restitution", recording);
   ReportSection roll{
       {{"strikes", strikes},
-       {"hits", hits},
+       {"hits", hits.size()},
        {"missed", missed},
        {"doubled", doubled},
        {"longest_detection_ms", longest_detection_ms},
@@ -134,12 +131,13 @@ ReportSection roll_section(const PlayedScene& played, const PlayedScene* compare
           "  intervals           long/short {:.2f}, longest run of increasing intervals {}, last hit at "
           "{:.2f} s\n"
           "  restitution         {:.2f}",
-          hits, strikes, missed, doubled, longest_detection_ms, rhythm.rate_hz, rhythm.fewest_in_a_second,
-          100 * rhythm.spread, from_s > 0 ? fmt::format(", from {:g} s on", from_s) : "", rhythm.long_short,
-          rhythm.growing, last_s, restitution)};
+          hits.size(), strikes, missed, doubled, longest_detection_ms, rhythm.rate_hz,
+          rhythm.fewest_in_a_second, 100 * rhythm.spread,
+          from_s > 0 ? fmt::format(", from {:g} s on", from_s) : "", rhythm.long_short, rhythm.growing,
+          last_s, restitution)};
   if (compared != nullptr) {
     const auto& name = compared->scene.compare->name;
-    const auto other = rhythm_in(compared->recording);
+    const auto other = rhythm_of(hits_in(compared->recording), 0, compared->recording.seconds());
     const double rebound = value_of("restitution", compared->recording);
     roll.json["compared"] = {
         {"name", name}, {"restitution", rebound}, {"hits", other.count}, {"last_hit_s", other.last_s}};

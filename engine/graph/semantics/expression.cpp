@@ -216,9 +216,11 @@ class Parser {
     skip_space();
     if (const auto* type = find_function(word); type != nullptr && (peek() == '(' || is_reserved(word)))
       return function(start, *type);
-    if (peek() == '(')
+    if (peek() == '(') {
+      const auto* remedy = other_function(word);
       return syntax(start, "there is no function '" + word + "'",
-                    other_function(word) != nullptr ? other_function(word) : suggest(word, function_names()));
+                    remedy != nullptr ? remedy : suggest(word, function_names()));
+    }
     if (const auto* constant = find_constant(word)) return number_called(*constant, start);
     if (!dotted_name(word))
       return syntax(start, "'" + word + "' is not a name",
