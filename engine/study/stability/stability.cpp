@@ -403,26 +403,34 @@ class Analysis {
   void hold_places(const RestingWorld& world) {
     const auto at_rest = world.closed({}).graph;
     if (!at_rest.varies && !at_rest.has_touched) return;
-    constexpr int kPlaces = 5;
+    auto readers = world.moved_inputs();
+    std::erase_if(readers, [&](int channel) { return world.unit_of_place(channel).empty(); });
+    if (readers.empty()) return;
     const auto ranges = played_ranges(subject_, options_.world);
     std::vector<std::vector<std::complex<double>>> known{loop_gains(at_rest)};
-    for (const int channel : world.moved_inputs())
-      for (int k = 0; k < kPlaces && index(channel) < ranges.size(); ++k) {
-        const auto unit = world.unit_of_place(channel);
-        if (unit.empty()) break;
-        const auto [low, high] = ranges[index(channel)];
+    for (const int channel : readers) {
+      if (index(channel) >= ranges.size() || !(ranges[index(channel)].high > ranges[index(channel)].low))
+        continue;
+      const auto [low, high] = ranges[index(channel)];
+      constexpr int kPlaces = 5;
+      for (int k = 0; k < kPlaces; ++k) {
         const double place = low + (high - low) * k / (kPlaces - 1);
-        if (!(high > low)) break;
         const HeldInput held{channel, place - world.resting(channel)};
         const auto then = RestingWorld::make(subject_, options_.world, {held});
-        if (!then) continue;
-        auto gains = loop_gains(then->closed({}).graph);
-        if (std::ranges::any_of(known, [&](const auto& other) { return same(gains, other); })) continue;
-        known.push_back(std::move(gains));
+        if (!then || !add_gains(*then, known)) continue;
         verdict_.held.push_back({world.instrument().input_names[index(channel)], held.level, false, place,
-                                 unit, judge_place(*then, held)});
+                                 world.unit_of_place(channel), judge_place(*then, held)});
         report_progress();
       }
+    }
+  }
+
+  /// False: its loops have gains that are known.
+  static bool add_gains(const RestingWorld& world, std::vector<std::vector<std::complex<double>>>& known) {
+    auto gains = loop_gains(world.closed({}).graph);
+    if (std::ranges::any_of(known, [&](const auto& other) { return same(gains, other); })) return false;
+    known.push_back(std::move(gains));
+    return true;
   }
 
   /// To where they grow: the others have wider limits.
@@ -452,10 +460,7 @@ class Analysis {
     std::vector<std::vector<std::complex<double>>> known{loop_gains(at_rest)};
     const auto hold = [&](const std::vector<HeldInput>& held) {
       const auto then = RestingWorld::make(subject_, options_.world, held);
-      if (!then) return;
-      auto gains = loop_gains(then->closed({}).graph);
-      if (std::ranges::any_of(known, [&](const auto& other) { return same(gains, other); })) return;
-      known.push_back(std::move(gains));
+      if (!then || !add_gains(*then, known)) return;
       const auto& first = held.front();
       const auto& plan = world.instrument();
       std::vector<Doubt> doubts;

@@ -33,10 +33,9 @@ void find_gains(const LinearGraph& graph, std::complex<double> z, const std::vec
     const auto at = [&] { return edge.divisor == 1 ? z : std::pow(z, edge.divisor); };
     switch (edge.kind) {
       case LinearEdge::Kind::Gain:
-        gains[e] = edge.gain * std::exp(-static_cast<double>(edge.frames) * log_z);
-        break;
       case LinearEdge::Kind::Delay:
-        gains[e] = std::exp(-static_cast<double>(edge.frames) * log_z);
+        gains[e] = edge.gain;
+        if (edge.frames > 0) gains[e] *= std::exp(-static_cast<double>(edge.frames) * log_z);
         break;
       case LinearEdge::Kind::Node:
         gains[e] = edge.node->response(edge.input, edge.output, at(), edge.at).value_or(0.0);
