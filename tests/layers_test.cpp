@@ -68,8 +68,11 @@ const std::vector<ThirdParty> kThirdParty = {
     {"sndfile.h", {"engine/nodes/", "backends/wav_file.cpp"}},
     {"fmt/",
      {"engine/graph/", "engine/nodes/", "engine/runtime/", "engine/rig/", "engine/scene/", "engine/plot/",
-      "engine/study/", "backends/", "latency/", "apps/"}},
-    {"nlohmann/", {"engine/study/", "backends/json_fields.h", "backends/take/", "latency/", "apps/"}},
+      "engine/study/", "backends/", "latency/", "remote/", "apps/"}},
+    {"nlohmann/",
+     {"engine/study/", "backends/json_fields.h", "backends/take/", "latency/", "remote/", "apps/"}},
+    {"oscpack/", {"remote/osc/"}},
+    {"boost/asio.hpp", {"remote/osc/"}},
     {"CLI/", {"apps/"}},
 };
 
@@ -177,7 +180,7 @@ std::vector<Include> includes_in(std::istream& text) {
 std::vector<std::string> source_files() {
   const fs::path root = TACTUS_SOURCE_DIR;
   std::vector<std::string> files;
-  for (const auto* folder : {"engine", "backends", "latency", "apps"}) {
+  for (const auto* folder : {"engine", "backends", "latency", "remote", "apps"}) {
     if (!fs::exists(root / folder)) continue;
     for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
       const auto extension = entry.path().extension();
@@ -250,6 +253,7 @@ TEST_CASE("layers: an include against the table is refused, with the reason", "[
   CHECK(judge("engine/nodes/a.h", {"backends/backend.h", true}) == "engine/nodes must not include backends");
   CHECK(judge("backends/jack/a.cpp", {"engine/runtime/player.h", true}) ==
         "backends must not include engine/runtime");
+  CHECK(judge("remote/a.cpp", {"apps/play/live/a.h", true}) == "remote must not include apps");
   CHECK(judge("latency/a.cpp", {"engine/study/a.h", true}) == "latency must not include engine/study");
   CHECK(judge("backends/jack/a.cpp", {"backends/rtaudio/b.h", true}) == "a backend must not include another");
   CHECK(judge("backends/loop/a.cpp", {"engine/plot/plot.h", true}) ==
@@ -269,6 +273,8 @@ TEST_CASE("layers: a library outside its place is refused, with the reason", "[l
   CHECK(judge("backends/health.cpp", {"jack/jack.h", false}) ==
         "only the folder of its backend may include it");
   CHECK(judge("backends/jack/a.h", {"jack/jack.h", false}) == "only a .cpp may include it");
+  CHECK(judge("apps/a.cpp", {"oscpack/osc/OscTypes.h", false}) == "not allowed in apps");
+  CHECK(judge("remote/a.h", {"boost/asio.hpp", false}) == "not allowed in remote");
   CHECK(judge("engine/core/a.cpp", {"unistd.h", false}) == "the engine must not know the operating system");
   CHECK(judge("engine/core/a.cpp", {"boost/any.hpp", false}) ==
         "an unknown library: name it in tests/layers_test.cpp and say where it may be used");

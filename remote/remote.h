@@ -1,0 +1,119 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/core/dimension.h"
+
+// What clients of other programs and hosts (OSC and others) do with a running instrument.
+
+namespace tactus {
+
+/// A control as clients see it. Numbers are in its own unit, that of its `value` in the graph file: 15 for
+/// "15 ms", -34 for "-34 dB".
+struct RemoteControl {
+  std::string name;
+  int number = -1;        ///< by which orders name it; it stays the same after edits
+  std::string unit_name;  ///< "ms", "dB"; "": a plain number
+  Unit unit = {};
+  double low = 0.0, high = 0.0;  ///< SI; may be infinite
+  bool constant = false;         ///< it cannot be changed during playback
+  /// [any] The last value that it was set to, SI.
+  mutable std::atomic<double> value{0.0};
+};
+
+/// What can be read and set. The values of its controls follow the instrument; everything else of it stays,
+/// and an edit of the instrument makes another description.
+struct RemoteDescription {
+  std::string instrument;
+  std::vector<RemoteControl> controls;
+  std::vector<std::string> gestures;
+  std::vector<std::string> inputs, outputs;
+  std::vector<std::string> guard_stages;  ///< in the order of RemoteMeters::guard
+
+  /// [any] The place of a control or gesture, or -1.
+  int find_control(std::string_view name) const;
+  int find_gesture(std::string_view name) const;
+};
+
+/// One order to the control thread. Those of a bundle take effect in the same frame.
+struct RemoteOrder {
+  enum class Kind : std::uint8_t {
+    Set,      ///< `number`: control; `value`: SI; `ramp_s`: until it is reached
+    Trigger,  ///< `number`: control, which is 1 for a frame
+    Gesture,  ///< `number`: gesture; `value`: of its signal
+    Strike,   ///< `number`: gesture, which is 1 for a moment
+    Arm,      ///< obeys RemoteTarget::order_arm
+  };
+  /// For a `time_s` that is no time: at once.
+  static constexpr double kNow = -1.0;
+
+  Kind kind = Kind::Set;
+  bool last = true;  ///< of its bundle
+  int number = -1;
+  double value = 0.0;
+  double ramp_s = 0.0;
+  double time_s = kNow;                            ///< by the system clock, since 1970
+  std::chrono::steady_clock::time_point received;  ///< when the packet came
+};
+
+/// What happened, for clients that subscribe to it.
+struct RemoteEvent {
+  enum class Kind : std::uint8_t {
+    Message,  ///< `text`: as it is printed
+    Guard,    ///< `text`: why the guard faded an output
+    Armed,    ///< `value`: 1 or 0
+    Muted,
+    NotArmed,  ///< `text`: why an order to arm was not obeyed; for the client that gave it
+  };
+  Kind kind = Kind::Message;
+  int value = 0;
+  std::int64_t frame = 0;  ///< of the stream; of a message the frame that is being processed
+  double time_s = 0.0;     ///< of that frame, by the system clock
+  char text[200] = {};
+};
+
+struct RemoteMeters {
+  std::vector<double> inputs, outputs;  ///< the highest sample since the last call, full scale = 1
+  std::vector<double> guard;            ///< frames so far, of each stage of each output
+  double load = 0.0;                    ///< 99.9th percentile of the share of a block's time
+};
+
+/// A running instrument. Functions of the network thread are called by one thread of a server. They
+/// wait for no other thread.
+class RemoteTarget {
+ public:
+  virtual ~RemoteTarget() = default;
+
+  /// [any]
+  virtual std::shared_ptr<const RemoteDescription> description() const = 0;
+  /// [any, the network thread] The orders of a bundle, all or none. False: too many wait for the control
+  /// thread.
+  [[nodiscard]] virtual bool post(std::span<const RemoteOrder> bundle) = 0;
+
+  /// [any] At once, whatever the control thread does.
+  virtual void disarm() noexcept = 0;
+  virtual void mute(bool on) noexcept = 0;
+  virtual bool armed() const noexcept = 0;
+  virtual bool muted() const noexcept = 0;
+  /// [any, the network thread] The control thread is to arm the drives, which fade and disarm when
+  /// `keep_alive` is not called for kKeepAlive. Empty, or why they cannot be armed. An order of kind Arm must
+  /// follow.
+  virtual std::string order_arm() = 0;
+  /// [any, the network thread] Of the client that had the drives armed.
+  virtual void keep_alive() noexcept = 0;
+
+  /// [any, the network thread]
+  virtual RemoteMeters take_meters() = 0;
+  virtual bool take_event(RemoteEvent& event) = 0;
+  /// [any] How many bundles came after the time of their time tag.
+  virtual std::int64_t late() const noexcept = 0;
+};
+
+}  // namespace tactus

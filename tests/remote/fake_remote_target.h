@@ -1,0 +1,81 @@
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "remote/remote.h"
+
+namespace tactus::test {
+
+/// A target that remembers what it was told.
+class FakeRemoteTarget final : public RemoteTarget {
+ public:
+  FakeRemoteTarget() { describe({{"strength", ""}, {"hold", "ms"}, {"level", "dB"}, {"fixed", "Hz"}}); }
+
+  struct Control {
+    std::string name, unit;
+  };
+  /// Plain numbers and Hz run from 0 to 1 (SI), ms from 2 to 100, dB from -60 to 0.
+  void describe(const std::vector<Control>& controls) {
+    auto next =
+        std::make_shared<RemoteDescription>(RemoteDescription{"fake",
+                                                              std::vector<RemoteControl>(controls.size()),
+                                                              {"strike"},
+                                                              {"mic"},
+                                                              {"woofer"},
+                                                              {"ceiling", "soft start"}});
+    for (std::size_t c = 0; c < controls.size(); ++c) {
+      auto& control = next->controls[c];
+      control.name = controls[c].name;
+      control.number = 10 + static_cast<int>(c);
+      control.unit_name = controls[c].unit;
+      control.unit = *parse_unit(controls[c].unit);
+      const bool time = control.unit_name == "ms", level = control.unit_name == "dB";
+      control.low = time ? 0.002 : level ? 0.001 : 0.0;
+      control.high = time ? 0.1 : 1.0;
+      control.value = control.high;
+      control.constant = control.name == "fixed";
+    }
+    description_ = std::move(next);
+  }
+
+  std::shared_ptr<const RemoteDescription> description() const override { return description_; }
+  bool post(std::span<const RemoteOrder> bundle) override {
+    if (!room) return false;
+    bundles.emplace_back(bundle.begin(), bundle.end());
+    return true;
+  }
+  void disarm() noexcept override {
+    ++disarms;
+    is_armed = false;
+  }
+  void mute(bool on) noexcept override { is_muted = on; }
+  bool armed() const noexcept override { return is_armed; }
+  bool muted() const noexcept override { return is_muted; }
+  std::string order_arm() override {
+    ++arms;
+    return why_not_armed;
+  }
+  void keep_alive() noexcept override { ++alives; }
+  RemoteMeters take_meters() override { return {{0.5}, {0.25}, {7.0, 0.0}, 0.125}; }
+  bool take_event(RemoteEvent& event) override {
+    if (events.empty()) return false;
+    event = events.front();
+    events.pop_front();
+    return true;
+  }
+  std::int64_t late() const noexcept override { return 3; }
+
+  bool room = true, is_armed = false, is_muted = false;
+  int disarms = 0, arms = 0, alives = 0;
+  std::string why_not_armed;
+  std::vector<std::vector<RemoteOrder>> bundles;
+  std::deque<RemoteEvent> events;
+
+ private:
+  std::shared_ptr<const RemoteDescription> description_;
+};
+
+}  // namespace tactus::test
