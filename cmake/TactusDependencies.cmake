@@ -41,6 +41,20 @@ foreach(kind sound midi)
   endwhile()
 endforeach()
 
+# Remote control by OSC: oscpack has no package file. Without it or Boost's headers it is left out.
+option(TACTUS_OSC "Remote control by OSC, where oscpack and Boost are installed" ON)
+if(TACTUS_OSC AND NOT WIN32)
+  find_path(OSCPACK_INCLUDE_DIR oscpack/osc/OscReceivedElements.h)
+  find_library(OSCPACK_LIBRARY oscpack)
+  find_path(BOOST_ASIO_INCLUDE_DIR boost/asio.hpp)
+  if(OSCPACK_INCLUDE_DIR AND OSCPACK_LIBRARY AND BOOST_ASIO_INCLUDE_DIR)
+    set(TACTUS_HAS_osc ON)
+    add_library(tactus_oscpack INTERFACE)
+    target_include_directories(tactus_oscpack SYSTEM INTERFACE ${OSCPACK_INCLUDE_DIR} ${BOOST_ASIO_INCLUDE_DIR})
+    target_link_libraries(tactus_oscpack INTERFACE ${OSCPACK_LIBRARY})
+  endif()
+endif()
+
 find_path(TOMLPLUSPLUS_INCLUDE_DIR toml++/toml.h REQUIRED)
 
 add_library(tactus_tomlplusplus INTERFACE)

@@ -21,7 +21,7 @@ install(FILES ${manual}/tactus.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES ${manual}/tactus DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
 
 # The program contains these libraries, which consist of headers; the others are packages that it depends on.
-foreach(library libcli11-dev libeigen3-dev libexpected-dev libtomlplusplus-dev nlohmann-json3-dev)
+foreach(library libboost-dev libcli11-dev libeigen3-dev libexpected-dev libtomlplusplus-dev nlohmann-json3-dev)
   install(FILES /usr/share/doc/${library}/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR}/third_party RENAME ${library}
           OPTIONAL)
 endforeach()
