@@ -115,6 +115,10 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
       ->check(CLI::IsMember({"alsa", "jack", "core", "winmm"}));
   group->add_flag("--listen", options.listen,
                   "simulate a scene in real time and play its sound through the sound card");
+  group->add_option("--osc", options.osc,
+                    "remote control by OSC at this port, such as 9000; for clients of other hosts with the "
+                    "address of this one, such as 0.0.0.0:9000");
+  group->add_flag("--osc-arm", options.osc_arm, "OSC clients of other hosts may arm the drives");
   group->add_flag("--arm", options.arm, "start with the drives armed, without waiting for a and Enter");
   group->add_flag("--shared-port", options.shared_port,
                   "another program may write to the ports of drives too: no guard limits the sum");
@@ -125,7 +129,7 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
 /// Options for sound cards only must not be given without one.
 void check_card_options(const CLI::App& command) {
   for (const auto* option : {"--record", "--save-rig", "--learn", "--midi", "--pad-delay", "--inputs",
-                             "--outputs", "--periods", "--arm", "--shared-port"})
+                             "--outputs", "--periods", "--arm", "--shared-port", "--osc", "--osc-arm"})
     if (command.count(option) > 0)
       exit_with({Errc::BadArgument, option, "needs a sound card", "give --device, --backend or --rig too"});
 }

@@ -226,6 +226,17 @@ class LiveWorld final : public Performer, private BlockProcessor {
     return times.networks();
   }
 
+  std::vector<std::string> gestures() override {
+    std::vector<std::string> names;
+    for (const auto& planned : built_.plant->plan().controls) names.push_back(planned.control.name);
+    return names;
+  }
+  bool set_gesture(int gesture, double value) override {
+    const auto names = gestures();
+    if (gesture < 0 || gesture >= std::ssize(names)) return false;
+    return built_.plant->post({JournalEntry::kNow, JournalEntry::Kind::ControlChange,
+                               built_.plant->control_index(names[index(gesture)]), value});
+  }
   bool can_strike() const override { return !built_.plant->plan().controls.empty(); }
   bool strike() override {
     auto& plant = *built_.plant;

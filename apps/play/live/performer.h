@@ -62,6 +62,10 @@ class Performer {
   virtual std::vector<NetworkReport> networks(int /*block*/) { return {}; }
   /// [any] It can be struck by hand.
   virtual bool can_strike() const { return false; }
+  /// [control] Signals of the plant that can be set by hand.
+  virtual std::vector<std::string> gestures() { return {}; }
+  /// [control, while it plays] False: there is none, or no room.
+  virtual bool set_gesture(int /*gesture*/, double /*value*/) { return false; }
   /// [control, while it plays] Strikes once, where the scene can be played by hand.
   virtual bool strike() { return false; }
 };

@@ -18,7 +18,9 @@ struct LiveOptions : PlayerOptions, DeviceOptions {
   std::vector<int> in_channels, out_channels;  ///< from 1
   std::string pad_delay;
   std::string record, save_rig, midi;
-  std::string learn;  ///< an input, "*" for the first one; empty: no sensitivity is learnt
+  std::string learn;     ///< an input, "*" for the first one; empty: no sensitivity is learnt
+  std::string osc;       ///< [ADDRESS:]PORT, or empty
+  bool osc_arm = false;  ///< clients of other hosts may arm
   bool arm = false, shared_port = false, listen = false, yes = false, force = false;
 
   /// Is a sound card asked for at all?

@@ -18,6 +18,8 @@
 #include "apps/play/live/controls/midi_notes.h"
 #include "apps/play/live/controls/status_line.h"
 #include "apps/play/live/plan.h"
+#include "apps/play/live/remote/live_remote.h"
+#include "apps/play/live/remote/remote_server.h"
 #include "apps/play/live/session.h"
 #include "apps/play/midi_map.h"
 #include "backends/library_calls.h"
@@ -79,8 +81,9 @@ std::string save_and_report(const std::string& file, const Rig::Device& device,
 class LivePlay {
  public:
   LivePlay(Session& session, LivePlan& plan, StopLoop& stop_loop, Printer& printer,
-           const LiveOptions& options)
+           const LiveOptions& options, LiveRemote* remote)
       : session_(session),
+        remote_(remote),
         controls_(session.controls()),
         plan_(plan),
         stop_loop_(stop_loop),
@@ -105,7 +108,7 @@ class LivePlay {
       if (session_.over()) return kDevice;
       const std::chrono::duration<double> played = Clock::now() - begin;
       if (duration.value > 0 && played.count() >= duration.value) return kDone;
-      if (const auto key = stop_loop_.wait_key(notes_.any() ? 2ms : 20ms)) press(*key);
+      if (const auto key = stop_loop_.wait_key(notes_.any() || remote_ != nullptr ? 2ms : 20ms)) press(*key);
       tick();
       if (Clock::now() - drawn < 100ms) continue;
       drawn = Clock::now();
@@ -124,8 +127,19 @@ class LivePlay {
     notes_.flush([this](const JournalEntry& entry) { return player().post(entry); });
     if (saving_.valid() && saving_.wait_for(std::chrono::seconds{0}) != std::future_status::timeout)
       report_saved();
-    session_.tick();
+    if (remote_ != nullptr) follow_remote();
+    if (const auto now = Clock::now(); now - ticked_ >= std::chrono::milliseconds{10}) {
+      ticked_ = now;
+      session_.tick();
+    } else if (session_.plays()) {
+      session_.send_controls();
+    }
     for (const auto& message : session_.take_messages()) print(message);
+  }
+
+  void follow_remote() {
+    remote_->tick(notes_.next());
+    for (const auto& message : remote_->take_messages()) print(message);
   }
 
   void follow_midi() {
@@ -155,9 +169,10 @@ class LivePlay {
             {planned.control.midi, player().control_index(planned.control.name), planned.control.range});
     notes_.follow(std::move(followers));
   }
-  /// Not before the end of the block after the one that may be in work.
+  /// Not before the end of the block after the one that may be in work, nor before an entry that is posted.
   std::int64_t first_free_frame() {
-    return player().frame() + 2 * std::int64_t{session_.granted().format.max_frames};
+    const auto free = player().frame() + 2 * std::int64_t{session_.granted().format.max_frames};
+    return remote_ == nullptr ? free : std::max(free, remote_->last_frame());
   }
 
   void draw() {
@@ -168,7 +183,10 @@ class LivePlay {
     if (listed_ && any()) lines += "\n" + control_list(controls_, selected_, columns, terminal_rows() - 2);
     printer_.status(std::move(lines));
   }
-  void print(const std::string& message) { printer_.print(message); }
+  void print(const std::string& message) {
+    printer_.print(message);
+    if (remote_ != nullptr) remote_->message(message);
+  }
 
   void press(Key pressed) {
     for (const auto& [key, text] :
@@ -277,6 +295,7 @@ class LivePlay {
   }
 
   Session& session_;
+  LiveRemote* remote_;  ///< or nullptr
   LiveControls& controls_;
   LivePlan& plan_;
   StopLoop& stop_loop_;
@@ -289,6 +308,7 @@ class LivePlay {
   std::set<std::string> refused_;     ///< controls that MIDI cannot turn, once reported
   std::size_t selected_ = 0;
   bool listed_ = false;              ///< all controls are shown
+  Clock::time_point ticked_;         ///< the session
   std::future<std::string> saving_;  ///< the rig: what to report of it
 };
 
@@ -330,18 +350,20 @@ void report(Session& session, const SessionView& view, const LivePlan& plan, boo
 
 /// Plays on an open session to its end. The exit code.
 int play(Session& session, LivePlan& plan, StopLoop& stop_loop, const LiveOptions& options,
-         Seconds duration) {
+         RemoteServer* remote, Seconds duration) {
   const bool terminal = stop_loop.reads_terminal() && terminal_columns() > 0;
   Printer printer{terminal ? kMarkPastedText : "", terminal ? kDoNotMarkPastedText : ""};
   or_exit(session.start(), kDevice);
   printer.print(announcement(session, plan, options, stop_loop.reads_terminal()));
   if (stop_loop.in_foreign_terminal()) printer.print(kForeignTerminal);
-  LivePlay live{session, plan, stop_loop, printer, options};
+  if (remote != nullptr) printer.print(remote->announcement());
+  LivePlay live{session, plan, stop_loop, printer, options, remote == nullptr ? nullptr : &remote->target()};
   const int ended = live.run(duration);
   const auto& view = session.view();
   const auto stopped = session.stop();
   live.report_saved();
   for (const auto& message : session.take_messages()) printer.print(message);
+  if (remote != nullptr) printer.print(remote->summary());
   printer.finish();
   report(session, view, plan, options.json);
   or_exit(stopped, kDevice);
@@ -355,10 +377,16 @@ int play(const LiveOptions& options) {
   DeadMansSwitch dead_man;
   Session session{*plan.performer, *plan.devices.backend, plan.request, options.arm, &dead_man};
   session.share_ports(options.shared_port);
+  const auto remote =
+      make_remote_server({options.osc, options.osc_arm}, session, *plan.performer, *plan.request.sample_rate);
   DriveKeys keys{session.switches()};
   StopLoop stop_loop{dead_man,
                      {.act = [&](Key key, Clock::time_point now) { return keys.act(key, now); },
-                      .each_turn = [&](Clock::time_point now) { keys.begin_turn(now); },
+                      .each_turn =
+                          [&](Clock::time_point now) {
+                            keys.begin_turn(now);
+                            if (remote != nullptr) remote->target().watch(now);
+                          },
                       .needs_input = [&] { return session.armed(); },
                       .inputs = {},
                       .control_stalled = [&] { session.control_stalled(); },
@@ -368,7 +396,7 @@ int play(const LiveOptions& options) {
   check_delay(plan, session.granted());
   session.set_delay(plan.delay ? std::optional{plan.delay_settings} : std::nullopt);
   on_slow_call({});  // a note of a library must not hold up what is printed
-  return play(session, plan, stop_loop, options, duration);
+  return play(session, plan, stop_loop, options, remote.get(), duration);
 }
 
 }  // namespace

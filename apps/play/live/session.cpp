@@ -94,6 +94,12 @@ Session::Session(Performer& performer, Backend& backend, StreamRequest request, 
   guarded_.suppose_worst();
 }
 
+void Session::add_meter(std::shared_ptr<LevelMeter> meter) {
+  second_meter_ = std::move(meter);
+  second_meter_->set_next(&meter_);
+  guarded_.set_tap(second_meter_.get());
+}
+
 Session::~Session() {
   (void)stop();
   performer_.instrument().set_tap(nullptr);
@@ -143,7 +149,7 @@ void Session::tick() {
   check_delay_after_gap();
   follow_edits();
   // A value posted before an edit takes over would be applied to the version after it.
-  if (stream_->state() == StreamState::Running && !performer_.instrument().replacing()) controls_.send();
+  if (plays()) send_controls();
 }
 
 /// An edit waits until the one before it has taken over.
@@ -177,7 +183,10 @@ void Session::report_guard_events() {
     if (event.kind == GuardEvent::Kind::Feedback) view_.drives = true;
     events_.push_back(event);
     names.events = {event};
-    for (auto& line : describe(names, granted().format.sample_rate)) messages_.push_back(std::move(line));
+    for (auto& line : describe(names, granted().format.sample_rate)) {
+      if (on_guard_event_) on_guard_event_(event, line);
+      messages_.push_back(std::move(line));
+    }
   }
 }
 

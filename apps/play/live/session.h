@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <future>
 #include <map>
 #include <memory>
@@ -113,6 +114,12 @@ class Session {
 
   /// [before start] Drives may be armed although other programs write to their ports.
   void share_ports(bool on) { shared_ports_ = on; }
+  /// [before start] `meter` observes every block too.
+  void add_meter(std::shared_ptr<LevelMeter> meter);
+  /// Called in `tick` for every event of the guard, with its text.
+  void on_guard_event(std::function<void(const GuardEvent&, const std::string&)> call) {
+    on_guard_event_ = std::move(call);
+  }
   /// Opens the device; nothing flows yet. `record`: records takes into this WAV file, empty: into none. A
   /// stream that begins again is another take: take.wav, take-2.wav and so on. Errors: of ReconnectingStream.
   [[nodiscard]] Status open(const std::filesystem::path& record);
@@ -122,6 +129,12 @@ class Session {
   Status stop();
   /// To be called about 20 times a second.
   void tick();
+  /// Blocks flow, and no edit waits: an entry that is posted now applies to the version that plays.
+  bool plays() const {
+    return stream_->state() == StreamState::Running && !performer_.instrument().replacing();
+  }
+  /// While it plays: posts the values of controls that changed.
+  void send_controls() { controls_.send(); }
   /// Records from now on, into this WAV file or, where takes of it were recorded before, into the next one of
   /// its name. A take replays only from frame 0 of its stream: the outputs fade out, the device is reopened,
   /// and the instrument starts again from rest, its controls where they are. While the device is away, the
@@ -151,6 +164,11 @@ class Session {
   bool armed() const { return switches_.armed(); }
   bool muted() const { return switches_.muted(); }
   LiveControls& controls() { return controls_; }
+  const LiveControls& controls() const { return controls_; }
+  /// [opened]
+  GuardCounts guard_counts(int output) const noexcept { return guarded_.counts(output); }
+  /// 99.9th percentile of the share of a block's time that computing it takes.
+  double high_load() const { return stream_->health().high_load; }
   const StreamGranted& granted() const { return stream_->granted(); }
   /// The device cannot come back in this process.
   bool over() const {
@@ -195,6 +213,7 @@ class Session {
   DriveSwitches switches_;
   TapGate take_;  ///< to the recorder
   LevelMeter meter_;
+  std::shared_ptr<LevelMeter> second_meter_;  ///< or nullptr; in front of `meter_`
   LiveControls controls_;
   std::unique_ptr<ReconnectingStream> stream_;
   SessionView view_;
@@ -215,6 +234,7 @@ class Session {
   std::unique_ptr<TakeRecorder> recorder_;
   std::future<std::vector<std::string>> ended_take_;  ///< that is being completed: what to report of it
   RecordingMonitor recording_;
+  std::function<void(const GuardEvent&, const std::string&)> on_guard_event_;
   EditReader edits_;
 };
 

@@ -9,7 +9,8 @@
 
 namespace tactus::app {
 
-/// [any] The last orders to the drives, by the stop loop and by the control thread.
+/// [any] The last orders to the drives, by the stop loop, the control thread and the network thread of
+/// `remote/`.
 class DriveSwitches {
  public:
   DriveSwitches(Guarded& guarded, bool armed) : guarded_(guarded), armed_(armed) {}
@@ -20,9 +21,10 @@ class DriveSwitches {
   /// How often they were disarmed so far, by whomever.
   int disarms() const noexcept { return disarms_; }
 
+  /// Of two threads that mute and unmute at once, the guard obeys the one that `muted` reports.
   void mute(bool on) noexcept {
     muted_ = on;
-    guarded_.mute(on);
+    for (bool last = !muted_; last != muted_;) guarded_.mute(last = muted_);
   }
   /// Voids an order to arm as well.
   void disarm() noexcept {
@@ -31,7 +33,7 @@ class DriveSwitches {
     guarded_.arm(false);
     ++disarms_;
   }
-  /// [any, the stop loop] The control thread is to arm them: it may know a reason not to.
+  /// The control thread is to arm them: it may know a reason not to.
   void order_arm() noexcept { arm_ordered_ = true; }
   /// [control] Obeys the order to arm, unless it was voided; one that comes meanwhile wins.
   void arm() noexcept {

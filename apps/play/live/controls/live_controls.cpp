@@ -29,6 +29,7 @@ void LiveControls::renew() {
     live.sent = kept && before->sent;  // a value posted before the edit would be applied after it
   }
   controls_ = std::move(now);
+  ++version_;
 }
 
 double LiveControls::position(std::size_t index) const {
@@ -56,6 +57,26 @@ bool LiveControls::turn(std::size_t index, double position) {
 bool LiveControls::turn(const std::string& name, double position) {
   const auto live = named(controls_, name);
   return live != controls_.end() && turn(static_cast<std::size_t>(live - controls_.begin()), position);
+}
+
+bool LiveControls::set(const std::string& name, double value) {
+  const auto live = named(controls_, name);
+  if (live == controls_.end() || live->frozen) return false;
+  live->control.value = std::clamp(value, live->control.range.low, live->control.range.high);
+  live->sent = false;
+  return true;
+}
+
+void LiveControls::note(const std::string& name, double value) {
+  const auto live = named(controls_, name);
+  if (live == controls_.end()) return;
+  live->control.value = value;
+  live->sent = true;
+}
+
+const LiveControl* LiveControls::find(const std::string& name) const {
+  const auto live = std::ranges::find(controls_, name, [](const auto& each) { return each.control.name; });
+  return live == controls_.end() ? nullptr : &*live;
 }
 
 void LiveControls::send() {

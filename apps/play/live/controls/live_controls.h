@@ -33,6 +33,14 @@ class LiveControls {
   bool nudge(std::size_t index, double share) { return turn(index, position(index) + share); }
   /// The same by name. False, too, if there is none.
   bool turn(const std::string& name, double position);
+  /// Sets one, in SI, within its range. False: it is frozen, or there is none.
+  bool set(const std::string& name, double value);
+  /// It was set by an entry that somebody else has posted or is about to post.
+  void note(const std::string& name, double value);
+  /// nullptr: there is none.
+  const LiveControl* find(const std::string& name) const;
+  /// How often `renew` was called.
+  int version() const { return version_; }
   /// While blocks flow: posts the values that changed. What the queue of the player has no room for is posted
   /// by a later call.
   void send();
@@ -50,6 +58,7 @@ class LiveControls {
  private:
   Player& player_;
   std::vector<LiveControl> controls_;
+  int version_ = 0;
 };
 
 }  // namespace tactus::app

@@ -35,6 +35,8 @@ class MidiNotes {
   void play(const MidiMessage& message, std::int64_t earliest);
   /// Posts what there is room for, in order; `post` is false where there is none.
   void flush(const std::function<bool(const JournalEntry&)>& post);
+  /// The first frame that no note has.
+  std::int64_t next() const { return next_; }
   /// Frames are counted from 0 again.
   void restart();
 

@@ -1,0 +1,255 @@
+#include "apps/play/live/remote/live_remote.h"
+
+#include <algorithm>
+#include <array>
+
+#include "engine/core/index.h"
+#include "engine/scene/guard_report.h"
+
+namespace tactus::app {
+namespace {
+
+constexpr std::chrono::milliseconds kMeterInterval{50};
+
+double system_seconds() {
+  return std::chrono::duration<double>{std::chrono::system_clock::now().time_since_epoch()}.count();
+}
+
+/// At most what fits, without half a character of UTF-8.
+void copy_text(const std::string& text, char (&to)[200]) {
+  auto bytes = std::min(text.size(), sizeof to - 1);
+  while (bytes < text.size() && bytes > 0 && (static_cast<unsigned char>(text[bytes]) & 0xc0) == 0x80)
+    --bytes;
+  std::copy_n(text.begin(), bytes, to);
+  to[bytes] = '\0';
+}
+
+}  // namespace
+
+RemoteUnit remote_unit(const Unit& unit) {
+  static constexpr std::array kNames = {
+      "dB",   "cents", "semitones", "%",   "us",    "ms",   "s",    "min", "um",      "mm",  "cm",   "m",
+      "mm/s", "m/s",   "m/s^2",     "mg",  "g",     "kg",   "mN",   "N",   "kN",      "N/m", "N/mm", "N s/m",
+      "Hz",   "kHz",   "rpm",       "bpm", "rad/s", "deg",  "rad",  "mJ",  "J",       "mW",  "W",    "mA",
+      "A",    "mV",    "V",         "ohm", "kohm",  "Mohm", "mN m", "N m", "N m/rad", "T m", "kg/s", "uF"};
+  if (unit.dimension.plain() && unit.dimension.radian == 0 && unit.factor == 1.0 && !unit.decibel)
+    return {"", unit};
+  for (const auto* name : kNames) {
+    const auto known = parse_unit(name);
+    if (known && known->dimension == unit.dimension && known->dimension.radian == unit.dimension.radian &&
+        known->factor == unit.factor && known->decibel == unit.decibel)
+      return {name, unit};
+  }
+  return {to_string(unit.dimension), {unit.dimension}};
+}
+
+LiveRemote::LiveRemote(Session& session, Performer& performer, Hertz sample_rate)
+    : session_(session),
+      performer_(performer),
+      meter_(std::make_shared<LevelMeter>(static_cast<int>(performer.inputs.size()),
+                                          static_cast<int>(performer.outputs.size()))),
+      guard_(performer.outputs.size() * kGuardStages),
+      clock_(sample_rate),
+      schedule_(sample_rate, *this) {
+  session_.add_meter(meter_);
+  session_.on_guard_event([this](const GuardEvent& event, const std::string& text) {
+    push_event({.kind = RemoteEvent::Kind::Guard, .frame = event.frame}, text);
+  });
+  renew();
+}
+
+LiveRemote::~LiveRemote() { session_.on_guard_event({}); }
+
+// The network's side.
+
+std::shared_ptr<const RemoteDescription> LiveRemote::description() const {
+  const std::lock_guard lock{mutex_};
+  return description_;
+}
+
+void LiveRemote::disarm() noexcept {
+  auto& switches = session_.switches();
+  if (switches.armed()) client_disarmed_ = true;
+  switches.disarm();
+}
+
+void LiveRemote::mute(bool on) noexcept {
+  auto& switches = session_.switches();
+  if (switches.muted() != on) client_muted_ = true;
+  switches.mute(on);
+}
+
+std::string LiveRemote::order_arm() {
+  auto& switches = session_.switches();
+  if (switches.armed() || switches.arm_ordered()) return "the drives are armed already";
+  keep_alive_.begin(Clock::now(), switches.disarms());
+  switches.order_arm();
+  return {};
+}
+
+RemoteMeters LiveRemote::take_meters() {
+  return {meter_->take_inputs(), meter_->take_outputs(), {guard_.begin(), guard_.end()}, load_};
+}
+
+void LiveRemote::watch(Clock::time_point now) noexcept {
+  auto& switches = session_.switches();
+  if (!keep_alive_.expired(now, switches.disarms())) return;
+  switches.disarm();
+  client_lost_ = true;
+}
+
+// The control thread's side.
+
+void LiveRemote::tick(std::int64_t earliest) {
+  follow_frames();
+  if (session_.controls().version() != version_) renew();
+  take_orders();
+  if (session_.plays()) {
+    session_.send_controls();
+    const auto first_free = frame_ + 2 * std::int64_t{session_.granted().format.max_frames};
+    schedule_.advance(clock_, frame_, std::max(first_free, earliest));
+  }
+  late_ = schedule_.late();
+  publish_controls();
+  report_states();
+  publish_meters();
+}
+
+/// A reading of the clock in each new block.
+void LiveRemote::follow_frames() {
+  const auto frame = player().frame();
+  const double now_s = system_seconds();
+  if (frame < frame_) {
+    clock_.restart();
+    schedule_.restart();
+  }
+  if (std::exchange(frame_, frame) != frame) clock_.update(now_s, frame);
+}
+
+void LiveRemote::take_orders() {
+  // No more than the queue holds: a client may post as fast as they are taken.
+  for (std::size_t taken = 0; taken < OrderQueue::kOrders && orders_.pop(bundle_); taken += bundle_.size()) {
+    if (bundle_.size() == 1 && obey_at_once(bundle_.front())) continue;
+    if (!schedule_.add(bundle_))
+      messages_.emplace_back("too many changes of remote clients wait for their time: one was dropped");
+  }
+}
+
+/// A change alone, without a time: the last one counts, as of keys.
+bool LiveRemote::obey_at_once(const RemoteOrder& order) {
+  using Kind = RemoteOrder::Kind;
+  if (order.kind == Kind::Arm) return arm(order), true;
+  if (order.kind == Kind::Strike) return (void)performer_.strike(), true;
+  if (order.kind != Kind::Set || order.time_s != RemoteOrder::kNow || order.ramp_s > 0) return false;
+  schedule_.end_ramp(order.number);
+  (void)session_.controls().set(name_of(order.number), order.value);
+  measure(order);
+  return true;
+}
+
+void LiveRemote::arm(const RemoteOrder& order) {
+  if (Clock::now() - order.received > kArmWait) return not_armed("the program was busy for too long");
+  if (!session_.has_drives()) return not_armed("there is no drive to arm");
+  if (const auto armed = session_.arm(true); !armed) return not_armed(to_string(armed.error()));
+  if (session_.armed()) messages_.emplace_back("drives armed by a remote client");
+}
+
+void LiveRemote::not_armed(const std::string& why) {
+  session_.switches().disarm();
+  messages_.push_back(why);
+  push_event({.kind = RemoteEvent::Kind::NotArmed}, why);
+}
+
+void LiveRemote::measure(const RemoteOrder& order) {
+  const double ms = std::chrono::duration<double, std::milli>{Clock::now() - order.received}.count();
+  ++delay_.changes;
+  delay_.mean_ms += (ms - delay_.mean_ms) / static_cast<double>(delay_.changes);
+  delay_.longest_ms = std::max(delay_.longest_ms, ms);
+}
+
+const std::string& LiveRemote::name_of(int number) const {
+  static const std::string none;
+  const auto& names = player().control_names();
+  return number >= 0 && number < std::ssize(names) ? names[index(number)] : none;
+}
+
+std::optional<ScheduledControl> LiveRemote::control(int number) const {
+  const auto* live = session_.controls().find(name_of(number));
+  if (live == nullptr || live->frozen) return std::nullopt;
+  const auto& control = live->control;
+  return ScheduledControl{control.value, control.range.low, control.range.high, control.smooth_s,
+                          control.unit.decibel};
+}
+
+void LiveRemote::note(int number, double value) { session_.controls().note(name_of(number), value); }
+
+/// After an edit.
+void LiveRemote::renew() {
+  version_ = session_.controls().version();
+  const auto& live = session_.controls().all();
+  auto next = std::make_shared<RemoteDescription>(RemoteDescription{performer_.name,
+                                                                    std::vector<RemoteControl>(live.size()),
+                                                                    performer_.gestures(),
+                                                                    performer_.inputs,
+                                                                    performer_.outputs,
+                                                                    {}});
+  for (std::size_t stage = 0; stage < kGuardStages; ++stage)
+    next->guard_stages.emplace_back(tactus::name_of(GuardStage::Index{stage}));
+  for (std::size_t c = 0; c < live.size(); ++c) {
+    auto& control = next->controls[c];
+    const auto& planned = live[c].control;
+    const auto [unit_name, unit] = remote_unit(planned.unit);
+    control.name = planned.name;
+    control.number = player().control_index(planned.name);
+    control.unit_name = unit_name;
+    control.unit = unit;
+    control.low = planned.range.low;
+    control.high = planned.range.high;
+    control.constant = live[c].frozen;
+    control.value = planned.value;
+  }
+  const std::lock_guard lock{mutex_};
+  description_ = std::move(next);
+}
+
+/// Keys and MIDI move controls too.
+void LiveRemote::publish_controls() {
+  const auto& live = session_.controls().all();
+  const auto& controls = description_->controls;
+  for (std::size_t c = 0; c < std::min(live.size(), controls.size()); ++c)
+    controls[c].value.store(live[c].control.value, std::memory_order_relaxed);
+}
+
+void LiveRemote::report_states() {
+  if (client_lost_.exchange(false))
+    messages_.emplace_back("drives disarmed: the remote client that had armed them was silent for 0.5 s");
+  if (client_disarmed_.exchange(false)) messages_.emplace_back("drives disarmed by a remote client");
+  if (client_muted_.exchange(false))
+    messages_.emplace_back(session_.muted() ? "muted by a remote client" : "unmuted by a remote client");
+  for (auto [kind, before, now] : {std::tuple{RemoteEvent::Kind::Armed, &armed_before_, session_.armed()},
+                                   {RemoteEvent::Kind::Muted, &muted_before_, session_.muted()}})
+    if (std::exchange(*before, now) != now) push_event({.kind = kind, .value = now ? 1 : 0}, {});
+}
+
+/// The guards themselves are replaced when a device returns.
+void LiveRemote::publish_meters() {
+  const auto now = Clock::now();
+  if (now - meters_read_ < kMeterInterval) return;
+  meters_read_ = now;
+  load_ = session_.high_load();
+  for (std::size_t c = 0; c < performer_.outputs.size(); ++c) {
+    const auto counts = session_.guard_counts(static_cast<int>(c));
+    for (std::size_t stage = 0; stage < kGuardStages; ++stage)
+      guard_[c * kGuardStages + stage] = static_cast<double>(counts[stage].frames);
+  }
+}
+
+/// Where no client takes them, the oldest are kept.
+void LiveRemote::push_event(RemoteEvent event, const std::string& text) {
+  if (event.frame == 0) event.frame = frame_;
+  event.time_s = clock_.known() ? clock_.time_of(static_cast<double>(event.frame)) : system_seconds();
+  copy_text(text, event.text);
+  (void)events_.push(event);
+}
+
+}  // namespace tactus::app

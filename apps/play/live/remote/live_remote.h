@@ -1,0 +1,120 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "apps/play/live/performer.h"
+#include "apps/play/live/session.h"
+#include "engine/core/spsc_queue.h"
+#include "remote/keep_alive.h"
+#include "remote/order_queue.h"
+#include "remote/remote.h"
+#include "remote/schedule.h"
+#include "remote/stream_clock.h"
+
+namespace tactus::app {
+
+/// The unit in which clients read and set a control: that of its value in the graph file. Units without a
+/// name in the table are those of SI.
+struct RemoteUnit {
+  std::string name;
+  Unit unit;
+};
+/// [any]
+RemoteUnit remote_unit(const Unit& unit);
+
+/// A session as clients of other programs and hosts see it. Their controls take the way of keys and MIDI,
+/// through the journal of the player.
+class LiveRemote final : public RemoteTarget, private ScheduleTarget {
+ public:
+  using Clock = std::chrono::steady_clock;
+  /// An order to arm that waited longer is not obeyed.
+  static constexpr std::chrono::seconds kArmWait{1};
+
+  /// [control & stopped] Both outlive it. It observes every block of the session.
+  LiveRemote(Session& session, Performer& performer, Hertz sample_rate);
+  ~LiveRemote() override;
+
+  /// [control, one thread] Obeys the orders that came. To be called some 500 times a second. `earliest`: no
+  /// entry is posted for a frame before it.
+  void tick(std::int64_t earliest = 0);
+  /// [control, one thread] Messages for the user since the last call.
+  std::vector<std::string> take_messages() { return std::exchange(messages_, {}); }
+  /// [control, one thread] For clients: what is printed.
+  void message(const std::string& text) { push_event({.kind = RemoteEvent::Kind::Message}, text); }
+  /// [control, one thread] No frame behind it has an entry of this in the queue of the player.
+  std::int64_t last_frame() const { return schedule_.last_frame(); }
+  /// [any, the stop loop] In each turn: disarms the drives when the client that had them armed is gone.
+  void watch(Clock::time_point now) noexcept;
+  /// [control, one thread] From packets to the queue of the player, of changes without a time tag.
+  struct Delay {
+    std::int64_t changes = 0;
+    double mean_ms = 0.0, longest_ms = 0.0;
+  };
+  Delay delay() const { return delay_; }
+
+  std::shared_ptr<const RemoteDescription> description() const override;
+  bool post(std::span<const RemoteOrder> bundle) override { return orders_.push(bundle); }
+  void disarm() noexcept override;
+  void mute(bool on) noexcept override;
+  bool armed() const noexcept override { return session_.switches().armed(); }
+  bool muted() const noexcept override { return session_.switches().muted(); }
+  std::string order_arm() override;
+  void keep_alive() noexcept override { keep_alive_.refresh(Clock::now()); }
+  RemoteMeters take_meters() override;
+  bool take_event(RemoteEvent& event) override { return events_.pop(event); }
+  std::int64_t late() const noexcept override { return late_; }
+
+ private:
+  std::optional<ScheduledControl> control(int number) const override;
+  void note(int number, double value) override;
+  void gesture(int number, double value) override { (void)performer_.set_gesture(number, value); }
+  bool post(const JournalEntry& entry) override { return player().post(entry); }
+
+  Player& player() const { return performer_.instrument(); }
+  const std::string& name_of(int number) const;
+  void renew();
+  void follow_frames();
+  void take_orders();
+  bool obey_at_once(const RemoteOrder& order);
+  void arm(const RemoteOrder& order);
+  void not_armed(const std::string& why);
+  void publish_controls();
+  void report_states();
+  void publish_meters();
+  void push_event(RemoteEvent event, const std::string& text);
+  void measure(const RemoteOrder& order);
+
+  Session& session_;
+  Performer& performer_;
+  std::shared_ptr<LevelMeter> meter_;
+  KeepAlive keep_alive_;
+  // Of what acted at once, for the messages.
+  std::atomic<bool> client_lost_{false}, client_disarmed_{false}, client_muted_{false};
+  std::atomic<double> load_{0.0};
+  std::vector<std::atomic<double>> guard_;  ///< frames of each stage of each output
+  std::atomic<std::int64_t> late_{0};
+  OrderQueue orders_;
+  SpscQueue<RemoteEvent> events_{256};
+  mutable std::mutex mutex_;                              ///< of `description_` alone
+  std::shared_ptr<const RemoteDescription> description_;  ///< replaced by the control thread
+  // Of the control thread.
+  StreamClock clock_;
+  RemoteSchedule schedule_;
+  std::int64_t frame_ = 0;
+  int version_ = -1;  ///< of the controls
+  bool armed_before_ = false, muted_before_ = false;
+  Clock::time_point meters_read_;
+  Delay delay_;
+  std::vector<std::string> messages_;
+  std::vector<RemoteOrder> bundle_;
+};
+
+}  // namespace tactus::app
