@@ -117,7 +117,7 @@ void OscHost::obey(const OscMessage& message, Context& context) {
   const std::string_view address = message.address;
   const auto behind = [&](std::string_view beginning) { return address.substr(beginning.size()); };
   if (address.starts_with(kControl)) return set(behind(kControl), message.values, context);
-  if (address.starts_with(kTrigger)) return trigger(behind(kTrigger), context);
+  if (address.starts_with(kTrigger)) return trigger(behind(kTrigger), message.values, context);
   if (address.starts_with(kGesture)) return gesture(behind(kGesture), message.values, context);
   if (address == "/arm/request") return request_arm(context);
   if (address == "/arm") return arm(message.values, context);
@@ -188,7 +188,9 @@ double OscHost::clamped(const RemoteControl& control, double si, Context& contex
   return inside;
 }
 
-void OscHost::trigger(std::string_view name, Context& context) {
+/// Buttons of phones send 1 when they are pressed and 0 when they are released.
+void OscHost::trigger(std::string_view name, const Values& values, Context& context) {
+  if (!values.empty() && number_of(values[0]) == 0.0) return;
   if (const int gesture = description_->find_gesture(name); gesture >= 0) {
     context.orders.push_back({.kind = RemoteOrder::Kind::Strike, .number = gesture, .received = {}});
     return;

@@ -102,7 +102,7 @@ class OscHost {
   void set(std::string_view name, const Values& values, Context& context);
   void set_one(const RemoteControl& control, const Values& values, Context& context);
   double clamped(const RemoteControl& control, double si, Context& context);
-  void trigger(std::string_view name, Context& context);
+  void trigger(std::string_view name, const Values& values, Context& context);
   void gesture(std::string_view name, const Values& values, Context& context);
   void request_arm(Context& context);
   void arm(const Values& values, Context& context);

@@ -183,6 +183,10 @@ TEST_CASE("osc host: triggers, gestures and patterns", "[remote][osc]") {
   Stage stage;
   stage.send({"/trigger/strength"});
   CHECK(stage.order().kind == Kind::Trigger);
+  stage.send({"/trigger/strength", {1.0}});
+  CHECK(stage.order().kind == Kind::Trigger);
+  stage.send({"/trigger/strength", {0.0}});  // a button is released
+  CHECK(stage.target.bundles.empty());
   stage.send({"/trigger/strike"});
   CHECK(stage.order().kind == Kind::Strike);
   stage.send({"/gesture/strike", {0.5}});
