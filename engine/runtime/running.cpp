@@ -26,6 +26,11 @@ Running::Running(std::unique_ptr<Plan> made, int max_frames)
   start(max_frames);
 }
 
+std::uint64_t Running::next_number() noexcept {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
 bool Running::begins_lanes(std::size_t output) const {
   if (output + kVectorWidth > outputs.size()) return false;
   const auto signal = [&](std::size_t c) { return plan->channels[index(outputs[c])].signal; };

@@ -71,6 +71,7 @@ struct Running {
   /// [realtime] Advances by `frames` from `now`. Once for each sub-block, before its steps.
   void advance(std::int64_t now, int frames) noexcept;
 
+  const std::uint64_t number = next_number();  ///< no other version of any graph has it
   std::unique_ptr<Plan> plan;
   std::vector<SmoothedControl> controls;  ///< as Plan::controls
   std::vector<ConstantRamp> ramps;
@@ -93,6 +94,7 @@ struct Running {
   Handover handover;
 
  private:
+  static std::uint64_t next_number() noexcept;
   void take_values(const Running& before, std::int64_t now, std::int64_t fade_frames) noexcept;
   bool begins_lanes(std::size_t output) const;
   void settle(SmoothedControl& control, bool resting) noexcept;
