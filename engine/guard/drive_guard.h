@@ -88,6 +88,8 @@ class DriveGuard {
     if (heat_) heat_->warm_to(state);
   }
 
+  /// [any] How far the mass may be from rest, as a share of its limit.
+  double excursion() const noexcept { return excursion_ ? excursion_->excursion() : 0.0; }
   /// [any] How far the mass may be from where the model has it, as a share of its limit.
   double displacement() const noexcept { return excursion_ ? excursion_->displacement() : 0.0; }
   /// [realtime] At least so far.

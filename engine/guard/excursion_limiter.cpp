@@ -90,6 +90,7 @@ void ExcursionLimiter::end_group() noexcept {
   now_ = at_start_;
   known_ = 0;
   bound_ = length(at_start_);
+  norm_.store(bound_, std::memory_order_relaxed);
   if (displacement() == 0.0) return;
   constexpr double kForgotten = 1e-6;
   since_ = group_free_ * since_;

@@ -52,6 +52,11 @@ class ExcursionLimiter {
   void displace(double share) noexcept;
   /// [any] What is left of that, at most.
   double displacement() const noexcept { return displacement_.load(std::memory_order_relaxed); }
+  /// [any] At most how far the mass was from rest where the last whole group ended, as a share of the limit:
+  /// r, and the displacement.
+  double excursion() const noexcept {
+    return norm_.load(std::memory_order_relaxed) + displacement_.load(std::memory_order_relaxed);
+  }
 
  private:
   static constexpr double kRounding = 1e-9;
@@ -76,8 +81,9 @@ class ExcursionLimiter {
   std::array<double, kGuardGroup> weight_x_, weight_y_;  ///< of the samples of a group in its end
   std::array<double, kGuardGroup> observed_{};           ///< the outputs of this group so far
   GroupSum sum_x_, sum_y_;
-  Vector2 at_start_;  ///< of the group
-  Vector2 now_;       ///< before frame `known_` of the group
+  Vector2 at_start_;               ///< of the group
+  std::atomic<double> norm_{0.0};  ///< of that
+  Vector2 now_;                    ///< before frame `known_` of the group
   int known_ = 0;
   double bound_ = 0.0;  ///< of r, before the next samples
 };

@@ -154,6 +154,8 @@ class Guarded final : public BlockProcessor {
   ThermalState thermal_state(int channel) const noexcept {
     return channels_[index(channel)].guard.thermal_state();
   }
+  /// [any] How far the mass may be from rest, as a share of its limit, 64 frames ago at most; 0 without one.
+  double excursion(int channel) const noexcept { return channels_[index(channel)].guard.excursion(); }
   /// [any] Frames processed since `prepare`.
   std::int64_t frame() const noexcept { return frame_.load(std::memory_order_relaxed); }
 
