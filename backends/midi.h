@@ -17,10 +17,11 @@ struct MidiMessage {
     NoteOn,  ///< velocity 1 to 127
     NoteOff,
     PitchBend,
+    ProgramChange,
   };
   Kind kind = Kind::Controller;
   int channel = 1;                             ///< 1 to 16
-  int number = 0;                              ///< of the controller or note; 0 for pitch bend
+  int number = 0;                              ///< of the controller, note or program; 0 for pitch bend
   int value = 0;                               ///< 0 to 127; pitch bend 0 to 16383, at rest 8192
   std::chrono::steady_clock::time_point time;  ///< when it came
 };
@@ -62,10 +63,15 @@ std::shared_ptr<MidiInputs> make_rtmidi(const std::string& api,
 /// MIDI 1.0 Detailed Specification, table 1.
 inline std::optional<MidiMessage> parse_midi(std::span<const std::uint8_t> bytes) noexcept {
   using Kind = MidiMessage::Kind;
-  if (bytes.size() != 3 || bytes[1] > 127 || bytes[2] > 127) return std::nullopt;
   MidiMessage message;
+  if (bytes.size() < 2 || bytes[1] > 127) return std::nullopt;
   message.channel = 1 + (bytes[0] & 0x0f);
   message.number = bytes[1];
+  if ((bytes[0] & 0xf0) == 0xc0) {
+    message.kind = Kind::ProgramChange;
+    return bytes.size() == 2 ? std::optional{message} : std::nullopt;
+  }
+  if (bytes.size() != 3 || bytes[2] > 127) return std::nullopt;
   message.value = bytes[2];
   const int type = bytes[0] & 0xf0;
   if (type == 0x80 || (type == 0x90 && message.value == 0)) {  // a note that begins with velocity 0 ends

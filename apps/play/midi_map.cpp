@@ -55,7 +55,7 @@ void MidiMap::learn(const std::string& control) {
 
 void MidiMap::watch(const MidiEvent& event) {
   const auto& message = event.message;
-  if (message.kind == Kind::NoteOff) return;
+  if (message.kind == Kind::NoteOff || message.kind == Kind::ProgramChange) return;
   if (message.kind == Kind::NoteOn) return bind(event, RigMidi::Kind::Note, false);
   const bool bend = message.kind == Kind::PitchBend;
   const auto high = seen_.find({event.port, message.channel, message.number - kFineControllers});
