@@ -20,9 +20,11 @@ class KeepAlive {
     disarms_ = disarms;
     last_ = ticks(now);
   }
-  /// [any, the network thread] Only while it is watched: what expired stays so.
-  void refresh(Clock::time_point now) noexcept {
+  /// [any, the network thread] Only while it is watched, for the arming that began with so many `disarms`:
+  /// what expired stays so.
+  void refresh(Clock::time_point now, int disarms) noexcept {
     auto last = last_.load();
+    if (disarms != disarms_) return;
     while (last != kNobody && !last_.compare_exchange_weak(last, ticks(now))) continue;
   }
   /// [any, the stop loop] True once, when a client is watched that was not heard of for kPatience.

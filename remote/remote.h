@@ -10,6 +10,9 @@
 #include <vector>
 
 #include "engine/core/dimension.h"
+#include "engine/core/error.h"
+#include "engine/runtime/signal_scope.h"
+#include "remote/picture.h"
 
 // What clients of other programs and hosts (OSC and others) do with a running instrument.
 
@@ -24,6 +27,8 @@ struct RemoteControl {
   Unit unit = {};
   double low = 0.0, high = 0.0;  ///< SI; may be infinite
   bool constant = false;         ///< it cannot be changed during playback
+  double initial = 0.0;          ///< as in the file
+  std::string midi;              ///< the controller that moves it, "cc 7"; or ""
   /// [any] The last value that it was set to, SI.
   mutable std::atomic<double> value{0.0};
 };
@@ -36,6 +41,8 @@ struct RemoteDescription {
   std::vector<std::string> gestures;
   std::vector<std::string> inputs, outputs;
   std::vector<std::string> guard_stages;  ///< in the order of RemoteMeters::guard
+  std::vector<std::string> presets = {};
+  std::shared_ptr<const Picture> picture = {};  ///< nullptr: no server asked for it
 
   /// [any] The place of a control or gesture, or -1.
   int find_control(std::string_view name) const;
@@ -85,8 +92,45 @@ struct RemoteMeters {
   double load = 0.0;                    ///< 99.9th percentile of the share of a block's time
 };
 
-/// A running instrument. Functions of the network thread are called by one thread of a server. They
-/// wait for no other thread.
+/// What changes all the time and is no level.
+struct RemoteState {
+  std::int64_t frame = 0;
+  double time_s = 0.0;  ///< of that frame, by the system clock
+  bool drives = false;  ///< there is something to arm
+  std::string stream;   ///< "running", "lost", "stopped"
+  double load = 0.0, worst_load = 0.0;
+  std::int64_t xruns = 0, lost_frames = 0;
+  std::vector<std::pair<std::string, std::int64_t>> faults;  ///< by node, so far
+  std::vector<std::optional<double>> coil, body, excursion;  ///< of each output, as shares of the limits
+  std::vector<double> signals;  ///< highest sample of each of the picture's signals, where they are asked for
+};
+
+/// What an edit of the files gave: errors, or none where it was taken over.
+struct RemoteEdit {
+  std::vector<Error> errors;
+};
+
+/// What the scope shows now. Signals that cannot be shown are refused with a reason.
+struct RemoteScope {
+  std::uint32_t id = 0;
+  std::vector<std::string> signals;
+  std::vector<std::pair<std::string, std::string>> refused;
+};
+
+/// What needs a file or a device, and takes a moment.
+struct RemoteRequest {
+  enum class Kind : std::uint8_t {
+    RecallPreset,
+    SavePreset,
+    Learn,  ///< the next MIDI controller that moves is bound to a control; without a name: no more
+  };
+  Kind kind = Kind::RecallPreset;
+  std::string name;
+  double ramp_s = 0.0;
+};
+
+/// A running instrument. Functions of the network thread are called by one thread; several servers share it
+/// (SharedRemote). They wait for no thread of the instrument.
 class RemoteTarget {
  public:
   virtual ~RemoteTarget() = default;
@@ -103,15 +147,32 @@ class RemoteTarget {
   virtual bool armed() const noexcept = 0;
   virtual bool muted() const noexcept = 0;
   /// [any, the network thread] The control thread is to arm the drives, which fade and disarm when
-  /// `keep_alive` is not called for kKeepAlive. Empty, or why they cannot be armed. An order of kind Arm must
-  /// follow.
-  virtual std::string order_arm() = 0;
-  /// [any, the network thread] Of the client that had the drives armed.
-  virtual void keep_alive() noexcept = 0;
+  /// `keep_alive` is not called for 0.5 s with the number that this returns. An order of kind Arm must
+  /// follow. Errors: BadArgument: they are armed already.
+  virtual Result<int> order_arm() = 0;
+  /// [any, the network thread] Does nothing for the number of another arming.
+  virtual void keep_alive(int arming) noexcept = 0;
 
   /// [any, the network thread]
   virtual RemoteMeters take_meters() = 0;
   virtual bool take_event(RemoteEvent& event) = 0;
+
+  /// [any, the network thread] A message for the user.
+  virtual void report(std::string /*text*/) {}
+  /// [any, the network thread] False: too many wait.
+  [[nodiscard]] virtual bool request(RemoteRequest /*request*/) { return false; }
+
+  // For screens: a target without them has none.
+  /// [any] nullptr: nothing yet.
+  virtual std::shared_ptr<const RemoteState> state() const { return nullptr; }
+  virtual std::shared_ptr<const RemoteEdit> edit() const { return nullptr; }
+  virtual std::shared_ptr<const RemoteScope> scope() const { return nullptr; }
+  /// [any, the network thread] The scope shows these signals from now on; none: it is off.
+  virtual void order_scope(std::uint32_t /*id*/, int /*bin*/, std::vector<std::string> /*signals*/) {}
+  /// [any, the network thread] The levels of all signals are wanted in the state, or no longer.
+  virtual void order_levels(bool /*on*/) {}
+  virtual bool take_scope(ScopeChunk& /*chunk*/) { return false; }
+
   /// [any] How many bundles came after the time of their time tag.
   virtual std::int64_t late() const noexcept = 0;
 };

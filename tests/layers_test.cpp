@@ -72,16 +72,18 @@ const std::vector<ThirdParty> kThirdParty = {
     {"nlohmann/",
      {"engine/study/", "backends/json_fields.h", "backends/take/", "latency/", "remote/", "apps/"}},
     {"oscpack/", {"remote/osc/"}},
-    {"boost/asio.hpp", {"remote/osc/"}},
+    {"boost/asio.hpp", {"remote/osc/", "remote/panel/", "remote/serial/"}},
+    {"boost/beast/", {"remote/panel/"}},
     {"CLI/", {"apps/"}},
 };
 
 /// Vector intrinsics exist wherever the compiler's macros say so; the system's own headers only at the rim.
 const std::set<std::string> kIntrinsics = {"xmmintrin.h", "immintrin.h", "arm_neon.h"};
 const std::set<std::string> kSystem = {
-    "unistd.h",       "io.h",       "pthread.h",     "sched.h",      "dlfcn.h",     "windows.h", "sys/mman.h",
-    "sys/resource.h", "sys/time.h", "sys/utsname.h", "sys/sysctl.h", "sys/ioctl.h", "fcntl.h",   "poll.h",
-    "termios.h",      "conio.h",    "cpuid.h",       "sys/socket.h", "sys/stat.h"};
+    "unistd.h",   "io.h",           "pthread.h",  "sched.h",       "dlfcn.h",      "windows.h",
+    "sys/mman.h", "sys/resource.h", "sys/time.h", "sys/utsname.h", "sys/sysctl.h", "sys/ioctl.h",
+    "fcntl.h",    "poll.h",         "termios.h",  "conio.h",       "cpuid.h",      "sys/socket.h",
+    "sys/stat.h", "sys/wait.h",     "spawn.h",    "shellapi.h"};
 
 struct Include {
   std::string path;

@@ -93,6 +93,12 @@ void print(const Report& report) {
   for (const auto& outcome : report.outcomes) print(outcome);
 }
 
+/// "", "8080" or "ADDRESS:8080".
+bool is_port(const std::string& text) {
+  const auto port = text.substr(text.rfind(':') + 1);
+  return port.find_first_not_of("0123456789") == std::string::npos && (text.empty() || !port.empty());
+}
+
 void add_live_options(CLI::App& command, LiveOptions& options) {
   auto* group = command.add_option_group("on a sound card");
   add_device_options(*group, options, "rig file: device, channels, actuators, sensors, measured delay");
@@ -119,6 +125,22 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
                     "remote control by OSC at this port, such as 9000; for clients of other hosts with the "
                     "address of this one, such as 0.0.0.0:9000");
   group->add_flag("--osc-arm", options.osc_arm, "OSC clients of other hosts may arm the drives");
+  group
+      ->add_option_function<std::vector<std::string>>(
+          "--panel", [&options](const auto& at) { options.panel = at.empty() ? "" : at.front(); },
+          "panel in a browser, at this port or any free one; for other hosts with the address of this one, "
+          "such as 0.0.0.0:8080")
+      ->type_name("[ADDRESS:][PORT]")
+      ->expected(0, 1)
+      ->check([](const std::string& at) {
+        return is_port(at) ? "" : "'" + at + "' is no port: put FILE before --panel, or write --panel=8080";
+      });
+  group
+      ->add_option("--serial", options.serial,
+                   "sensors at a serial port set controls, such as /dev/ttyACM0 or /dev/ttyUSB0@57600")
+      ->allow_extra_args(false);
+  group->add_flag("--panel-arm", options.panel_arm, "panels on other hosts may arm the drives");
+  group->add_flag("--no-browser", options.no_browser, "print the link of the panel and do not open it");
   group->add_flag("--arm", options.arm, "start with the drives armed, without waiting for a and Enter");
   group->add_flag("--shared-port", options.shared_port,
                   "another program may write to the ports of drives too: no guard limits the sum");
@@ -128,8 +150,9 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
 
 /// Options for sound cards only must not be given without one.
 void check_card_options(const CLI::App& command) {
-  for (const auto* option : {"--record", "--save-rig", "--learn", "--midi", "--pad-delay", "--inputs",
-                             "--outputs", "--periods", "--arm", "--shared-port", "--osc", "--osc-arm"})
+  for (const auto* option :
+       {"--record", "--save-rig", "--learn", "--midi", "--pad-delay", "--inputs", "--outputs", "--periods",
+        "--arm", "--shared-port", "--osc", "--osc-arm", "--panel", "--panel-arm", "--serial"})
     if (command.count(option) > 0)
       exit_with({Errc::BadArgument, option, "needs a sound card", "give --device, --backend or --rig too"});
 }

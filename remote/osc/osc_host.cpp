@@ -119,6 +119,8 @@ void OscHost::obey(const OscMessage& message, Context& context) {
   if (address.starts_with(kControl)) return set(behind(kControl), message.values, context);
   if (address.starts_with(kTrigger)) return trigger(behind(kTrigger), message.values, context);
   if (address.starts_with(kGesture)) return gesture(behind(kGesture), message.values, context);
+  if (address == "/preset/recall") return preset(RemoteRequest::Kind::RecallPreset, message.values, context);
+  if (address == "/preset/save") return preset(RemoteRequest::Kind::SavePreset, message.values, context);
   if (address == "/arm/request") return request_arm(context);
   if (address == "/arm") return arm(message.values, context);
   if (address == "/subscribe") return subscribe(message.values, context);
@@ -132,7 +134,7 @@ bool OscHost::obey_at_once(const OscMessage& message, Context& context) {
   if (message.address == "/disarm") return target_.disarm(), true;
   if (message.address == "/mute") return obey_mute(message.values, context), true;
   if (message.address != "/alive") return false;
-  if (owner_ == context.from) target_.keep_alive();
+  if (owner_ == context.from) target_.keep_alive(arming_);
   return true;
 }
 
@@ -210,6 +212,14 @@ void OscHost::gesture(std::string_view name, const Values& values, Context& cont
       {.kind = RemoteOrder::Kind::Gesture, .number = gesture, .value = *value, .received = {}});
 }
 
+void OscHost::preset(RemoteRequest::Kind kind, const Values& values, Context& context) {
+  const auto* name = values.empty() ? nullptr : text_of(values[0]);
+  const auto ramp_s = values.size() > 1 ? seconds_of(values[1]) : std::optional{0.0};
+  if (name == nullptr || !ramp_s || !(*ramp_s >= 0 && *ramp_s <= kMostRamp_s))
+    return error(context, fmt::format("give the name of a preset, and a ramp of 0 to {} s", kMostRamp_s));
+  if (!target_.request({kind, *name, *ramp_s})) error(context, "too many requests wait");
+}
+
 // Arming.
 
 void OscHost::request_arm(Context& context) {
@@ -229,8 +239,10 @@ void OscHost::arm(const Values& values, Context& context) {
   const auto given = values.empty() ? std::nullopt : number_of(values[0]);
   if (!wanted || !given || *given != static_cast<double>(*wanted) || context.now > client->arm_until)
     return error(context, "not armed: send /arm/request, and within 3 s /arm with the number of the answer");
-  if (const auto why = target_.order_arm(); !why.empty()) return error(context, "not armed: " + why);
+  const auto arming = target_.order_arm();
+  if (!arming) return error(context, "not armed: " + arming.error().what);
   owner_ = context.from;
+  arming_ = *arming;
   owner_armed_ = false;
   // On its own: a time tag does not put it off.
   const RemoteOrder order{.kind = RemoteOrder::Kind::Arm, .received = context.now};
@@ -347,6 +359,7 @@ void OscHost::send_events() {
     if (event.kind == Kind::NotArmed) {
       const OscMessage message{"/error", {std::string{"not armed: "} + event.text}};
       if (owner_) send(*owner_, {&message, 1}, OscBundle::kNow);
+      owner_.reset();
       continue;
     }
     OscMessage message{kEvents[static_cast<std::size_t>(event.kind)], {event.frame}};

@@ -104,6 +104,7 @@ class OscHost {
   double clamped(const RemoteControl& control, double si, Context& context);
   void trigger(std::string_view name, const Values& values, Context& context);
   void gesture(std::string_view name, const Values& values, Context& context);
+  void preset(RemoteRequest::Kind kind, const Values& values, Context& context);
   void request_arm(Context& context);
   void arm(const Values& values, Context& context);
   void subscribe(const Values& values, Context& context);
@@ -134,6 +135,7 @@ class OscHost {
   std::vector<OscReading> readings_;
   std::map<OscPeer, Client> clients_;
   std::optional<OscPeer> owner_;  ///< who had the drives armed, or asked for it
+  int arming_ = 0;                ///< of the owner
   bool owner_armed_ = false;      ///< as the owner was last told
   std::set<int> clamped_;         ///< controls whose last value was outside of the range
   RemoteMeters meters_;

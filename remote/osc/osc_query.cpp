@@ -85,6 +85,8 @@ void add_orders(Json& root) {
         {"/alive", "N", "without it for 500 ms the drives that this client armed fade and are disarmed"},
         {"/disarm", "N", "fades the drives and disarms them, at once"},
         {"/mute", "i", "1 or nothing mutes, 0 takes it back"},
+        {"/preset/recall", "sf", "a preset and the duration of a ramp in seconds"},
+        {"/preset/save", "s", "the values of all controls under a name"},
         {"/subscribe", "sf", "an address pattern and a rate, 1 to 100 Hz"},
         {"/unsubscribe", "s", "a pattern; without it all subscriptions end"},
         {"/list", "N",

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <deque>
 #include <memory>
 #include <string>
@@ -10,7 +11,7 @@
 namespace tactus::test {
 
 /// A target that remembers what it was told.
-class FakeRemoteTarget final : public RemoteTarget {
+class FakeRemoteTarget : public RemoteTarget {
  public:
   FakeRemoteTarget() { describe({{"strength", ""}, {"hold", "ms"}, {"level", "dB"}, {"fixed", "Hz"}}); }
 
@@ -54,11 +55,12 @@ class FakeRemoteTarget final : public RemoteTarget {
   void mute(bool on) noexcept override { is_muted = on; }
   bool armed() const noexcept override { return is_armed; }
   bool muted() const noexcept override { return is_muted; }
-  std::string order_arm() override {
+  Result<int> order_arm() override {
     ++arms;
-    return why_not_armed;
+    if (!why_not_armed.empty()) return fail(Errc::BadArgument, "", why_not_armed, "");
+    return kArming;
   }
-  void keep_alive() noexcept override { ++alives; }
+  void keep_alive(int arming) noexcept override { alives += arming == kArming; }
   RemoteMeters take_meters() override { return {{0.5}, {0.25}, {7.0, 0.0}, 0.125}; }
   bool take_event(RemoteEvent& event) override {
     if (events.empty()) return false;
@@ -68,8 +70,11 @@ class FakeRemoteTarget final : public RemoteTarget {
   }
   std::int64_t late() const noexcept override { return 3; }
 
-  bool room = true, is_armed = false, is_muted = false;
-  int disarms = 0, arms = 0, alives = 0;
+  static constexpr int kArming = 17;
+  bool room = true;
+  // Set by the thread of a server.
+  std::atomic<bool> is_armed{false}, is_muted{false};
+  std::atomic<int> disarms{0}, arms{0}, alives{0};
   std::string why_not_armed;
   std::vector<std::vector<RemoteOrder>> bundles;
   std::deque<RemoteEvent> events;

@@ -206,6 +206,7 @@ class LiveWorld final : public Performer, private BlockProcessor {
 
   BlockProcessor& processor() override { return *this; }
   Player& instrument() override { return *built_.instrument; }
+  Player* plant() override { return built_.plant.get(); }
 
   Edit read_edit() override {
     return edit_by([this](Edit& edit) {

@@ -51,6 +51,8 @@ class Performer {
   virtual BlockProcessor& processor() = 0;
   /// Whose controls, faults and edits are shown.
   virtual Player& instrument() = 0;
+  /// [control] The simulated world around it; nullptr: there is none.
+  virtual Player* plant() { return nullptr; }
   /// [any, one thread; while it plays] Reads and compiles its files again. What plays is not touched.
   virtual Edit read_edit() = 0;
   /// Puts its files and what the rig does to its inputs into the header of a take.

@@ -18,9 +18,12 @@ struct LiveOptions : PlayerOptions, DeviceOptions {
   std::vector<int> in_channels, out_channels;  ///< from 1
   std::string pad_delay;
   std::string record, save_rig, midi;
-  std::string learn;     ///< an input, "*" for the first one; empty: no sensitivity is learnt
-  std::string osc;       ///< [ADDRESS:]PORT, or empty
-  bool osc_arm = false;  ///< clients of other hosts may arm
+  std::string learn;                 ///< an input, "*" for the first one; empty: no sensitivity is learnt
+  std::string osc;                   ///< [ADDRESS:]PORT, or empty
+  std::optional<std::string> panel;  ///< the same, of the panel; empty: any port
+  std::vector<std::string> serial;   ///< DEVICE[@BAUD]
+  bool osc_arm = false, panel_arm = false;  ///< clients of other hosts may arm
+  bool no_browser = false;
   bool arm = false, shared_port = false, listen = false, yes = false, force = false;
 
   /// Is a sound card asked for at all?

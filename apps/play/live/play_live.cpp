@@ -15,6 +15,7 @@
 #include "apps/cli/stop_loop.h"
 #include "apps/cli/terminal.h"
 #include "apps/play/live/controls/drive_keys.h"
+#include "apps/play/live/controls/live_presets.h"
 #include "apps/play/live/controls/midi_notes.h"
 #include "apps/play/live/controls/status_line.h"
 #include "apps/play/live/plan.h"
@@ -89,8 +90,10 @@ class LivePlay {
         stop_loop_(stop_loop),
         printer_(printer),
         options_(options),
-        midi_map_(plan.rig ? plan.rig->midi : std::vector<RigMidi>{}) {
+        midi_map_(plan.rig ? plan.rig->midi : std::vector<RigMidi>{}),
+        presets_(preset_folder(plan.performer->files.front())) {
     follow_notes();
+    tell_midi();
     if (!midi_map_.bindings().empty() || !options.midi.empty() || notes_.any()) open_midi();
   }
 
@@ -127,6 +130,7 @@ class LivePlay {
     notes_.flush([this](const JournalEntry& entry) { return player().post(entry); });
     if (saving_.valid() && saving_.wait_for(std::chrono::seconds{0}) != std::future_status::timeout)
       report_saved();
+    follow_presets();
     if (remote_ != nullptr) follow_remote();
     if (const auto now = Clock::now(); now - ticked_ >= std::chrono::milliseconds{10}) {
       ticked_ = now;
@@ -142,6 +146,45 @@ class LivePlay {
     for (const auto& message : remote_->take_messages()) print(message);
   }
 
+  void follow_presets() {
+    if (const auto recalled = presets_.tick()) apply(*recalled);
+    for (const auto& message : presets_.take_messages()) print(message);
+    if (remote_ == nullptr) return;
+    if (std::exchange(presets_seen_, presets_.version()) != presets_.version())
+      remote_->set_presets(presets_.names());
+    using Kind = RemoteRequest::Kind;
+    for (const auto& request : remote_->take_requests()) {
+      if (request.kind == Kind::RecallPreset)
+        presets_.recall(request.name, Seconds{request.ramp_s}, playing());
+      if (request.kind == Kind::SavePreset) presets_.save(request.name, playing());
+      if (request.kind == Kind::Learn) learn(request.name);
+    }
+  }
+  void apply(const LivePresets::Recalled& recalled) {
+    if (remote_ != nullptr) return remote_->apply(recalled.preset, recalled.ramp);
+    for (const auto& [name, value] : recalled.preset.values) (void)controls_.set(name, value);
+  }
+  /// The controls that can be changed, with the values that they have now.
+  std::vector<FlatControl> playing() const {
+    std::vector<FlatControl> controls;
+    for (const auto& live : controls_.all())
+      if (!live.frozen) controls.push_back(live.control);
+    return controls;
+  }
+  void recall(std::size_t number) {
+    if (number < presets_.names().size()) return presets_.recall(presets_.names()[number], 0_s, playing());
+    print(presets_.names().empty() ? "there are no presets: p saves one"
+                                   : fmt::format("there are {} presets", presets_.names().size()));
+  }
+  void save_preset() {
+    if (any()) presets_.save(presets_.free_name(), playing());
+  }
+  void tell_midi() {
+    std::map<std::string, std::string> sources;
+    for (const auto& binding : midi_map_.bindings()) sources[binding.control] = source_text(binding);
+    if (remote_ != nullptr) remote_->set_midi(std::move(sources));
+  }
+
   void follow_midi() {
     for (const auto& message : midi_->news()) print(message);
     const auto events = midi_->poll();
@@ -149,12 +192,15 @@ class LivePlay {
     if (const auto frame = player().frame(); frame < std::exchange(last_frame_, frame)) notes_.restart();
     for (const auto& event : events) {
       notes_.play(event.message, first_free_frame());
+      if (event.message.kind == MidiMessage::Kind::ProgramChange) recall(index(event.message.number));
       for (const auto& move : midi_map_.handle(event))
         if (!controls_.turn(move.control, move.position) && refused_.insert(move.control).second)
           print(move.control + " cannot be changed during playback");
-      if (const auto learnt = midi_map_.take_learnt())
+      if (const auto learnt = midi_map_.take_learnt()) {
+        tell_midi();
         print(fmt::format("{} of {} now controls {}; s saves this in the rig", source_text(*learnt),
                           event.port, learnt->control));
+      }
     }
   }
 
@@ -199,12 +245,15 @@ class LivePlay {
     for (const auto& [key, act] : {std::pair{kArmKey, &LivePlay::arm},
                                    {Key{' '}, &LivePlay::strike},
                                    {Key{'c'}, &LivePlay::list},
-                                   {Key{'l'}, &LivePlay::learn},
+                                   {Key{'l'}, &LivePlay::learn_selected},
+                                   {Key{'p'}, &LivePlay::save_preset},
                                    {Key{'r'}, &LivePlay::record},
                                    {Key{'s'}, &LivePlay::save},
                                    {Key{'?'}, &LivePlay::help},
                                    {Key{'h'}, &LivePlay::help}})
       if (key == pressed) (this->*act)();
+    for (std::size_t number = 0; number < 9; ++number)
+      if (pressed == Key{static_cast<char>('1' + number)}) recall(number);
     if (pressed == kUpKey || pressed == kDownKey) select(pressed == kUpKey ? -1 : 1);
     if (pressed == kLeftKey || pressed == kRightKey) turn(pressed == kLeftKey ? -0.05 : 0.05);
   }
@@ -238,6 +287,8 @@ class LivePlay {
                                      {controls, "up, down: select one"},
                                      {changes, "left, right: change it"},
                                      {changes && has_midi(options_.midi), "l: MIDI learn"},
+                                     {changes, "p: save a preset"},
+                                     {!presets_.names().empty(), "1 to 9: recall a preset"},
                                      {plan_.rig.has_value(), "s: save the rig"},
                                      {!options_.listen, "r: record, or stop"},
                                      {true, "?: keys"},
@@ -277,11 +328,18 @@ class LivePlay {
   void turn(double share) {
     if (any() && !controls_.nudge(selected_, share)) print(name() + " cannot be changed during playback");
   }
-  void learn() {
-    if (!any()) return;
+  void learn_selected() {
+    if (any()) learn(name());
+  }
+  /// Without a name: no more.
+  void learn(const std::string& control) {
+    if (control.empty()) return midi_map_.learn(control);
+    const auto* live = controls_.find(control);
+    if (live == nullptr || live->frozen)
+      return print("there is no control '" + control + "' that can be changed");
     if (!open_midi()) return print("this program was built without MIDI");
-    midi_map_.learn(name());
-    print("move the MIDI controller for " + name());
+    midi_map_.learn(control);
+    print("move the MIDI controller for " + control);
   }
   void save() {
     if (!plan_.rig) return print("there is no rig file: start with --save-rig FILE");
@@ -307,6 +365,8 @@ class LivePlay {
   std::shared_ptr<MidiInputs> midi_;  ///< opened when something is bound or MIDI learn is on
   std::set<std::string> refused_;     ///< controls that MIDI cannot turn, once reported
   std::size_t selected_ = 0;
+  LivePresets presets_;
+  int presets_seen_ = -1;            ///< the version of their names that clients have
   bool listed_ = false;              ///< all controls are shown
   Clock::time_point ticked_;         ///< the session
   std::future<std::string> saving_;  ///< the rig: what to report of it
@@ -356,14 +416,16 @@ int play(Session& session, LivePlan& plan, StopLoop& stop_loop, const LiveOption
   or_exit(session.start(), kDevice);
   printer.print(announcement(session, plan, options, stop_loop.reads_terminal()));
   if (stop_loop.in_foreign_terminal()) printer.print(kForeignTerminal);
-  if (remote != nullptr) printer.print(remote->announcement());
+  if (remote != nullptr)
+    for (const auto& line : remote->announcements()) printer.print(line);
   LivePlay live{session, plan, stop_loop, printer, options, remote == nullptr ? nullptr : &remote->target()};
   const int ended = live.run(duration);
   const auto& view = session.view();
   const auto stopped = session.stop();
   live.report_saved();
   for (const auto& message : session.take_messages()) printer.print(message);
-  if (remote != nullptr) printer.print(remote->summary());
+  if (remote != nullptr)
+    for (const auto& line : remote->summaries()) printer.print(line);
   printer.finish();
   report(session, view, plan, options.json);
   or_exit(stopped, kDevice);
@@ -377,8 +439,10 @@ int play(const LiveOptions& options) {
   DeadMansSwitch dead_man;
   Session session{*plan.performer, *plan.devices.backend, plan.request, options.arm, &dead_man};
   session.share_ports(options.shared_port);
-  const auto remote =
-      make_remote_server({options.osc, options.osc_arm}, session, *plan.performer, *plan.request.sample_rate);
+  const auto remote = make_remote_server(
+      {options.osc, options.osc_arm, options.serial, options.panel, options.panel_arm, !options.no_browser},
+      session, *plan.performer, *plan.request.sample_rate);
+  if (remote != nullptr) remote->target().set_latency(plan.delay, !plan.delay_assumed);
   DriveKeys keys{session.switches()};
   StopLoop stop_loop{dead_man,
                      {.act = [&](Key key, Clock::time_point now) { return keys.act(key, now); },

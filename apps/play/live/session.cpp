@@ -100,6 +100,17 @@ void Session::add_meter(std::shared_ptr<LevelMeter> meter) {
   guarded_.set_tap(second_meter_.get());
 }
 
+Session::GuardUse Session::guard_use(int output) const {
+  const auto& limits = guarded_.channels()[index(output)].limits;
+  GuardUse use;
+  if (limits.heat) {
+    const auto heat = guarded_.thermal_state(output);
+    use = {heat.coil, heat.body, {}};
+  }
+  if (limits.excursion) use.excursion = guarded_.excursion(output);
+  return use;
+}
+
 Session::~Session() {
   (void)stop();
   performer_.instrument().set_tap(nullptr);
@@ -167,7 +178,9 @@ void Session::take_over(const Edit& edit) {
     controls_.renew();
     note_edit();
     messages_.push_back(performer_.name + ": edit applied");
+    if (on_edit_) on_edit_({});
   } catch (const CommandError& error) {
+    if (on_edit_) on_edit_(error.errors);
     messages_.push_back(to_string(error.errors) + "\nthe previous version keeps playing");
   }
 }

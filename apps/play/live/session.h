@@ -120,6 +120,8 @@ class Session {
   void on_guard_event(std::function<void(const GuardEvent&, const std::string&)> call) {
     on_guard_event_ = std::move(call);
   }
+  /// Called in `tick` for every edit, with its errors: none where it was taken over.
+  void on_edit(std::function<void(const std::vector<Error>&)> call) { on_edit_ = std::move(call); }
   /// Opens the device; nothing flows yet. `record`: records takes into this WAV file, empty: into none. A
   /// stream that begins again is another take: take.wav, take-2.wav and so on. Errors: of ReconnectingStream.
   [[nodiscard]] Status open(const std::filesystem::path& record);
@@ -170,6 +172,15 @@ class Session {
   /// 99.9th percentile of the share of a block's time that computing it takes.
   double high_load() const { return stream_->health().high_load; }
   const StreamGranted& granted() const { return stream_->granted(); }
+  bool opened() const { return stream_ != nullptr; }
+  /// [opened]
+  StreamState state() const { return stream_->state(); }
+  Health health() const { return stream_->health(); }
+  /// [opened] What an output uses of its limits of heat and excursion; nothing: it has no such limit.
+  struct GuardUse {
+    std::optional<double> coil, body, excursion;
+  };
+  GuardUse guard_use(int output) const;
   /// The device cannot come back in this process.
   bool over() const {
     return stream_ != nullptr && stream_->state() == StreamState::Lost && !granted().comes_back;
@@ -235,6 +246,7 @@ class Session {
   std::future<std::vector<std::string>> ended_take_;  ///< that is being completed: what to report of it
   RecordingMonitor recording_;
   std::function<void(const GuardEvent&, const std::string&)> on_guard_event_;
+  std::function<void(const std::vector<Error>&)> on_edit_;
   EditReader edits_;
 };
 

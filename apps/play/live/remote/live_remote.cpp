@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "apps/play/live/remote/live_picture.h"
 #include "engine/core/index.h"
 #include "engine/scene/guard_report.h"
 
@@ -10,6 +11,7 @@ namespace tactus::app {
 namespace {
 
 constexpr std::chrono::milliseconds kMeterInterval{50};
+constexpr std::size_t kMostRequests = 16;
 
 double system_seconds() {
   return std::chrono::duration<double>{std::chrono::system_clock::now().time_since_epoch()}.count();
@@ -22,6 +24,19 @@ void copy_text(const std::string& text, char (&to)[200]) {
     --bytes;
   std::copy_n(text.begin(), bytes, to);
   to[bytes] = '\0';
+}
+
+const char* text_of(StreamState state) {
+  switch (state) {
+    case StreamState::Running:
+      return "running";
+    case StreamState::Lost:
+      return "lost";
+    case StreamState::Stalled:
+      return "stalled";
+    default:
+      return "stopped";
+  }
 }
 
 }  // namespace
@@ -43,7 +58,7 @@ RemoteUnit remote_unit(const Unit& unit) {
   return {to_string(unit.dimension), {unit.dimension}};
 }
 
-LiveRemote::LiveRemote(Session& session, Performer& performer, Hertz sample_rate)
+LiveRemote::LiveRemote(Session& session, Performer& performer, Hertz sample_rate, bool screens)
     : session_(session),
       performer_(performer),
       meter_(std::make_shared<LevelMeter>(static_cast<int>(performer.inputs.size()),
@@ -55,10 +70,21 @@ LiveRemote::LiveRemote(Session& session, Performer& performer, Hertz sample_rate
   session_.on_guard_event([this](const GuardEvent& event, const std::string& text) {
     push_event({.kind = RemoteEvent::Kind::Guard, .frame = event.frame}, text);
   });
+  session_.on_edit([this](const std::vector<Error>& errors) {
+    auto edit = std::make_shared<RemoteEdit>(RemoteEdit{errors});
+    described_ = false;
+    const std::lock_guard lock{mutex_};
+    edit_ = std::move(edit);
+  });
+  if (screens) scope_ = std::make_unique<LiveScope>(performer.instrument(), performer.plant());
   renew();
+  described_ = false;  // the device is not known yet
 }
 
-LiveRemote::~LiveRemote() { session_.on_guard_event({}); }
+LiveRemote::~LiveRemote() {
+  session_.on_guard_event({});
+  session_.on_edit({});
+}
 
 // The network's side.
 
@@ -79,12 +105,14 @@ void LiveRemote::mute(bool on) noexcept {
   switches.mute(on);
 }
 
-std::string LiveRemote::order_arm() {
+Result<int> LiveRemote::order_arm() {
   auto& switches = session_.switches();
-  if (switches.armed() || switches.arm_ordered()) return "the drives are armed already";
-  keep_alive_.begin(Clock::now(), switches.disarms());
+  if (switches.armed() || switches.arm_ordered())
+    return fail(Errc::BadArgument, "", "the drives are armed already", "disarm them first");
+  const int arming = switches.disarms();
+  keep_alive_.begin(Clock::now(), arming);
   switches.order_arm();
-  return {};
+  return arming;
 }
 
 RemoteMeters LiveRemote::take_meters() {
@@ -102,7 +130,8 @@ void LiveRemote::watch(Clock::time_point now) noexcept {
 
 void LiveRemote::tick(std::int64_t earliest) {
   follow_frames();
-  if (session_.controls().version() != version_) renew();
+  if (session_.controls().version() != version_ || !described_) renew();
+  if (scope_ && scope_->tick()) described_ = false;
   take_orders();
   if (session_.plays()) {
     session_.send_controls();
@@ -207,9 +236,121 @@ void LiveRemote::renew() {
     control.high = planned.range.high;
     control.constant = live[c].frozen;
     control.value = planned.value;
+    const int in_file = player().plan().control_index(planned.name);
+    control.initial = in_file < 0 ? planned.value : player().plan().controls[index(in_file)].control.value;
   }
+  for (auto& control : next->controls)
+    if (const auto source = midi_.find(control.name); source != midi_.end()) control.midi = source->second;
+  next->presets = presets_;
+  if (scope_) draw(*next);
+  described_ = true;
   const std::lock_guard lock{mutex_};
   description_ = std::move(next);
+}
+
+/// The files are read on a thread of their own: a disk may be slow.
+void LiveRemote::draw(RemoteDescription& description) {
+  auto picture = make_picture(performer_, *scope_);
+  if (session_.opened()) {
+    const auto& granted = session_.granted();
+    picture.device = granted.device;
+    picture.sample_rate_hz = granted.format.sample_rate.value;
+    picture.block = granted.format.max_frames;
+  }
+  if (latency_) picture.latency_s = latency_->value;
+  picture.latency_measured = latency_measured_;
+  picture.files = files_;
+  description.picture = std::make_shared<Picture>(std::move(picture));
+  if (!files_read_.valid())
+    files_read_ = std::async(std::launch::async, [files = performer_.files] { return read_files(files); });
+}
+
+void LiveRemote::publish_files() {
+  if (!files_read_.valid() || files_read_.wait_for(std::chrono::seconds{0}) == std::future_status::timeout)
+    return;
+  auto files = files_read_.get();
+  if (files == files_) return;
+  files_ = std::move(files);
+  described_ = false;
+}
+
+void LiveRemote::report(std::string text) {
+  const std::lock_guard lock{mutex_};
+  if (reports_.size() < kMostRequests) reports_.push_back(std::move(text));
+}
+
+bool LiveRemote::request(RemoteRequest request) {
+  const std::lock_guard lock{mutex_};
+  if (requests_.size() >= kMostRequests) return false;
+  requests_.push_back(std::move(request));
+  return true;
+}
+
+std::vector<RemoteRequest> LiveRemote::take_requests() {
+  const std::lock_guard lock{mutex_};
+  return std::exchange(requests_, {});
+}
+
+void LiveRemote::set_presets(std::vector<std::string> names) {
+  presets_ = std::move(names);
+  described_ = false;
+}
+
+void LiveRemote::set_midi(std::map<std::string, std::string> sources) {
+  if (sources == midi_) return;
+  midi_ = std::move(sources);
+  described_ = false;
+}
+
+void LiveRemote::apply(const Preset& preset, Seconds ramp) {
+  std::vector<RemoteOrder> bundle;
+  for (const auto& [name, value] : preset.values)
+    bundle.push_back({.number = player().control_index(name),
+                      .value = value,
+                      .ramp_s = ramp.value,
+                      .received = Clock::now()});
+  if (!schedule_.add(bundle)) messages_.emplace_back("too many changes wait: the preset is not applied");
+}
+
+void LiveRemote::publish_state() {
+  auto next = std::make_shared<RemoteState>();
+  const auto health = session_.health();
+  next->frame = frame_;
+  next->time_s = clock_.known() ? clock_.time_of(static_cast<double>(frame_)) : system_seconds();
+  next->drives = session_.has_drives();
+  next->stream = text_of(session_.state());
+  next->load = health.high_load;
+  next->worst_load = health.peak_load;
+  next->xruns = health.xruns;
+  next->lost_frames = health.lost_frames;
+  for (const auto& fault : player().faults()) next->faults.emplace_back(fault.path, fault.count);
+  for (int c = 0; c < static_cast<int>(performer_.outputs.size()); ++c) {
+    const auto use = session_.guard_use(c);
+    next->coil.push_back(use.coil);
+    next->body.push_back(use.body);
+    next->excursion.push_back(use.excursion);
+  }
+  next->signals = scope_->levels();
+  const std::lock_guard lock{mutex_};
+  state_ = std::move(next);
+}
+
+std::shared_ptr<const RemoteState> LiveRemote::state() const {
+  const std::lock_guard lock{mutex_};
+  return state_;
+}
+
+std::shared_ptr<const RemoteEdit> LiveRemote::edit() const {
+  const std::lock_guard lock{mutex_};
+  return edit_;
+}
+
+void LiveRemote::order_scope(std::uint32_t id, int bin, std::vector<std::string> signals) {
+  if (scope_) scope_->order(id, bin, std::move(signals));
+}
+
+void LiveRemote::order_levels(bool on) {
+  if (scope_) scope_->order_levels(on);
 }
 
 /// Keys and MIDI move controls too.
@@ -221,6 +362,11 @@ void LiveRemote::publish_controls() {
 }
 
 void LiveRemote::report_states() {
+  {
+    const std::lock_guard lock{mutex_};
+    messages_.insert(messages_.end(), reports_.begin(), reports_.end());
+    reports_.clear();
+  }
   if (client_lost_.exchange(false))
     messages_.emplace_back("drives disarmed: the remote client that had armed them was silent for 0.5 s");
   if (client_disarmed_.exchange(false)) messages_.emplace_back("drives disarmed by a remote client");
@@ -237,6 +383,10 @@ void LiveRemote::publish_meters() {
   if (now - meters_read_ < kMeterInterval) return;
   meters_read_ = now;
   load_ = session_.high_load();
+  if (scope_) {
+    publish_files();
+    publish_state();
+  }
   for (std::size_t c = 0; c < performer_.outputs.size(); ++c) {
     const auto counts = session_.guard_counts(static_cast<int>(c));
     for (std::size_t stage = 0; stage < kGuardStages; ++stage)

@@ -3,6 +3,8 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <future>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -11,8 +13,10 @@
 #include <vector>
 
 #include "apps/play/live/performer.h"
+#include "apps/play/live/remote/live_scope.h"
 #include "apps/play/live/session.h"
 #include "engine/core/spsc_queue.h"
+#include "engine/rig/preset.h"
 #include "remote/keep_alive.h"
 #include "remote/order_queue.h"
 #include "remote/remote.h"
@@ -38,8 +42,9 @@ class LiveRemote final : public RemoteTarget, private ScheduleTarget {
   /// An order to arm that waited longer is not obeyed.
   static constexpr std::chrono::seconds kArmWait{1};
 
-  /// [control & stopped] Both outlive it. It observes every block of the session.
-  LiveRemote(Session& session, Performer& performer, Hertz sample_rate);
+  /// [control & stopped] Both outlive it. It observes every block of the session. `screens`: clients show
+  /// signals and the graph.
+  LiveRemote(Session& session, Performer& performer, Hertz sample_rate, bool screens = false);
   ~LiveRemote() override;
 
   /// [control, one thread] Obeys the orders that came. To be called some 500 times a second. `earliest`: no
@@ -59,6 +64,18 @@ class LiveRemote final : public RemoteTarget, private ScheduleTarget {
     double mean_ms = 0.0, longest_ms = 0.0;
   };
   Delay delay() const { return delay_; }
+  /// [control, one thread] Requests since the last call, oldest first.
+  std::vector<RemoteRequest> take_requests();
+  /// [control, one thread] For clients: the presets; the MIDI source of each control.
+  void set_presets(std::vector<std::string> names);
+  void set_midi(std::map<std::string, std::string> sources);
+  /// [control, one thread] All of a preset from the same frame on.
+  void apply(const Preset& preset, Seconds ramp);
+  /// [control & stopped] What is known of the round-trip latency, for screens.
+  void set_latency(std::optional<Seconds> latency, bool measured) {
+    latency_ = latency;
+    latency_measured_ = measured;
+  }
 
   std::shared_ptr<const RemoteDescription> description() const override;
   bool post(std::span<const RemoteOrder> bundle) override { return orders_.push(bundle); }
@@ -66,11 +83,19 @@ class LiveRemote final : public RemoteTarget, private ScheduleTarget {
   void mute(bool on) noexcept override;
   bool armed() const noexcept override { return session_.switches().armed(); }
   bool muted() const noexcept override { return session_.switches().muted(); }
-  std::string order_arm() override;
-  void keep_alive() noexcept override { keep_alive_.refresh(Clock::now()); }
+  Result<int> order_arm() override;
+  void keep_alive(int arming) noexcept override { keep_alive_.refresh(Clock::now(), arming); }
   RemoteMeters take_meters() override;
   bool take_event(RemoteEvent& event) override { return events_.pop(event); }
   std::int64_t late() const noexcept override { return late_; }
+  void report(std::string text) override;
+  bool request(RemoteRequest request) override;
+  std::shared_ptr<const RemoteState> state() const override;
+  std::shared_ptr<const RemoteEdit> edit() const override;
+  std::shared_ptr<const RemoteScope> scope() const override { return scope_ ? scope_->shown() : nullptr; }
+  void order_scope(std::uint32_t id, int bin, std::vector<std::string> signals) override;
+  void order_levels(bool on) override;
+  bool take_scope(ScopeChunk& chunk) override { return scope_ && scope_->take(chunk); }
 
  private:
   std::optional<ScheduledControl> control(int number) const override;
@@ -89,6 +114,9 @@ class LiveRemote final : public RemoteTarget, private ScheduleTarget {
   void publish_controls();
   void report_states();
   void publish_meters();
+  void publish_state();
+  void publish_files();
+  void draw(RemoteDescription& description);
   void push_event(RemoteEvent event, const std::string& text);
   void measure(const RemoteOrder& order);
 
@@ -103,9 +131,21 @@ class LiveRemote final : public RemoteTarget, private ScheduleTarget {
   std::atomic<std::int64_t> late_{0};
   OrderQueue orders_;
   SpscQueue<RemoteEvent> events_{256};
-  mutable std::mutex mutex_;                              ///< of `description_` alone
-  std::shared_ptr<const RemoteDescription> description_;  ///< replaced by the control thread
+  mutable std::mutex mutex_;  ///< of what the control thread replaces:
+  std::shared_ptr<const RemoteDescription> description_;
+  std::shared_ptr<const RemoteState> state_;
+  std::shared_ptr<const RemoteEdit> edit_;
+  std::vector<RemoteRequest> requests_;
+  std::vector<std::string> reports_;
+  std::unique_ptr<LiveScope> scope_;  ///< nullptr: no client has a screen
   // Of the control thread.
+  std::future<std::vector<PictureFile>> files_read_;
+  std::vector<PictureFile> files_;
+  std::vector<std::string> presets_;
+  std::map<std::string, std::string> midi_;  ///< by control
+  bool described_ = false;                   ///< nothing of the description has changed since
+  std::optional<Seconds> latency_;
+  bool latency_measured_ = false;
   StreamClock clock_;
   RemoteSchedule schedule_;
   std::int64_t frame_ = 0;

@@ -2,22 +2,45 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
 #include "apps/cli/console.h"
+#include "apps/cli/open_link.h"
+#include "remote/shared_remote.h"
 #ifdef TACTUS_HAS_OSC
 #include "remote/osc/osc_server.h"
 #endif
+#ifdef TACTUS_HAS_PANEL
+#include "remote/panel/panel_server.h"
+#endif
+#ifdef TACTUS_HAS_SERIAL
+#include "remote/serial/serial_sensors.h"
+#endif
 
 namespace tactus::app {
-
-#ifdef TACTUS_HAS_OSC
 namespace {
 
-class LiveOsc final : public RemoteServer {
+/// One server, with its share of the target.
+struct Service {
+  virtual ~Service() = default;
+  virtual std::string announcement() const = 0;
+  virtual std::string summary() const = 0;
+};
+
+[[noreturn, maybe_unused]] void not_built_in(const char* option, const char* what, const char* packages) {
+  exit_with({Errc::Missing, option, fmt::format("this program was built without {}", what),
+             fmt::format("install {}, and build it again", packages)});
+}
+
+#ifdef TACTUS_HAS_OSC
+class OscService final : public Service {
  public:
-  LiveOsc(const OscOptions& options, Session& session, Performer& performer, Hertz sample_rate)
-      : target_(session, performer, sample_rate),
-        server_(or_exit(OscServer::open(options, target_), kUsage)) {}
-  LiveRemote& target() override { return target_; }
+  OscService(const RemoteOptions& options, std::unique_ptr<RemoteTarget> share, const LiveRemote& target)
+      : share_(std::move(share)), target_(target) {
+    auto at = or_exit(parse_osc_address(options.osc), kUsage);
+    at.arm_from_elsewhere = options.osc_arm;
+    server_ = or_exit(OscServer::open(at, *share_), kUsage);
+  }
   std::string announcement() const override { return server_->announcement(); }
   std::string summary() const override {
     const auto counts = server_->counts();
@@ -32,29 +55,116 @@ class LiveOsc final : public RemoteServer {
   }
 
  private:
-  LiveRemote target_;
+  std::unique_ptr<RemoteTarget> share_;
+  const LiveRemote& target_;
   std::unique_ptr<OscServer> server_;
+};
+#endif
+
+#ifdef TACTUS_HAS_SERIAL
+class SerialService final : public Service {
+ public:
+  SerialService(const std::string& device, std::unique_ptr<RemoteTarget> share)
+      : options_(or_exit(parse_serial_device(device), kUsage)),
+        share_(std::move(share)),
+        sensors_(or_exit(SerialSensors::open(options_, *share_), kDevice)) {}
+  std::string announcement() const override {
+    return fmt::format("serial    {} at {} baud; values take effect {:g} ms after they come", options_.device,
+                       options_.baud, 1e3 * SerialSensors::kDelay.value);
+  }
+  std::string summary() const override {
+    const auto counts = sensors_->counts();
+    auto text = fmt::format("serial    {}: {} lines, {} refused, {} values", options_.device, counts.lines,
+                            counts.refused, counts.changes);
+    if (counts.dropped > 0) text += fmt::format(", {} lines dropped", counts.dropped);
+    return text;
+  }
+
+ private:
+  SerialOptions options_;
+  std::unique_ptr<RemoteTarget> share_;
+  std::unique_ptr<SerialSensors> sensors_;
+};
+#endif
+
+#ifdef TACTUS_HAS_PANEL
+class PanelService final : public Service {
+ public:
+  PanelService(const RemoteOptions& options, std::unique_ptr<RemoteTarget> share) : share_(std::move(share)) {
+    auto at = or_exit(parse_panel_address(*options.panel), kUsage);
+    at.arm_from_elsewhere = options.panel_arm;
+    server_ = or_exit(PanelServer::open(at, *share_), kUsage);
+    if (options.open_browser) opened_.emplace(server_->link());
+  }
+  std::string announcement() const override { return "panel     " + server_->link(); }
+  std::string summary() const override {
+    const auto counts = server_->counts();
+    return fmt::format("panel     {} messages, {} refused, {} changes", counts.messages, counts.refused,
+                       counts.orders);
+  }
+
+ private:
+  std::unique_ptr<RemoteTarget> share_;
+  std::unique_ptr<PanelServer> server_;
+  std::optional<OpenedLink> opened_;
+};
+#endif
+
+class LiveServer final : public RemoteServer {
+ public:
+  LiveServer(const RemoteOptions& options, Session& session, Performer& performer, Hertz sample_rate)
+      : target_(session, performer, sample_rate, options.panel.has_value()), shared_(target_) {
+    if (!options.osc.empty()) {
+#ifdef TACTUS_HAS_OSC
+      services_.push_back(std::make_unique<OscService>(options, shared_.share(), target_));
+#else
+      not_built_in("--osc", "OSC", "liboscpack-dev and libboost-dev");
+#endif
+    }
+    for (const auto& device : options.serial) {
+#ifdef TACTUS_HAS_SERIAL
+      services_.push_back(std::make_unique<SerialService>(device, shared_.share()));
+#else
+      not_built_in("--serial", "serial ports", "libboost-dev");
+#endif
+    }
+    if (options.panel) {
+#ifdef TACTUS_HAS_PANEL
+      services_.push_back(std::make_unique<PanelService>(options, shared_.share()));
+#else
+      not_built_in("--panel", "the panel", "libboost-dev");
+#endif
+    }
+  }
+  LiveRemote& target() override { return target_; }
+  std::vector<std::string> announcements() const override {
+    std::vector<std::string> lines;
+    for (const auto& service : services_) lines.push_back(service->announcement());
+    return lines;
+  }
+  std::vector<std::string> summaries() const override {
+    std::vector<std::string> lines;
+    for (const auto& service : services_) lines.push_back(service->summary());
+    return lines;
+  }
+
+ private:
+  LiveRemote target_;
+  SharedRemote shared_;
+  std::vector<std::unique_ptr<Service>> services_;
 };
 
 }  // namespace
-#endif
 
 std::unique_ptr<RemoteServer> make_remote_server(const RemoteOptions& options, Session& session,
                                                  Performer& performer, Hertz sample_rate) {
-  if (options.osc.empty()) {
-    if (options.osc_arm)
-      exit_with({Errc::BadArgument, "--osc-arm", "there is no remote control", "give --osc PORT too"});
-    return nullptr;
-  }
-#ifdef TACTUS_HAS_OSC
-  auto at = or_exit(parse_osc_address(options.osc), kUsage);
-  at.arm_from_elsewhere = options.osc_arm;
-  return std::make_unique<LiveOsc>(at, session, performer, sample_rate);
-#else
-  (void)session, (void)performer, (void)sample_rate;
-  exit_with({Errc::Missing, "--osc", "this program was built without OSC",
-             "install liboscpack-dev and libboost-dev, and build it again"});
-#endif
+  const auto needs = [](bool missing, const char* option, const char* remedy) {
+    if (missing) exit_with({Errc::BadArgument, option, "there is no such remote control", remedy});
+  };
+  needs(options.osc_arm && options.osc.empty(), "--osc-arm", "give --osc PORT too");
+  needs(options.panel_arm && !options.panel, "--panel-arm", "give --panel too");
+  if (options.osc.empty() && options.serial.empty() && !options.panel) return nullptr;
+  return std::make_unique<LiveServer>(options, session, performer, sample_rate);
 }
 
 }  // namespace tactus::app
