@@ -1,0 +1,168 @@
+#include "remote/serial/serial_sensors.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <boost/asio.hpp>
+#include <charconv>
+#include <mutex>
+#include <set>
+#include <thread>
+#include <vector>
+
+#include "remote/serial/serial_line.h"
+
+namespace tactus {
+namespace {
+
+namespace asio = boost::asio;
+using ErrorCode = boost::system::error_code;
+
+constexpr std::chrono::milliseconds kReopen{500};
+constexpr std::size_t kMostNames = 16;  // unknown ones that are reported
+
+double system_seconds() {
+  return std::chrono::duration<double>{std::chrono::system_clock::now().time_since_epoch()}.count();
+}
+
+class Sensors final : public SerialSensors {
+ public:
+  Sensors(const SerialOptions& options, RemoteTarget& target) : options_(options), target_(target) {}
+  ~Sensors() override {
+    io_.stop();
+    if (thread_.joinable()) thread_.join();
+  }
+
+  Status start() {
+    if (const auto error = open_port(); error)
+      return fail(Errc::Device, "--serial",
+                  fmt::format("{} cannot be opened: {}", options_.device, error.message()),
+                  "check the name of the device, and that you may use it: on Linux the group dialout may");
+    read();
+    thread_ = std::thread{[this] { io_.run(); }};
+    return {};
+  }
+
+  SerialCounts counts() const override {
+    const std::lock_guard lock{mutex_};
+    return counts_;
+  }
+
+ private:
+  ErrorCode open_port() {
+    using Port = asio::serial_port;
+    ErrorCode error;
+    port_.open(options_.device, error);
+    if (!error) port_.set_option(Port::baud_rate{static_cast<unsigned>(options_.baud)}, error);
+    if (!error) port_.set_option(Port::character_size{8}, error);
+    if (!error) port_.set_option(Port::flow_control{Port::flow_control::none}, error);
+    if (!error) port_.set_option(Port::parity{Port::parity::none}, error);
+    if (!error) port_.set_option(Port::stop_bits{Port::stop_bits::one}, error);
+    ErrorCode ignored;
+    if (error) port_.close(ignored);
+    lines_.clear();
+    clock_.restart();
+    return error;
+  }
+
+  void read() {
+    port_.async_read_some(asio::buffer(bytes_), [this](ErrorCode error, std::size_t count) {
+      if (error == asio::error::operation_aborted) return;
+      if (error) return lost();
+      const double now_s = system_seconds();
+      lines_.add({bytes_.data(), count}, [&](std::string_view line) { use(line, now_s); });
+      read();
+    });
+  }
+
+  void lost() {
+    ErrorCode ignored;
+    port_.close(ignored);
+    target_.report(options_.device + " is gone: its controls stay where they are");
+    reopen_later();
+  }
+  void reopen_later() {
+    timer_.expires_after(kReopen);
+    timer_.async_wait([this](ErrorCode error) {
+      if (error) return;
+      if (open_port()) return reopen_later();
+      target_.report(options_.device + " is back");
+      read();
+    });
+  }
+
+  void use(std::string_view text, double now_s) {
+    const auto line = parse_serial_line(text);
+    const std::lock_guard lock{mutex_};
+    ++counts_.lines;
+    if (!line) return void(++counts_.refused);
+    const auto orders = orders_of(*line, clock_.time_of(line->micros, now_s) + kDelay.value);
+    if (orders.empty()) return;
+    if (target_.post(orders))
+      counts_.changes += std::ssize(orders);
+    else
+      ++counts_.dropped;
+  }
+
+  std::vector<RemoteOrder> orders_of(const SerialLine& line, double time_s) {
+    const auto description = target_.description();
+    std::vector<RemoteOrder> orders;
+    for (const auto& [name, value] : line.values) {
+      const int place = description->find_control(name);
+      if (place < 0 || description->controls[static_cast<std::size_t>(place)].constant) {
+        if (unknown_.size() < kMostNames && unknown_.insert(name).second)
+          target_.report(
+              fmt::format("{}: there is no control '{}' that can be changed", options_.device, name));
+        continue;
+      }
+      const auto& control = description->controls[static_cast<std::size_t>(place)];
+      orders.push_back({.number = control.number,
+                        .value = std::clamp(control.unit.to_si(value), control.low, control.high),
+                        .time_s = time_s,
+                        .received = std::chrono::steady_clock::now()});
+    }
+    return orders;
+  }
+
+  SerialOptions options_;
+  RemoteTarget& target_;
+  asio::io_context io_{1};
+  asio::serial_port port_{io_};
+  asio::steady_timer timer_{io_};
+  std::array<char, 1024> bytes_{};
+  SerialLines lines_;
+  SerialClock clock_{kDelay.value};
+  std::set<std::string> unknown_;
+  mutable std::mutex mutex_;
+  SerialCounts counts_;
+  std::thread thread_;
+};
+
+}  // namespace
+
+Result<SerialOptions> parse_serial_device(const std::string& text) {
+  SerialOptions options{text};
+  const auto at = text.rfind('@');
+  if (at != std::string::npos) {
+    options.device = text.substr(0, at);
+    const auto* end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data() + at + 1, end, options.baud);
+    if (error != std::errc{} || stop != end || options.baud < 300 || options.baud > 4'000'000)
+      options.device.clear();
+  }
+  if (options.device.empty())
+    return fail(
+        Errc::Syntax, "--serial", "'" + text + "' is no serial device",
+        "write --serial /dev/ttyACM0, or --serial /dev/ttyUSB0@57600 with a rate from 300 to 4000000 baud");
+  return options;
+}
+
+Result<std::unique_ptr<SerialSensors>> SerialSensors::open(const SerialOptions& options,
+                                                           RemoteTarget& target) {
+  auto sensors = std::make_unique<Sensors>(options, target);
+  if (auto started = sensors->start(); !started) return tl::unexpected(started.error());
+  return sensors;
+}
+
+}  // namespace tactus
