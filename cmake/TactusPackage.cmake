@@ -26,6 +26,10 @@ foreach(library libboost-dev libcli11-dev libeigen3-dev libexpected-dev libtomlp
           OPTIONAL)
 endforeach()
 
+if(TACTUS_HAS_panel)
+  install(FILES ${TACTUS_UPLOT_DIR}/../LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR}/third_party RENAME uplot OPTIONAL)
+endif()
+
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME tactus)
 set(CPACK_PACKAGE_VENDOR "The Tactus authors")

@@ -1,0 +1,512 @@
+#include "remote/panel/panel_host.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+namespace tactus {
+namespace {
+
+using Json = nlohmann::json;
+using namespace std::chrono_literals;
+
+constexpr int kProtocol = 1;
+constexpr std::size_t kMostScopeChunks = 64;  // in a tick
+constexpr int kMostBin = 1 << 20;
+constexpr int kMostArmNumber = 1 << 30;
+constexpr double kLongestRamp_s = 3600.0;
+constexpr auto kStateInterval = 50ms;
+
+/// Names come from files: bytes that are no UTF-8 are replaced.
+std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+/// JSON has no infinity.
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+template <class List, class Make>
+Json list(const List& from, Make make) {
+  Json all = Json::array();
+  for (const auto& item : from) all.push_back(make(item));
+  return all;
+}
+
+Json shares(const std::vector<std::optional<double>>& values) {
+  return list(values, [](const auto& value) { return value ? number(*value) : Json(nullptr); });
+}
+
+Json heat_json(const RemoteState& state) {
+  Json all = Json::array();
+  for (std::size_t o = 0; o < std::min(state.coil.size(), state.body.size()); ++o)
+    all.push_back(state.coil[o] && state.body[o]
+                      ? Json{{"coil", number(*state.coil[o])}, {"body", number(*state.body[o])}}
+                      : Json(nullptr));
+  return all;
+}
+
+Json numbers(const std::vector<double>& values) { return list(values, number); }
+
+Json named(const std::vector<std::string>& names) {
+  return list(names, [](const auto& name) { return Json{{"name", name}}; });
+}
+
+Json control_json(const RemoteControl& control) {
+  const auto shown = [&](double si) { return number(control.unit.from_si(si)); };
+  return {{"name", control.name},
+          {"unit", control.unit_name},
+          {"low", std::isfinite(control.low) ? shown(control.low) : Json(nullptr)},
+          {"high", std::isfinite(control.high) ? shown(control.high) : Json(nullptr)},
+          {"value", shown(control.initial)},
+          {"taper", "linear"},
+          {"constant", control.constant},
+          {"midi", control.midi}};
+}
+
+Json output_json(const PictureOutput& output) {
+  return {{"name", output.name},
+          {"drive", output.drive},
+          {"limits", list(output.limits, [](const PictureLimit& limit) {
+             return Json{{"name", limit.name}, {"value", limit.value}, {"source", limit.source}};
+           })}};
+}
+
+Json node_json(const PictureNode& node) {
+  return {{"path", node.path},
+          {"type", node.type},
+          {"about", node.about},
+          {"file", node.file},
+          {"line", node.line},
+          {"loop", node.loop},
+          {"left_out", node.left_out},
+          {"inputs", list(node.inputs,
+                          [](const auto& input) {
+                            return Json{{"port", input.port}, {"from", input.from}};
+                          })},
+          {"outputs", node.outputs}};
+}
+
+void add_picture(const Picture& picture, Json& json) {
+  json["file"] = picture.file;
+  json["device"] = picture.device;
+  json["sample_rate"] = picture.sample_rate_hz;
+  json["block"] = picture.block;
+  json["latency"] = {{"seconds", picture.latency_s ? number(*picture.latency_s) : Json(nullptr)},
+                     {"known", !picture.latency_s         ? "unknown"
+                               : picture.latency_measured ? "measured"
+                                                          : "assumed"}};
+  json["outputs"] = list(picture.outputs, output_json);
+  json["signals"] = list(picture.signals, [](const PictureSignal& signal) {
+    return Json{{"name", signal.name}, {"unit", signal.unit}, {"node", signal.node}};
+  });
+  json["graph"] = {{"nodes", list(picture.nodes, node_json)},
+                   {"loops", list(picture.loops, [](const PictureLoop& loop) {
+                      return Json{{"paths", loop.paths}, {"delay_frames", loop.delay_frames}};
+                    })}};
+  json["text"] = list(picture.files, [](const PictureFile& file) {
+    return Json{{"file", file.name}, {"text", file.text}};
+  });
+}
+
+Json description_json(const RemoteDescription& description) {
+  Json json = {{"kind", "description"},
+               {"protocol", kProtocol},
+               {"name", description.instrument},
+               {"controls", list(description.controls, control_json)},
+               {"gestures", named(description.gestures)},
+               {"inputs", named(description.inputs)},
+               {"guard_stages", description.guard_stages},
+               {"presets", description.presets}};
+  add_picture(description.picture ? *description.picture : Picture{}, json);
+  return json;
+}
+
+/// "instrument.toml:3:7" into its parts, as far as there are any.
+Json error_json(const Error& error) {
+  Json json = {
+      {"file", error.where}, {"line", 0}, {"column", 0}, {"what", error.what}, {"remedy", error.remedy}};
+  std::array<int, 2> numbers{};
+  auto where = std::string_view{error.where};
+  int found = 0;
+  for (; found < 2; ++found) {
+    const auto colon = where.rfind(':');
+    const auto digits = colon == where.npos ? "" : where.substr(colon + 1);
+    if (digits.empty() || digits.size() > 8 || digits.find_first_not_of("0123456789") != digits.npos) break;
+    numbers[static_cast<std::size_t>(found)] = std::stoi(std::string{digits});
+    where = where.substr(0, colon);
+  }
+  json["file"] = where;
+  json["line"] = found == 0 ? 0 : numbers[static_cast<std::size_t>(found - 1)];
+  json["column"] = found == 2 ? numbers[0] : 0;
+  return json;
+}
+
+template <class Number>
+void append(std::string& bytes, Number value) {
+  static_assert(std::endian::native == std::endian::little);
+  const auto at = bytes.size();
+  bytes.resize(at + sizeof value);
+  std::memcpy(bytes.data() + at, &value, sizeof value);
+}
+
+/// docs/panel_protocol.md, "Scope frames".
+std::string scope_bytes(const ScopeChunk& chunk) {
+  std::string bytes;
+  append(bytes, std::uint8_t{1});
+  append(bytes, static_cast<std::uint8_t>(chunk.traces));
+  append(bytes, std::uint16_t{0});
+  append(bytes, chunk.id);
+  append(bytes, static_cast<std::uint32_t>(chunk.bin));
+  append(bytes, static_cast<std::uint32_t>(chunk.bins));
+  append(bytes, static_cast<double>(chunk.frame));
+  const auto per_trace = static_cast<std::size_t>(ScopeChunk::kMostBins * chunk.per_bin());
+  for (int t = 0; t < chunk.traces; ++t)
+    for (std::size_t v = 0; v < static_cast<std::size_t>(chunk.bins * chunk.per_bin()); ++v)
+      append(bytes, chunk.values[static_cast<std::size_t>(t) * per_trace + v]);
+  return bytes;
+}
+
+}  // namespace
+
+/// One order of a client.
+struct PanelHost::Message {
+  int number;
+  Client& client;
+  const Json& json;
+  Clock::time_point now;
+
+  std::string text(const char* key) const {
+    const auto found = json.find(key);
+    return found != json.end() && found->is_string() ? found->get<std::string>() : std::string{};
+  }
+  std::optional<double> value(const char* key) const {
+    const auto found = json.find(key);
+    if (found == json.end() || !found->is_number()) return std::nullopt;
+    const auto value = found->get<double>();
+    return std::isfinite(value) ? std::optional{value} : std::nullopt;
+  }
+  bool flag(const char* key) const {
+    const auto found = json.find(key);
+    return found == json.end() || !found->is_boolean() || found->get<bool>();
+  }
+};
+
+PanelHost::PanelHost(RemoteTarget& target, Sender sender, bool arm_from_elsewhere)
+    : target_(target), sender_(std::move(sender)), arm_from_elsewhere_(arm_from_elsewhere) {}
+
+PanelHost::~PanelHost() = default;
+
+// Clients.
+
+void PanelHost::connected(int client, bool local) {
+  clients_[client].local = local;
+  if (description_ == nullptr) description_ = target_.description();
+  sender_.text(client, text_of(description_json(*description_)));
+  if (edit_ != nullptr)
+    sender_.text(client, text_of({{"kind", "edit"}, {"errors", list(edit_->errors, error_json)}}));
+}
+
+void PanelHost::disconnected(int client) {
+  clients_.erase(client);
+  if (owner_ == client) {
+    target_.disarm();
+    owner_.reset();
+  }
+  if (scope_client_ == client) {
+    target_.order_scope(0, 1, {});
+    scope_client_.reset();
+  }
+  if (level_clients_.erase(client) > 0 && level_clients_.empty()) target_.order_levels(false);
+}
+
+void PanelHost::received(int number, std::string_view text, Clock::time_point now) {
+  const auto found = clients_.find(number);
+  if (found == clients_.end()) return;
+  ++counts_.messages;
+  const auto json = text.size() > kLongestMessage ? Json(Json::value_t::discarded)
+                                                  : Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  const Message message{number, found->second, json, now};
+  const auto act = json.is_object() ? act_of(message.text("do")) : nullptr;
+  // What stops the drives is never one too many.
+  const bool stops = act == &PanelHost::disarm || act == &PanelHost::mute || act == &PanelHost::alive;
+  if (!stops && found->second.messages_left < 1) return void(++counts_.refused);
+  found->second.messages_left -= 1;
+  if (act == nullptr) return error(message, "this is no order");
+  (this->*act)(message);
+}
+
+PanelHost::Act PanelHost::act_of(std::string_view name) {
+  static constexpr std::pair<std::string_view, Act> kOrders[] = {
+      {"set", &PanelHost::set},
+      {"trigger", &PanelHost::trigger},
+      {"gesture", &PanelHost::gesture},
+      {"arm_request", &PanelHost::request_arm},
+      {"arm", &PanelHost::arm},
+      {"alive", &PanelHost::alive},
+      {"disarm", &PanelHost::disarm},
+      {"mute", &PanelHost::mute},
+      {"scope", &PanelHost::scope},
+      {"levels", &PanelHost::levels},
+      {"preset_recall", &PanelHost::recall},
+      {"preset_save", &PanelHost::save},
+      {"learn", &PanelHost::learn},
+  };
+  for (const auto& [order, act] : kOrders)
+    if (order == name) return act;
+  return nullptr;
+}
+
+// Orders.
+
+/// nullptr, with an error: there is none that can be changed.
+const RemoteControl* PanelHost::control_of(const Message& message) {
+  const auto name = message.text("name");
+  const int place = description_->find_control(name);
+  if (place < 0) return error(message, fmt::format("there is no control '{}'", name)), nullptr;
+  const auto& control = description_->controls[static_cast<std::size_t>(place)];
+  if (control.constant) return error(message, control.name + " cannot be changed during playback"), nullptr;
+  return &control;
+}
+
+void PanelHost::set(const Message& message) {
+  const auto* control = control_of(message);
+  if (control == nullptr) return;
+  const auto value = message.value("value");
+  const double ramp_s = message.value("ramp").value_or(0.0);
+  const auto si = value ? control->unit.to_si(*value) : std::numeric_limits<double>::infinity();
+  if (!std::isfinite(si)) return error(message, control->name + ": give a number");
+  if (!(ramp_s >= 0 && ramp_s <= kLongestRamp_s))
+    return error(message, control->name + ": a ramp takes 0 to 3600 s");
+  post(message, {.number = control->number,
+                 .value = std::clamp(si, control->low, control->high),
+                 .ramp_s = ramp_s,
+                 .received = {}});
+}
+
+void PanelHost::trigger(const Message& message) {
+  if (const int gesture = description_->find_gesture(message.text("name")); gesture >= 0)
+    return post(message, {.kind = RemoteOrder::Kind::Strike, .number = gesture, .received = {}});
+  if (const auto* control = control_of(message))
+    post(message, {.kind = RemoteOrder::Kind::Trigger, .number = control->number, .received = {}});
+}
+
+void PanelHost::gesture(const Message& message) {
+  const int gesture = description_->find_gesture(message.text("name"));
+  const auto value = message.value("value");
+  if (gesture < 0 || !value) return error(message, "give the name of a gesture, and a number");
+  post(message, {.kind = RemoteOrder::Kind::Gesture, .number = gesture, .value = *value, .received = {}});
+}
+
+void PanelHost::post(const Message& message, RemoteOrder order) {
+  order.received = message.now;
+  if (!target_.post({&order, 1})) return error(message, "too many changes wait: this one is dropped");
+  ++counts_.orders;
+}
+
+void PanelHost::request_arm(const Message& message) {
+  if (!may_arm(message.client)) return error(message, "arming from another host needs --panel-arm");
+  const std::int64_t number = 1 + static_cast<std::int64_t>(random_() % kMostArmNumber);
+  message.client.arm_number = number;
+  message.client.arm_until = message.now + kArmPatience;
+  sender_.text(message.number, text_of({{"kind", "answer"}, {"to", "arm_request"}, {"number", number}}));
+}
+
+void PanelHost::arm(const Message& message) {
+  if (!may_arm(message.client)) return error(message, "arming from another host needs --panel-arm");
+  const auto wanted = std::exchange(message.client.arm_number, std::nullopt);
+  const auto given = message.value("number");
+  if (!wanted) return error(message, "not armed: send arm_request first");
+  if (!wanted || !given || *given != static_cast<double>(*wanted) || message.now > message.client.arm_until)
+    return error(message, "not armed: the request is older than 3 s");
+  const auto arming = target_.order_arm();
+  if (!arming) return error(message, "not armed: " + arming.error().what);
+  owner_ = message.number;
+  arming_ = *arming;
+  owner_armed_ = false;
+  const RemoteOrder order{.kind = RemoteOrder::Kind::Arm, .received = message.now};
+  if (target_.post({&order, 1})) return;
+  target_.disarm();
+  error(message, "not armed: too many changes wait");
+}
+
+void PanelHost::alive(const Message& message) {
+  if (owner_ == message.number) target_.keep_alive(arming_);
+}
+
+void PanelHost::disarm(const Message&) { target_.disarm(); }
+
+/// Only a plain `false` takes it back, which is as much as arming.
+void PanelHost::mute(const Message& message) {
+  const bool on = message.flag("on");
+  if (on || may_arm(message.client)) return target_.mute(on);
+  error(message, "unmuting from another host needs --panel-arm");
+}
+
+/// There is one scope: the last client that asks has it.
+void PanelHost::scope(const Message& message) {
+  std::vector<std::string> names;
+  if (const auto signals = message.json.find("signals"); signals != message.json.end() && signals->is_array())
+    for (const auto& name : *signals)
+      if (name.is_string() && names.size() < ScopeChunk::kMostTraces)
+        names.push_back(name.get<std::string>());
+  const double bin = std::clamp(message.value("bin").value_or(1.0), 1.0, double{kMostBin});
+  const double id = message.value("id").value_or(0.0);
+  if (!(id >= 0 && id < 4294967296.0)) return error(message, "an id is a number from 0 to 4294967295");
+  if (scope_client_ && *scope_client_ != message.number)
+    sender_.text(
+        *scope_client_,
+        text_of({{"kind", "answer"}, {"to", "scope"}, {"error", "another panel has taken the scope"}}));
+  scope_client_ = message.number;
+  target_.order_scope(static_cast<std::uint32_t>(id), static_cast<int>(bin), std::move(names));
+}
+
+void PanelHost::levels(const Message& message) {
+  const bool before = !level_clients_.empty();
+  if (message.flag("on"))
+    level_clients_.insert(message.number);
+  else
+    level_clients_.erase(message.number);
+  if (before == level_clients_.empty()) target_.order_levels(!level_clients_.empty());
+}
+
+void PanelHost::recall(const Message& message) {
+  const double ramp_s = message.value("ramp").value_or(0.0);
+  if (!(ramp_s >= 0 && ramp_s <= kLongestRamp_s)) return error(message, "a ramp takes 0 to 3600 s");
+  request(message, RemoteRequest::Kind::RecallPreset, ramp_s);
+}
+
+void PanelHost::save(const Message& message) { request(message, RemoteRequest::Kind::SavePreset, 0.0); }
+
+void PanelHost::learn(const Message& message) { request(message, RemoteRequest::Kind::Learn, 0.0); }
+
+void PanelHost::request(const Message& message, RemoteRequest::Kind kind, double ramp_s) {
+  if (!target_.request({kind, message.text("name"), ramp_s})) error(message, "too many requests wait");
+}
+
+void PanelHost::error(const Message& message, const std::string& text) {
+  ++counts_.refused;
+  sender_.text(message.number, text_of({{"kind", "answer"},
+                                        {"to", message.json.is_object() ? message.text("do") : ""},
+                                        {"error", text}}));
+}
+
+// What they are told.
+
+void PanelHost::tick(Clock::time_point now) {
+  const std::chrono::duration<double> passed = now - std::exchange(refilled_, now);
+  for (auto& [number, client] : clients_)
+    client.messages_left =
+        std::min<double>(kMostMessages, client.messages_left + kMostMessages * std::min(1.0, passed.count()));
+  if (owner_) {
+    const bool armed = target_.armed();
+    if (!armed && std::exchange(owner_armed_, armed)) owner_.reset();
+    owner_armed_ = armed;
+  }
+  describe();
+  send_events();
+  if (clients_.empty()) return;
+  if (now - state_sent_ >= kStateInterval) send_state(now);
+  send_scope();
+}
+
+void PanelHost::send_all(const std::string& text) {
+  for (const auto& [number, client] : clients_) sender_.text(number, text);
+}
+
+void PanelHost::describe() {
+  if (auto description = target_.description(); description != description_) {
+    description_ = std::move(description);
+    if (!clients_.empty()) send_all(text_of(description_json(*description_)));
+  }
+  if (auto edit = target_.edit(); edit != edit_) {
+    edit_ = std::move(edit);
+    send_all(text_of({{"kind", "edit"}, {"errors", list(edit_->errors, error_json)}}));
+  }
+  if (auto scope = target_.scope(); scope != scope_) {
+    scope_ = std::move(scope);
+    if (scope_client_)
+      sender_.text(*scope_client_, text_of({{"kind", "scope"},
+                                            {"id", scope_->id},
+                                            {"signals", scope_->signals},
+                                            {"refused", list(scope_->refused, [](const auto& refused) {
+                                               return Json{{"name", refused.first}, {"why", refused.second}};
+                                             })}}));
+  }
+}
+
+void PanelHost::send_events() {
+  static constexpr std::array kKinds = {"message", "guard", "armed", "muted", "message"};
+  for (RemoteEvent event; target_.take_event(event);) {
+    Json json = {{"kind", "event"},      {"frame", event.frame},
+                 {"time", event.time_s}, {"what", kKinds[static_cast<std::size_t>(event.kind)]},
+                 {"text", event.text},   {"value", event.value}};
+    if (event.kind == RemoteEvent::Kind::NotArmed) {
+      if (owner_)
+        sender_.text(
+            *owner_,
+            text_of({{"kind", "answer"}, {"to", "arm"}, {"error", std::string{"not armed: "} + event.text}}));
+      owner_.reset();
+      continue;
+    }
+    send_all(text_of(json));
+  }
+}
+
+void PanelHost::send_state(Clock::time_point now) {
+  state_sent_ = now;
+  const auto meters = target_.take_meters();
+  const auto last_state = target_.state();
+  const RemoteState state = last_state ? *last_state : RemoteState{};
+  const auto outputs = meters.outputs.size();
+  Json guard = Json::array();
+  for (std::size_t o = 0; o < outputs; ++o) {
+    Json stages = Json::array();
+    for (std::size_t s = 0; s < meters.guard.size() / outputs; ++s)
+      stages.push_back(meters.guard[o * (meters.guard.size() / outputs) + s]);
+    guard.push_back(std::move(stages));
+  }
+  Json json = {
+      {"kind", "state"},
+      {"armed", target_.armed()},
+      {"muted", target_.muted()},
+      {"controls", list(description_->controls,
+                        [](const auto& control) { return number(control.unit.from_si(control.value)); })},
+      {"inputs", numbers(meters.inputs)},
+      {"outputs", numbers(meters.outputs)},
+      {"guard", guard}};
+  json.update({{"frame", state.frame},
+               {"time", state.time_s},
+               {"drives", state.drives},
+               {"stream", state.stream},
+               {"load", number(state.load)},
+               {"load_worst", number(state.worst_load)},
+               {"xruns", state.xruns},
+               {"lost_frames", state.lost_frames},
+               {"faults", list(state.faults,
+                               [](const auto& fault) {
+                                 return Json{{"node", fault.first}, {"count", fault.second}};
+                               })},
+               {"heat", heat_json(state)},
+               {"excursion", shares(state.excursion)}});
+  if (!level_clients_.empty()) json["levels"] = numbers(state.signals);
+  for (const auto& [client, unused] : clients_) {
+    json["owner"] = owner_ == client;
+    sender_.text(client, text_of(json));
+  }
+}
+
+void PanelHost::send_scope() {
+  ScopeChunk chunk;
+  for (std::size_t taken = 0; taken < kMostScopeChunks && target_.take_scope(chunk); ++taken) {
+    if (!scope_client_) continue;
+    ++counts_.scope_frames;
+    sender_.scope(*scope_client_, scope_bytes(chunk));
+  }
+}
+
+}  // namespace tactus
