@@ -1,120 +1,16 @@
 #include "apps/cli/target.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cstdlib>
-#include <vector>
-
 #include "apps/cli/console.h"
-#include "engine/graph/file/error_list.h"
-#include "engine/graph/file/load.h"
-#include "engine/scene/file/scene_spec.h"
 
 namespace tactus::app {
-namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kScene = "scene.toml";
-constexpr const char* kInstrument = "instrument.toml";
-
-std::vector<fs::path> entries_of(const fs::path& folder) {
-  std::error_code none;
-  std::vector<fs::path> entries;
-  for (const auto& entry : fs::directory_iterator{folder, none}) entries.push_back(entry.path());
-  std::ranges::sort(entries);
-  return entries;
-}
-
-bool is_scene_file(const fs::path& file) {
-  if (file.extension() != ".toml" || !fs::is_regular_file(file)) return false;
-  const auto table = load_toml(file);
-  return table && is_scene(*table);
-}
-
-/// What a user can name instead of a folder without a scene: its scenes, else its folders with a scene or an
-/// instrument.
-std::vector<std::string> playable_in(const fs::path& folder) {
-  std::vector<std::string> found;
-  for (const auto& entry : entries_of(folder))
-    if (is_scene_file(entry)) found.push_back(entry.generic_string());
-  if (!found.empty()) return found;
-  for (const auto& entry : entries_of(folder))
-    if (fs::exists(entry / kScene) || fs::exists(entry / kInstrument))
-      found.push_back(entry.generic_string());
-  return found;
-}
-
-fs::path file_in(const fs::path& folder, FolderMeans means) {
-  const bool scene = means == FolderMeans::Scene;
-  for (const auto* name : {scene ? kScene : kInstrument, scene ? kInstrument : kScene})
-    if (fs::exists(folder / name)) return folder / name;
-  const auto playable = playable_in(folder);
-  exit_with({Errc::BadFile, folder.generic_string(),
-             fmt::format("this folder has no {} and no {}", kScene, kInstrument),
-             playable.empty() ? "name a file" : fmt::format("name one of {}", fmt::join(playable, ", "))},
-            kBadFile);
-}
-
-/// "haptic_drum" of "instruments/haptic_drum": as the documents call what is shipped.
-fs::path without_collection(const fs::path& path) {
-  fs::path rest;
-  for (auto part = path.begin(); part != path.end(); ++part)
-    if (part != path.begin() || *part != "instruments") rest /= *part;
-  return rest;
-}
-
-/// Ends the program.
-void refuse_missing(const std::string& text) {
-  std::vector<std::string> names;
-  for (const auto& folder : instrument_folders())
-    for (const auto& entry : entries_of(folder)) names.push_back(entry.filename().generic_string());
-  const auto folder = fs::path{text}.parent_path();
-  for (const auto& entry : entries_of(folder.empty() ? "." : folder))
-    if (fs::is_directory(entry) || entry.extension() == ".toml")
-      names.push_back((folder / entry.filename()).generic_string());
-  exit_with({Errc::BadFile, text, "there is no such file",
-             suggest(text, names, "check the path; 'tactus list' shows what can be played")},
-            kBadFile);
-}
-
-}  // namespace
-
-fs::path Target::root() const { return root_of(file); }
-
 Target resolve_target(const std::string& text, FolderMeans means) {
-  std::error_code none;
-  fs::path path{text};
-  if (!fs::exists(path, none) && path.is_relative())
-    for (const auto& folder : instrument_folders())
-      if (const auto shipped = folder / without_collection(text); fs::exists(shipped, none)) {
-        path = shipped;
-        break;
-      }
-  if (!fs::exists(path, none)) refuse_missing(text);
-  const auto file = fs::is_directory(path, none) ? file_in(path, means) : path;
-  const auto table = load_toml(file);
-  return {file, table && is_scene(*table)};
+  return or_exit(find_target(text, means, instrument_folders()), kBadFile);
 }
 
-fs::path root_of(const fs::path& file) {
-  const auto absolute = fs::absolute(file).lexically_normal();
-  for (auto folder = absolute.parent_path(); folder.has_relative_path(); folder = folder.parent_path())
-    if (folder.filename() == "instruments") return folder;
-  return file.has_parent_path() ? file.parent_path() : fs::path{"."};
-}
-
-std::vector<fs::path> instrument_folders() {
-  const char* data = std::getenv("XDG_DATA_HOME");
-  const char* home = std::getenv("HOME");
-  std::vector<fs::path> folders = {shipped_instruments()};
-  if (data != nullptr && *data != '\0')
-    folders.insert(folders.begin(), fs::path{data} / "tactus/instruments");
-  else if (home != nullptr && *home != '\0')
-    folders.insert(folders.begin(), fs::path{home} / ".local/share/tactus/instruments");
-  return folders;
-}
+std::vector<fs::path> instrument_folders() { return tactus::instrument_folders(shipped_instruments()); }
 
 LoadedScene load_scene_leniently(const Target& target) {
   return tactus::load_scene_leniently(target.file, target.root(), instrument_folders());
