@@ -47,10 +47,18 @@ if(TACTUS_SANITIZE)
   endif()
 endif()
 
+# The program and the Python module contain the same objects, so that their results are the same. Names stay hidden: g++
+# then compiles position-independent code as it compiles that of a program.
+function(tactus_position_independent target)
+  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden
+                                             VISIBILITY_INLINES_HIDDEN ON)
+endfunction()
+
 # Headers of the standard library and of {fmt}, read once for all modules.
 if(TACTUS_SHORT_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/precompiled.cpp CONTENT "")
   add_library(tactus_precompiled OBJECT ${PROJECT_BINARY_DIR}/precompiled.cpp)
+  tactus_position_independent(tactus_precompiled)
   target_link_libraries(tactus_precompiled PRIVATE tactus_flags fmt::fmt)
   target_precompile_headers(tactus_precompiled PRIVATE <algorithm> <array> <atomic> <charconv> <chrono> <cmath> <complex>
     <filesystem> <fmt/format.h> <fstream> <functional> <map> <memory> <numeric> <optional> <span> <string> <string_view>
@@ -105,6 +113,7 @@ function(tactus_module name)
   foreach(target IN LISTS targets)
     target_link_libraries(${target} PUBLIC tactus_flags ${ARG_DEPENDS} PRIVATE ${ARG_PRIVATE})
     tactus_unity(${target})
+    tactus_position_independent(${target})
     # Sound libraries bring macros (_REENTRANT) with which a shared precompiled header is not valid.
     if(TARGET tactus_precompiled AND NOT "${ARG_PRIVATE}" MATCHES "PkgConfig::[a-z]")
       target_link_libraries(${target} PRIVATE fmt::fmt)
