@@ -68,13 +68,14 @@ const std::vector<ThirdParty> kThirdParty = {
     {"sndfile.h", {"engine/nodes/", "backends/wav_file.cpp"}},
     {"fmt/",
      {"engine/graph/", "engine/nodes/", "engine/runtime/", "engine/rig/", "engine/scene/", "engine/plot/",
-      "engine/study/", "backends/", "latency/", "remote/", "apps/"}},
+      "engine/study/", "backends/", "latency/", "remote/", "apps/", "python/"}},
     {"nlohmann/",
      {"engine/study/", "backends/json_fields.h", "backends/take/", "latency/", "remote/", "apps/"}},
     {"oscpack/", {"remote/osc/"}},
     {"boost/asio.hpp", {"remote/osc/", "remote/panel/", "remote/serial/"}},
     {"boost/beast/", {"remote/panel/"}},
     {"CLI/", {"apps/"}},
+    {"pybind11/", {"python/"}},
 };
 
 /// Vector intrinsics exist wherever the compiler's macros say so; the system's own headers only at the rim.
@@ -182,7 +183,7 @@ std::vector<Include> includes_in(std::istream& text) {
 std::vector<std::string> source_files() {
   const fs::path root = TACTUS_SOURCE_DIR;
   std::vector<std::string> files;
-  for (const auto* folder : {"engine", "backends", "latency", "remote", "apps"}) {
+  for (const auto* folder : {"engine", "backends", "latency", "remote", "apps", "python"}) {
     if (!fs::exists(root / folder)) continue;
     for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
       const auto extension = entry.path().extension();

@@ -38,7 +38,7 @@ const std::vector<Exception> kExceptions = {
 std::vector<std::string> sources() {
   const fs::path root = TACTUS_SOURCE_DIR;
   std::vector<std::string> files;
-  for (const auto* folder : {"engine", "backends", "latency", "remote", "apps"})
+  for (const auto* folder : {"engine", "backends", "latency", "remote", "apps", "python"})
     for (const auto& entry : fs::recursive_directory_iterator(root / folder))
       if (entry.path().extension() == ".h" || entry.path().extension() == ".cpp")
         files.push_back(fs::relative(entry.path(), root).generic_string());
