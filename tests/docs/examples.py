@@ -266,6 +266,8 @@ class Examples:
                     printed = self.commands(fence)
                 elif fence.language == "toml":
                     self.declaration(fence) if page == NODES else self.graph(fence)
+                elif fence.language == "python":
+                    continue  # tests/python/test_page.py runs them
                 elif "output" in fence.options:
                     self.compare_output(fence, printed)
                 elif any(COMMAND.match(line) for line in fence.text.split("\n")):
