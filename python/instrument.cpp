@@ -7,6 +7,7 @@
 #include "engine/graph/file/load.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/nodes/table.h"
+#include "engine/rig/profile.h"
 #include "engine/runtime/player.h"
 #include "engine/scene/guard_report.h"
 #include "python/convert.h"
@@ -21,6 +22,32 @@ struct ControlMove {
   std::vector<double> values;        ///< SI
   bool at_once = false;              ///< without the control's ramp
 };
+
+/// What the drives move, for the guard.
+struct DriveOptions {
+  std::string profile;  ///< of the actuator, a name or a file; empty: not known
+  double volts = 0;     ///< at full scale
+  std::vector<std::pair<std::string, std::string>> raises;  ///< (limit or OUTPUT.LIMIT, value)
+  std::string shipped;                                      ///< the folder of the shipped profiles
+};
+
+/// Without the lock. Throws a Failure: UnknownName of the profile, those of its file, OutOfRange.
+LimitBook limits_of(const DriveOptions& options) {
+  LimitBook limits;
+  for (const auto& [name, value] : options.raises) {
+    const auto dot = name.rfind('.');
+    limits.raises.push_back({dot == name.npos ? "" : name.substr(0, dot), name.substr(dot + 1), value});
+  }
+  if (options.profile.empty()) return limits;
+  const auto* place = "argument 'profile'";
+  auto folders = instrument_folders(options.shipped);
+  folders.push_back(".");
+  const auto file = or_throw(find_profile(options.profile, folders, place));
+  const auto profile = limits_for(or_throw(load_profile(file)), options.volts);
+  if (const auto status = check(profile); !status) throw failure(status.error().at(place));
+  limits.drives.push_back({LimitSource::Kind::Profile, "profile '" + options.profile + "'", profile});
+  return limits;
+}
 
 LoadedGraph load_graph(const Place& place) {
   if (place.is_text) return parse_graph_leniently(place.text, kTextName);
@@ -115,14 +142,9 @@ class Instrument {
 
   /// (array of frames x outputs, report)
   py::tuple render(const Array& inputs, const py::dict& start, const std::vector<ControlMove>& moves,
-                   int block, const std::vector<std::pair<std::string, std::string>>& raises) const {
+                   int block, const DriveOptions& drives) const {
     auto options = options_;
     for (auto& [name, value] : control_values(start)) options.controls[name] = value;
-    LimitBook limits;
-    for (const auto& [name, value] : raises) {
-      const auto dot = name.rfind('.');
-      limits.raises.push_back({dot == name.npos ? "" : name.substr(0, dot), name.substr(dot + 1), value});
-    }
     const auto outputs = static_cast<int>(output_names(*plan_).size());
     py::array_t<double> out{{inputs.shape(0), static_cast<py::ssize_t>(outputs)}};
     const Interleaved samples{inputs.data(), out.mutable_data(), inputs.shape(0),
@@ -130,6 +152,7 @@ class Instrument {
     RunReport report;
     {
       const py::gil_scoped_release unlocked;
+      const auto limits = limits_of(drives);
       Player player{compiled(options)};
       player.set_journal(journal_of(moves, player));
       or_throw(limits.check_raises(limited_outputs(player.plan())));
@@ -191,6 +214,11 @@ void add_instrument(py::module_& module) {
       .def(py::init([](std::string control, std::vector<std::int64_t> frames, std::vector<double> values,
                        bool at_once) {
         return ControlMove{std::move(control), std::move(frames), std::move(values), at_once};
+      }));
+  py::class_<DriveOptions>(module, "DriveOptions")
+      .def(py::init([](std::string profile, double volts,
+                       std::vector<std::pair<std::string, std::string>> raises, std::string shipped) {
+        return DriveOptions{std::move(profile), volts, std::move(raises), std::move(shipped)};
       }));
   py::class_<Instrument>(module, "Instrument")
       .def(py::init(&load))

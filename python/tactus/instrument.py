@@ -3,11 +3,12 @@
 import collections.abc
 import dataclasses
 import difflib
+import os
 import warnings
 
 import numpy
 
-from . import _place, _tactus
+from . import _place, _tactus, instruments
 from .arrays import frames_by_channels, numbers, one_channel
 from .errors import Error, FileWarning, RunWarning
 
@@ -55,7 +56,8 @@ class Instrument:
     def steps(self):
         return self._compiled.steps
 
-    def render(self, inputs=None, *, controls=None, frames=None, block=256, raise_limits=None):
+    def render(self, inputs=None, *, controls=None, frames=None, block=256, profile=None, volts_per_full_scale=None,
+               raise_limits=None):
         """Runs the instrument from its start on an input, and gives its outputs.
 
             outputs[n, k] = output k at frame n, behind the drive guard
@@ -68,6 +70,9 @@ class Instrument:
                       times the control moves to the value with its ramp, as when a user moves it.
         frames        without inputs: how many to run
         block         frames of one block, 1 to 8192. It does not change the result.
+        profile       actuator profile for all drives, such as "woofer", or a file: its limits replace the cautious ones of
+                      an unknown actuator; with volts_per_full_scale, 1 mV to 1 kV: the voltage at the actuator for a
+                      sample value of 1
         raise_limits  {limit: value}, limits of the drive guard to raise, as --raise-limit does: "ceiling", "slew", …;
                       or "OUTPUT.LIMIT" for one output
 
@@ -81,8 +86,8 @@ class Instrument:
         if not (isinstance(block, (int, numpy.integer)) and 1 <= block <= 8192):
             raise ValueError(f"block must be a whole number from 1 to 8192, not {block!r}")
         start, moves = self._controls(controls or {}, len(samples))
-        raises = [(name, str(value)) for name, value in (raise_limits or {}).items()]
-        outputs, guard, faults, nonfinite = self._compiled.render(samples, start, moves, int(block), raises)
+        drives = _drives(profile, volts_per_full_scale, raise_limits or {})
+        outputs, guard, faults, nonfinite = self._compiled.render(samples, start, moves, int(block), drives)
         for line in guard:
             warnings.warn(f"drive guard: {line}", RunWarning, stacklevel=2)
         for path, count in faults:
@@ -146,6 +151,15 @@ class Instrument:
             raise ValueError(f"the times of control '{name}' must rise, from 0 s on")
         frames = numpy.rint(times * self.sample_rate).astype(numpy.int64)
         return _tactus.ControlMove(name, frames.tolist(), values.tolist(), False)
+
+
+def _drives(profile, volts, raises):
+    if (profile is None) != (volts is None):
+        raise ValueError("profile and volts_per_full_scale must be given together, such as profile='woofer', volts_per_full_scale=8")
+    if volts is not None and not 1e-3 <= volts <= 1000:
+        raise ValueError(f"volts_per_full_scale must be from 0.001 to 1000, not {volts}")
+    raises = [(name, str(value)) for name, value in raises.items()]
+    return _tactus.DriveOptions(os.fspath(profile or ""), float(volts or 0), raises, str(instruments))
 
 
 def _nearest(name, names):

@@ -63,13 +63,16 @@ class Errors(TestCase):
                            (lambda: tactus.sweep(drum, {"strength": [1]}, "speed"), "UnknownName"),
                            (lambda: tactus.sweep(drum, {"strength": [1]}, "rate", parameters={"strength": 1}), "BadArgument"),
                            (lambda: tactus.sweep(drum, {"solver": ["fast"]}, "rate"), "UnknownName"),
-                           (lambda: tactus.load("haptic_drum").render(frames=9, raise_limits={"ceilin": 1}), "UnknownName")):
+                           (lambda: tactus.load("haptic_drum").render(frames=9, raise_limits={"ceilin": 1}), "UnknownName"),
+                           (lambda: tactus.load("haptic_drum").render(frames=9, profile="wofer", volts_per_full_scale=8), "UnknownName")):
             with self.subTest(code), self.assertRaises(tactus.Error) as caught:
                 call()
             self.assertEqual(caught.exception.code, code, str(caught.exception))
             self.assertIsNone(caught.exception.line)
         with self.assertRaises(TypeError):
             tactus.load(3)
+        with self.assertRaisesRegex(ValueError, "together"):
+            tactus.load("haptic_drum").render(frames=9, profile="woofer")
 
     def test_an_error_survives_another_process(self):
         with self.assertRaises(tactus.Error) as caught:

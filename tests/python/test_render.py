@@ -76,16 +76,23 @@ class SameAsTheProgram(TestCase):
     def test_another_sample_rate(self):
         self.compare(INSTRUMENTS / "haptic_drum/every_strike.toml", rate=44100)
 
-    def test_raised_limits(self):
+    def compare_guarded(self, options, **arguments):
         loud = self.write("loud.toml", PAIR.replace(', kind = "audio"', "").replace("0.5 * left", "4 * left"))
         samples = strikes(24000, 2)
         write_wav(self.folder / "in.wav", samples, 48000)
-        run("render", loud, "--in", self.folder / "in.wav", "--out", self.folder / "out.wav", "--raise-limit", "ceiling=0.8")
+        run("render", loud, "--in", self.folder / "in.wav", "--out", self.folder / "out.wav", *options)
         with quiet():
-            rendered = tactus.load(loud).render(samples, raise_limits={"ceiling": 0.8})
-            limited = tactus.load(loud).render(samples)
+            rendered = tactus.load(loud).render(samples, **arguments)
+            cautious = tactus.load(loud).render(samples)
         self.assert_same_bits(rendered.astype(numpy.float32), read_wav(self.folder / "out.wav"))
-        self.assertFalse(numpy.array_equal(rendered, limited))
+        self.assertFalse(numpy.array_equal(rendered, cautious))
+
+    def test_raised_limits(self):
+        self.compare_guarded(["--raise-limit", "ceiling=0.8"], raise_limits={"ceiling": 0.8})
+        self.compare_guarded(["--raise-limit", "both.ceiling=0.7"], raise_limits={"both.ceiling": 0.7})
+
+    def test_limits_of_a_profile(self):
+        self.compare_guarded(["--profile", "woofer", "--volts-per-full-scale", "10 V"], profile="woofer", volts_per_full_scale=10)
 
 
 class Arrays(TestCase):
