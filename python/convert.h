@@ -5,6 +5,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <chrono>
 #include <map>
 #include <memory>
 #include <optional>
@@ -39,19 +40,23 @@ T or_throw(tl::expected<T, E> result) {
   if constexpr (!std::is_void_v<T>) return std::move(*result);
 }
 
-/// Called many times, without the lock, on the thread that called from Python. Throws Interrupted after
+/// Called at every block, without the lock, on the thread that called from Python. Throws Interrupted after
 /// Ctrl-C.
 class InterruptCheck {
  public:
   void operator()() {
-    if (++calls_ % kEvery == 0 && pending()) throw Interrupted{};
+    const auto now = Clock::now();
+    if (now - last_ < kEvery) return;
+    last_ = now;
+    if (pending()) throw Interrupted{};
   }
-  /// At once. True: Python's exception is set.
+  /// Whatever the time. True: Python's exception is set.
   static bool pending();
 
  private:
-  static constexpr int kEvery = 256;  // the lock is taken only now and then
-  int calls_ = 0;
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::chrono::milliseconds kEvery{50};  // other threads want the lock too
+  Clock::time_point last_ = Clock::now();
 };
 
 /// An array of numbers, frame by frame.

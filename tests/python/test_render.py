@@ -73,6 +73,14 @@ class SameAsTheProgram(TestCase):
     def test_a_plant_with_a_network(self):
         self.compare(INSTRUMENTS / "haptic_drum/plant.toml", seconds=0.4)
 
+    def test_an_instrument_without_inputs(self):
+        path = INSTRUMENTS / "templates/metronome/instrument.toml"
+        run("render", path, "--duration", "1 s", "--out", self.folder / "out.wav")
+        with quiet():
+            rendered = tactus.load(path).render(frames=48000)
+        self.assert_same_bits(rendered.astype(numpy.float32), read_wav(self.folder / "out.wav"))
+        self.assertGreater(numpy.abs(rendered).max(), 0)
+
     def test_another_sample_rate(self):
         self.compare(INSTRUMENTS / "haptic_drum/every_strike.toml", rate=44100)
 
