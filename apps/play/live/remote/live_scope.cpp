@@ -1,6 +1,7 @@
 #include "apps/play/live/remote/live_scope.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "engine/core/index.h"
@@ -14,7 +15,7 @@ double highest(const ScopeChunk& chunk, int trace) {
   float level = 0;
   const auto* values = chunk.values.data() + trace * ScopeChunk::kMostBins * chunk.per_bin();
   for (int v = 0; v < chunk.bins * chunk.per_bin(); ++v) level = std::max(level, std::abs(values[v]));
-  return double{level};
+  return static_cast<double>(level);
 }
 
 }  // namespace

@@ -121,13 +121,12 @@ class LiveServer final : public RemoteServer {
       not_built_in("--osc", "OSC", "liboscpack-dev and libboost-dev");
 #endif
     }
-    for (const auto& device : options.serial) {
 #ifdef TACTUS_HAS_SERIAL
+    for (const auto& device : options.serial)
       services_.push_back(std::make_unique<SerialService>(device, shared_.share()));
 #else
-      not_built_in("--serial", "serial ports", "libboost-dev");
+    if (!options.serial.empty()) not_built_in("--serial", "serial ports", "libboost-dev");
 #endif
-    }
     if (options.panel) {
 #ifdef TACTUS_HAS_PANEL
       services_.push_back(std::make_unique<PanelService>(options, shared_.share()));
