@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
-#include <fstream>
 #include <utility>
+
+#include "engine/core/files.h"
 
 namespace tactus::app {
 namespace {
@@ -13,21 +13,6 @@ namespace {
 template <class T>
 bool done(const std::future<T>& future) {
   return future.valid() && future.wait_for(std::chrono::seconds{0}) != std::future_status::timeout;
-}
-
-/// A file that is there is replaced as a whole, or stays as it was.
-bool write_file(const std::filesystem::path& file, const std::string& text) {
-  std::error_code error;
-  std::filesystem::create_directories(file.parent_path(), error);
-  auto other = file;
-  other += ".new";
-  {
-    std::ofstream out{other, std::ios::binary};
-    out << text;
-    if (!out.flush()) return false;
-  }
-  std::filesystem::rename(other, file, error);
-  return !error;
 }
 
 }  // namespace
@@ -64,12 +49,10 @@ void LivePresets::save(const std::string& name, std::vector<FlatControl> control
   working_ = std::async(std::launch::async, [file = file_of(name), controls = std::move(controls)] {
     std::vector<PresetValue> values;
     for (const auto& control : controls) values.push_back({control.name, control.value});
-    const bool written = write_file(file, to_text(values, controls));
-    return Outcome{{},
-                   {written ? "preset saved: " + file.string()
-                            : fmt::format("{}: the preset cannot be written; check the folder and its "
-                                          "permissions",
-                                          file.string())}};
+    std::error_code error;
+    std::filesystem::create_directories(file.parent_path(), error);
+    const auto written = replace_file(file, to_text(values, controls));
+    return Outcome{{}, {written ? "preset saved: " + file.string() : to_string(written.error())}};
   });
 }
 
