@@ -1,11 +1,17 @@
 #pragma once
 // Thread: [control]
 
+#include <chrono>
 #include <cstdint>
 
 #include "engine/core/units.h"
 
 namespace tactus {
+
+/// [any] By the system clock, since 1970.
+inline double system_seconds() {
+  return std::chrono::duration<double>{std::chrono::system_clock::now().time_since_epoch()}.count();
+}
 
 /// Which frame of a stream is processed at which time of the system clock. The frame counter is read now and
 /// then; it advances by whole blocks, so each reading is late by up to a block, and their mean by half of

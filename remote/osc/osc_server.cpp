@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <boost/asio.hpp>
-#include <charconv>
 #include <mutex>
 #include <thread>
 
 #include "remote/osc/osc_query.h"
+#include "remote/stream_clock.h"
 
 namespace tactus {
 namespace {
@@ -23,10 +23,6 @@ constexpr std::chrono::milliseconds kTick{10};
 constexpr std::chrono::seconds kHttpPatience{2};
 constexpr std::size_t kHttpBytes = 8192;
 constexpr int kMostConnections = 8;
-
-double system_seconds() {
-  return std::chrono::duration<double>{std::chrono::system_clock::now().time_since_epoch()}.count();
-}
 
 asio::ip::address plain(const asio::ip::address& address) {
   if (!address.is_v6() || !address.to_v6().is_v4_mapped()) return address;
@@ -99,7 +95,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
 class Server final : public OscServer {
  public:
-  Server(RemoteTarget& target, const OscOptions& options)
+  Server(RemoteTarget& target, const ListenOptions& options)
       : target_(target),
         host_(
             target, [this](const OscPeer& peer, std::span<const char> bytes) { send(peer, bytes); },
@@ -110,7 +106,7 @@ class Server final : public OscServer {
     if (thread_.joinable()) thread_.join();
   }
 
-  Status start(const OscOptions& options) {
+  Status start(const ListenOptions& options) {
     ErrorCode error;
     const auto address = asio::ip::make_address(options.address, error);
     if (error)
@@ -220,23 +216,12 @@ class Server final : public OscServer {
 
 }  // namespace
 
-Result<OscOptions> parse_osc_address(const std::string& text) {
-  OscOptions options;
-  const auto colon = text.rfind(':');
-  const auto port = colon == std::string::npos ? text : text.substr(colon + 1);
-  if (colon != std::string::npos) options.address = text.substr(0, colon);
-  if (options.address == "localhost") options.address = "127.0.0.1";
-  if (options.address.starts_with('[') && options.address.ends_with(']'))
-    options.address = options.address.substr(1, options.address.size() - 2);
-  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), options.port);
-  const bool number = error == std::errc{} && end == port.data() + port.size();
-  if (!number || options.port < 0 || options.port > 65535)
-    return fail(Errc::Syntax, "--osc", "'" + text + "' is no port and no ADDRESS:PORT",
-                "write --osc 9000, or --osc 0.0.0.0:9000 for clients of other hosts");
-  return options;
+Result<ListenOptions> parse_osc_address(const std::string& text) {
+  return parse_listen_address(text, "--osc",
+                              "write --osc 9000, or --osc 0.0.0.0:9000 for clients of other hosts");
 }
 
-Result<std::unique_ptr<OscServer>> OscServer::open(const OscOptions& options, RemoteTarget& target) {
+Result<std::unique_ptr<OscServer>> OscServer::open(const ListenOptions& options, RemoteTarget& target) {
   auto server = std::make_unique<Server>(target, options);
   if (auto started = server->start(options); !started) return tl::unexpected(started.error());
   return server;

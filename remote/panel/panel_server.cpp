@@ -8,7 +8,6 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
-#include <charconv>
 #include <deque>
 #include <mutex>
 #include <random>
@@ -270,7 +269,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
 class Server final : public PanelServer {
  public:
-  Server(RemoteTarget& target, const PanelOptions& options)
+  Server(RemoteTarget& target, const ListenOptions& options)
       : host_(target,
               {[this](int client, std::string text) {
                  if (const auto browser = find(client)) browser->send_text(std::move(text));
@@ -288,7 +287,7 @@ class Server final : public PanelServer {
     if (thread_.joinable()) thread_.join();
   }
 
-  Status start(const PanelOptions& options) {
+  Status start(const ListenOptions& options) {
     ErrorCode error;
     const auto address = asio::ip::make_address(options.address, error);
     if (error)
@@ -369,23 +368,13 @@ class Server final : public PanelServer {
 
 }  // namespace
 
-Result<PanelOptions> parse_panel_address(const std::string& text) {
-  PanelOptions options;
-  if (text.empty()) return options;
-  const auto colon = text.rfind(':');
-  const auto port = colon == std::string::npos ? text : text.substr(colon + 1);
-  if (colon != std::string::npos) options.address = text.substr(0, colon);
-  if (options.address == "localhost") options.address = "127.0.0.1";
-  if (options.address.starts_with('[') && options.address.ends_with(']'))
-    options.address = options.address.substr(1, options.address.size() - 2);
-  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), options.port);
-  if (error != std::errc{} || end != port.data() + port.size() || options.port < 0 || options.port > 65535)
-    return fail(Errc::Syntax, "--panel", "'" + text + "' is no port and no ADDRESS:PORT",
-                "write --panel, --panel 8080, or --panel 0.0.0.0:8080 for other hosts");
-  return options;
+Result<ListenOptions> parse_panel_address(const std::string& text) {
+  if (text.empty()) return ListenOptions{};
+  return parse_listen_address(text, "--panel",
+                              "write --panel, --panel 8080, or --panel 0.0.0.0:8080 for other hosts");
 }
 
-Result<std::unique_ptr<PanelServer>> PanelServer::open(const PanelOptions& options, RemoteTarget& target) {
+Result<std::unique_ptr<PanelServer>> PanelServer::open(const ListenOptions& options, RemoteTarget& target) {
   auto server = std::make_unique<Server>(target, options);
   if (auto started = server->start(options); !started) return tl::unexpected(started.error());
   return server;

@@ -5,19 +5,14 @@
 #include <string>
 
 #include "engine/core/error.h"
+#include "remote/listen.h"
 #include "remote/panel/panel_host.h"
 #include "remote/remote.h"
 
 namespace tactus {
 
-struct PanelOptions {
-  std::string address = "127.0.0.1";
-  int port = 0;                     ///< 0: any free one
-  bool arm_from_elsewhere = false;  ///< clients of other hosts may arm and unmute
-};
-
 /// "", "8080", "192.168.1.5:8080". Errors, at --panel: Syntax.
-Result<PanelOptions> parse_panel_address(const std::string& text);
+Result<ListenOptions> parse_panel_address(const std::string& text);
 
 /// The browser panel: its pages over HTTP, and one WebSocket for each browser, on a thread of its own that
 /// waits for no other. A request must name this server as its host, and come from one of its own pages; a
@@ -25,7 +20,7 @@ Result<PanelOptions> parse_panel_address(const std::string& text);
 class PanelServer {
  public:
   /// Errors, at --panel: Device, where the system does not give that address or port.
-  static Result<std::unique_ptr<PanelServer>> open(const PanelOptions& options, RemoteTarget& target);
+  static Result<std::unique_ptr<PanelServer>> open(const ListenOptions& options, RemoteTarget& target);
   virtual ~PanelServer() = default;
 
   virtual int port() const = 0;

@@ -22,10 +22,6 @@ using ErrorCode = boost::system::error_code;
 constexpr std::chrono::milliseconds kReopen{500};
 constexpr std::size_t kMostNames = 16;  // unknown ones that are reported
 
-double system_seconds() {
-  return std::chrono::duration<double>{std::chrono::system_clock::now().time_since_epoch()}.count();
-}
-
 class Sensors final : public SerialSensors {
  public:
   Sensors(const SerialOptions& options, RemoteTarget& target) : options_(options), target_(target) {}

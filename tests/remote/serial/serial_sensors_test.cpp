@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <mutex>
 
+#include "remote/stream_clock.h"
 #include "tests/remote/fake_remote_target.h"
 #include "tests/remote/serial/serial_device.h"
 #include "tests/support/temporary_folder.h"
@@ -39,10 +40,6 @@ class Target final : public test::FakeRemoteTarget {
   std::vector<std::string> reports_;
 };
 
-double system_now_s() {
-  return std::chrono::duration<double>{std::chrono::system_clock::now().time_since_epoch()}.count();
-}
-
 }  // namespace
 
 TEST_CASE("serial sensors: names of devices", "[remote][serial]") {
@@ -64,7 +61,7 @@ TEST_CASE("serial sensors: lines set controls in their unit and range, one bundl
   Target target;
   const auto sensors = SerialSensors::open({(folder.path() / "port").string()}, target);
   REQUIRE(sensors);
-  const double before = system_now_s();
+  const double before = system_seconds();
   device.send("strength 0.25 hold 20\nlevel -20\nstrength 99\nnothing 1\nfixed 1\nst");
   device.send("rength 0.75\n\xff\xfe 12\nstrength 0.1 *00\n");
   REQUIRE(test::wait_until([&] { return (*sensors)->counts().lines == 8; }));
@@ -78,7 +75,7 @@ TEST_CASE("serial sensors: lines set controls in their unit and range, one bundl
   CHECK(posted[3][0].value == 0.75);
   for (const auto& bundle : posted) {
     CHECK(bundle[0].time_s >= before + SerialSensors::kDelay.value);
-    CHECK(bundle[0].time_s <= system_now_s() + SerialSensors::kDelay.value);
+    CHECK(bundle[0].time_s <= system_seconds() + SerialSensors::kDelay.value);
   }
   CHECK((*sensors)->counts().refused == 2);
   CHECK((*sensors)->counts().changes == 5);

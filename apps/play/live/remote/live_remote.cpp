@@ -13,10 +13,6 @@ namespace {
 constexpr std::chrono::milliseconds kMeterInterval{50};
 constexpr std::size_t kMostRequests = 16;
 
-double system_seconds() {
-  return std::chrono::duration<double>{std::chrono::system_clock::now().time_since_epoch()}.count();
-}
-
 /// At most what fits, without half a character of UTF-8.
 void copy_text(const std::string& text, char (&to)[200]) {
   auto bytes = std::min(text.size(), sizeof to - 1);
