@@ -169,7 +169,7 @@ class RemoteTarget {
   virtual std::shared_ptr<const RemoteScope> scope() const { return nullptr; }
   /// [any, the network thread] The scope shows these signals from now on; none: it is off.
   virtual void order_scope(std::uint32_t /*id*/, int /*bin*/, std::vector<std::string> /*signals*/) {}
-  /// [any, the network thread] The levels of all signals are wanted in the state, or no longer.
+  /// [any, the network thread] The state includes the levels of all signals from now on, or no longer.
   virtual void order_levels(bool /*on*/) {}
   virtual bool take_scope(ScopeChunk& /*chunk*/) { return false; }
 

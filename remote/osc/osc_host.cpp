@@ -231,7 +231,7 @@ void OscHost::request_arm(Context& context) {
   answer(context, {"/arm/number", {*client->arm_number}});
 }
 
-/// A wrong number voids the request, so that nobody tries one after the other.
+/// A wrong number voids the request, so that numbers cannot be tried in turn.
 void OscHost::arm(const Values& values, Context& context) {
   if (!may_arm(context.from)) return error(context, "arming from another host needs --osc-arm");
   auto* client = find_client(context.from, context.now);

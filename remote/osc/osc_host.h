@@ -136,7 +136,7 @@ class OscHost {
   std::map<OscPeer, Client> clients_;
   std::optional<OscPeer> owner_;  ///< who had the drives armed, or asked for it
   int arming_ = 0;                ///< of the owner
-  bool owner_armed_ = false;      ///< as the owner was last told
+  bool owner_armed_ = false;      ///< as last reported to the owner
   std::set<int> clamped_;         ///< controls whose last value was outside of the range
   RemoteMeters meters_;
   std::random_device random_;

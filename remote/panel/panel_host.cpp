@@ -395,7 +395,7 @@ void PanelHost::error(const Message& message, const std::string& text) {
                                         {"error", text}}));
 }
 
-// What they are told.
+// Messages to the browsers.
 
 void PanelHost::tick(Clock::time_point now) {
   const std::chrono::duration<double> passed = now - std::exchange(refilled_, now);

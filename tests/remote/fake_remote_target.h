@@ -10,7 +10,7 @@
 
 namespace tactus::test {
 
-/// A target that remembers what it was told.
+/// A target that records the orders that it is given.
 class FakeRemoteTarget : public RemoteTarget {
  public:
   FakeRemoteTarget() { describe({{"strength", ""}, {"hold", "ms"}, {"level", "dB"}, {"fixed", "Hz"}}); }

@@ -93,7 +93,7 @@ class LivePlay {
         midi_map_(plan.rig ? plan.rig->midi : std::vector<RigMidi>{}),
         presets_(preset_folder(plan.performer->files.front())) {
     follow_notes();
-    tell_midi();
+    publish_midi();
     if (!midi_map_.bindings().empty() || !options.midi.empty() || notes_.any()) open_midi();
   }
 
@@ -179,7 +179,7 @@ class LivePlay {
   void save_preset() {
     if (any()) presets_.save(presets_.free_name(), playing());
   }
-  void tell_midi() {
+  void publish_midi() {
     std::map<std::string, std::string> sources;
     for (const auto& binding : midi_map_.bindings()) sources[binding.control] = source_text(binding);
     if (remote_ != nullptr) remote_->set_midi(std::move(sources));
@@ -197,7 +197,7 @@ class LivePlay {
         if (!controls_.turn(move.control, move.position) && refused_.insert(move.control).second)
           print(move.control + " cannot be changed during playback");
       if (const auto learnt = midi_map_.take_learnt()) {
-        tell_midi();
+        publish_midi();
         print(fmt::format("{} of {} now controls {}; s saves this in the rig", source_text(*learnt),
                           event.port, learnt->control));
       }

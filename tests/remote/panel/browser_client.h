@@ -24,7 +24,7 @@ inline int port_of(const std::string& link) {
   return std::stoi(address_of(link).substr(address_of(link).rfind(':') + 1));
 }
 
-/// A browser that does as it is told.
+/// A WebSocket client in place of a browser.
 class BrowserClient {
  public:
   struct Request {

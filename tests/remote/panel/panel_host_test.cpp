@@ -61,7 +61,7 @@ struct Stage {
     const auto answer = last(client, "answer");
     return answer.contains("error") ? answer["error"].get<std::string>() : "";
   }
-  /// Arms as client 1 does who holds the button. False: it has no number.
+  /// Requests a number and arms with it. False: no number was given.
   bool arm(int client) {
     send(client, {{"do", "arm_request"}});
     const auto answer = last(client, "answer");
