@@ -8,7 +8,7 @@
 #include "engine/core/transpose.h"
 #include "engine/dsp/simd/lanes.h"
 #include "engine/runtime/operations.h"
-#include "engine/runtime/signal_scope.h"
+#include "engine/runtime/signal_reader.h"
 
 namespace tactus {
 
@@ -57,8 +57,7 @@ void Player::run_sub_block(int frames) noexcept {
     const auto& signal = running_->plan->channels[index(running_->tap_channels[t])].signal;
     for (int n = 0; n < frames; ++n) running_->taps[t][index(offset_ + n)] = signal[n];
   }
-  for (auto* scope : scopes_)
-    if (scope != nullptr) scope->observe(*running_, now_, frames);
+  for (auto* observer : observers_) observer->observe(*running_, now_, frames);
 }
 
 // Journal and replacement.
@@ -95,13 +94,6 @@ int Player::control_index(std::string_view control) const {
   if (found == names.end()) return -1;
   const auto number = found - names.begin();
   return versions_.newest().control_of[index(number)] < 0 ? -1 : static_cast<int>(number);
-}
-
-ScopeChoice Player::scope_choice(std::uint32_t id, int bin, std::span<const SignalPlace> places) const {
-  ScopeChoice choice{.running = versions_.newest().number, .id = id, .bin = bin, .places = {}};
-  for (const auto& place : places.first(std::min(places.size(), choice.places.size())))
-    choice.places[index(choice.traces++)] = place;
-  return choice;
 }
 
 void Player::take_over(Running& next) noexcept {

@@ -1,10 +1,8 @@
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -16,9 +14,7 @@
 
 namespace tactus {
 
-class SignalScope;
-struct ScopeChoice;
-struct SignalPlace;
+class SignalObserver;
 
 /// Runs a Plan on blocks of any size. The output does not depend on the size: a block is processed in
 /// sub-blocks of at most kMaxSubBlock frames, cut where a journal entry falls, and every node is exact to the
@@ -71,11 +67,11 @@ class Player final : public BlockProcessor, private Outside {
   /// outputs and fills its inputs, in blocks of the loop's sub-block.
   void set_outside(BlockProcessor& outside) { outside_ = &outside; }
 
-  /// [control & stopped] `scope` and `levels` outlive this, or are taken away with nullptr.
-  void set_scopes(SignalScope* scope, SignalScope* levels) noexcept { scopes_ = {scope, levels}; }
-  /// [control, one thread] Signals of the newest version, for `SignalScope::choose`; places of its
-  /// `scope_signals`.
-  ScopeChoice scope_choice(std::uint32_t id, int bin, std::span<const SignalPlace> places) const;
+  /// [control & stopped] It outlives this, or is removed.
+  void add_observer(SignalObserver& observer) { observers_.push_back(&observer); }
+  void remove_observer(SignalObserver& observer) { std::erase(observers_, &observer); }
+  /// [control, one thread] Running::number of the newest version of the graph.
+  std::uint64_t version() const { return versions_.newest().number; }
 
   /// [control, one thread] The newest one.
   const Plan& plan() const { return *versions_.newest().plan; }
@@ -125,7 +121,7 @@ class Player final : public BlockProcessor, private Outside {
   int last_frames_ = 0;          // of the sub-block before
   ChannelBuffers outside_in_, outside_out_;
   BlockProcessor* outside_ = nullptr;
-  std::array<SignalScope*, 2> scopes_{};
+  std::vector<SignalObserver*> observers_;
   int replacements_ = 0;
   std::int64_t now_ = 0;
   bool timed_ = false;

@@ -49,10 +49,15 @@ class Lister {
     for (int port = 0; port < step.outputs; ++port) {
       const double* data = plan_.outputs[index(step.first_out + port)];
       if (data == nullptr) continue;
-      const auto dimension = dimension_of(vertex.type->outputs[index(port)].unit);
-      for (int lane = 0; lane < vertex.width; ++lane)
-        add(signal_name(vertex, port, lane), step.vertex, dimension,
+      const auto& declared = vertex.type->outputs[index(port)];
+      for (int lane = 0; lane < vertex.width; ++lane) {
+        add(signal_name(vertex, port, lane), step.vertex, dimension_of(declared.unit),
             {.data = data + lane, .stride = vertex.width, .divider = step.divider_out});
+        auto& added = signals_.back();
+        added.port = &declared;
+        added.lane = lane;
+        added.in_part = vertex.path.find('.') != std::string::npos;
+      }
     }
   }
 
@@ -118,27 +123,24 @@ std::map<std::string, int> named_expressions(const Plan& plan) {
   return named;
 }
 
+ScopeChoice ScopeChoice::of(std::uint64_t version, std::uint32_t id, int bin,
+                            std::span<const SignalPlace> places) {
+  ScopeChoice choice{.running = version, .id = id, .bin = bin, .places = {}};
+  for (const auto& place : places.first(std::min(places.size(), choice.places.size())))
+    choice.places[index(choice.traces++)] = place;
+  return choice;
+}
+
 std::vector<ScopeSignal> scope_signals(const Plan& plan) { return Lister{plan}.run(); }
 
 void SignalScope::observe(const Running& running, std::int64_t now, int frames) noexcept {
   if (!take_choices(running)) return;
   if (now != next_) in_chunk_ = false;
-  std::array<double, ScopeChunk::kMostTraces> values;
-  std::array<std::ptrdiff_t, ScopeChunk::kMostTraces> strides;
-  for (int t = 0; t < choice_.traces; ++t) {
-    const auto& place = choice_.places[index(t)];
-    const bool rests = (place.control >= 0 && running.controls[index(place.control)].resting) ||
-                       (place.can_rest >= 0 && running.at_rest[index(place.can_rest)] != 0);
-    strides[index(t)] = rests ? 0 : place.stride;
-  }
+  std::array<SignalReader, ScopeChunk::kMostTraces> readers;
+  for (int t = 0; t < choice_.traces; ++t) readers[index(t)] = {running, choice_.places[index(t)]};
   for (int n = 0; n < frames; ++n) {
-    for (int t = 0; t < choice_.traces; ++t) {
-      const auto& place = choice_.places[index(t)];
-      const int own = place.divider == 0 ? n : running.dividers[index(place.divider)].count(n + 1) - 1;
-      if (own >= 0) held_[index(t)] = place.data[own * strides[index(t)]];
-      values[index(t)] = held_[index(t)];
-    }
-    add(now + n, values.data());
+    for (int t = 0; t < choice_.traces; ++t) held_[index(t)] = readers[index(t)].at(n, held_[index(t)]);
+    add(now + n, held_.data());
   }
   next_ = now + frames;
 }

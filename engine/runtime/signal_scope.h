@@ -14,18 +14,9 @@
 #include "engine/core/dimension.h"
 #include "engine/core/spsc_queue.h"
 #include "engine/graph/plan/plan.h"
-#include "engine/runtime/running.h"
+#include "engine/runtime/signal_reader.h"
 
 namespace tactus {
-
-/// Where the samples of a signal lie in the arena of a plan.
-struct SignalPlace {
-  const double* data = nullptr;
-  std::ptrdiff_t stride = 1;
-  int divider = 0;    ///< in Plan::divisors
-  int control = -1;   ///< its stride is 0 while this control rests
-  int can_rest = -1;  ///< the same, of Plan::can_rest
-};
 
 /// A signal of a plan that can be shown.
 struct ScopeSignal {
@@ -33,6 +24,9 @@ struct ScopeSignal {
   int vertex = -1;      ///< that makes it
   Dimension dimension;  ///< plain where it is not known
   SignalPlace place;
+  const OutputPort* port = nullptr;  ///< of the node; nullptr: it is no output of a node
+  int lane = 0;
+  bool in_part = false;
 };
 
 /// As a file names an output of a node, or one lane of it: "strike", "strike.level", "string.out[2]".
@@ -64,6 +58,11 @@ struct ScopeChunk {
 
 /// What a scope shows.
 struct ScopeChoice {
+  /// [control] Of a version of a graph (Player::version), whose `scope_signals` have these places; those
+  /// beyond the eighth are left out.
+  static ScopeChoice of(std::uint64_t version, std::uint32_t id, int bin,
+                        std::span<const SignalPlace> places);
+
   std::uint64_t running = 0;  ///< Running::number of the version that the places belong to
   std::uint32_t id = 0;
   int bin = 1;
@@ -74,7 +73,7 @@ struct ScopeChoice {
 /// Copies up to eight signals of a running player for a screen. Where the screen does not take them, they
 /// are lost. Bins begin at multiples of their length and chunks at multiples of theirs, whatever the blocks
 /// are, so that those of two players fit together.
-class SignalScope {
+class SignalScope final : public SignalObserver {
  public:
   explicit SignalScope(std::size_t chunks = 256) : chunks_(chunks) {}
 
@@ -82,8 +81,7 @@ class SignalScope {
   [[nodiscard]] bool choose(const ScopeChoice& choice) { return choices_.push(choice); }
   /// [any, one thread] The oldest chunk. False: there is none.
   [[nodiscard]] bool take(ScopeChunk& chunk) { return chunks_.pop(chunk); }
-  /// [realtime] After the steps of each sub-block.
-  void observe(const Running& running, std::int64_t now, int frames) noexcept;
+  void observe(const Running& running, std::int64_t now, int frames) noexcept override;
   /// [any] Chunks that found no room.
   std::int64_t lost() const noexcept { return lost_.load(std::memory_order_relaxed); }
 

@@ -23,11 +23,11 @@ void scope(benchmark::State& state) {
   if (!plan) return state.SkipWithError("run it in the root of the project");
   Player player{std::move(*plan)};
   SignalScope scope;
-  player.set_scopes(&scope, nullptr);
+  player.add_observer(scope);
   std::vector<SignalPlace> places;
   for (const auto& signal : scope_signals(player.plan()))
     if (places.size() < traces && signal.place.control < 0) places.push_back(signal.place);
-  (void)scope.choose(player.scope_choice(1, static_cast<int>(state.range(1)), places));
+  (void)scope.choose(ScopeChoice::of(player.version(), 1, static_cast<int>(state.range(1)), places));
   if (!player.prepare({48_kHz, player.in_channels(), player.out_channels(), kBlock})) return;
   std::vector<std::vector<double>> in(index(player.in_channels()), std::vector<double>(kBlock, 1e-3));
   std::vector<std::vector<double>> out(index(player.out_channels()), std::vector<double>(kBlock));

@@ -96,8 +96,9 @@ Run run(const Options& options) {
   const test::PartGraphs graphs{kPart};
   const auto player = graphs.engine(kGraph);
   SignalScope scope{options.chunks};
-  player->set_scopes(&scope, nullptr);
-  REQUIRE(scope.choose(player->scope_choice(7, options.bin, places_of(*player, options.names))));
+  player->add_observer(scope);
+  REQUIRE(
+      scope.choose(ScopeChoice::of(player->version(), 7, options.bin, places_of(*player, options.names))));
   player->set_journal({{1001, JournalEntry::Kind::ControlChange, player->control_index("gain"), 0.9}});
   const auto outputs = test::run(*player, {test::noise(options.frames, 5)}, options.frames, options.blocks);
   Run ran{{}, collect(scope)};
@@ -171,9 +172,10 @@ TEST_CASE("signal scope: a choice holds for its version of the graph only, and t
   };
   const auto player = test::engine_of(text("2"));
   SignalScope scope, levels;
-  player->set_scopes(&scope, &levels);
+  player->add_observer(scope);
+  player->add_observer(levels);
   const auto choose = [&](std::uint32_t id) {
-    REQUIRE(scope.choose(player->scope_choice(id, 1, places_of(*player, {"out/y"}))));
+    REQUIRE(scope.choose(ScopeChoice::of(player->version(), id, 1, places_of(*player, {"out/y"}))));
   };
   choose(1);
   choose(2);

@@ -26,13 +26,17 @@ LiveScope::LiveScope(Player& instrument, Player* plant) {
     halves_.push_back(std::make_unique<Half>());
     auto& half = *halves_.back();
     half.player = player;
-    player->set_scopes(&half.scope, &half.levels);
+    player->add_observer(half.scope);
+    player->add_observer(half.levels);
   }
   (void)follow_edits();
 }
 
 LiveScope::~LiveScope() {
-  for (const auto& half : halves_) half->player->set_scopes(nullptr, nullptr);
+  for (const auto& half : halves_) {
+    half->player->remove_observer(half->scope);
+    half->player->remove_observer(half->levels);
+  }
 }
 
 // The control thread's side.
@@ -50,16 +54,14 @@ bool LiveScope::tick() {
   return edited;
 }
 
-std::uint64_t LiveScope::version_of(const Half& half) { return half.player->scope_choice(0, 1, {}).running; }
-
 bool LiveScope::follow_edits() {
   const bool edited =
-      std::ranges::any_of(halves_, [](const auto& half) { return version_of(*half) != half->version; });
+      std::ranges::any_of(halves_, [](const auto& half) { return half->player->version() != half->version; });
   if (!edited) return false;
   signals_.clear();
   for (std::size_t h = 0; h < halves_.size(); ++h) {
     auto& half = *halves_[h];
-    half.version = version_of(half);
+    half.version = half.player->version();
     half.measuring = false;
     half.next_level = 0;
     for (auto& signal : scope_signals(half.player->plan())) {
@@ -88,7 +90,7 @@ void LiveScope::choose() {
   }
   // Full while no blocks come; the next edit or order tries again.
   for (std::size_t h = 0; h < halves_.size(); ++h)
-    (void)halves_[h]->scope.choose(halves_[h]->player->scope_choice(order_.id, order_.bin, places[h]));
+    (void)halves_[h]->scope.choose(ScopeChoice::of(halves_[h]->version, order_.id, order_.bin, places[h]));
   const std::lock_guard lock{mutex_};
   shown_ = std::move(shown);
   layout_ = std::move(layout);
@@ -98,7 +100,7 @@ void LiveScope::choose() {
 void LiveScope::measure_levels(std::size_t h) {
   auto& half = *halves_[h];
   if (!levels_wanted_) {
-    if (half.measuring) (void)half.levels.choose(half.player->scope_choice(0, 1, {}));
+    if (half.measuring) (void)half.levels.choose({});
     half.measuring = false;
     levels_.clear();
     return;
@@ -125,7 +127,7 @@ void LiveScope::choose_levels(std::size_t h) {
     half.measured.push_back(own[half.next_level++ % own.size()]);
     places.push_back(signals_[half.measured.back()].of.place);
   }
-  half.measuring = half.levels.choose(half.player->scope_choice(++half.level_id, kLevelBin, places));
+  half.measuring = half.levels.choose(ScopeChoice::of(half.version, ++half.level_id, kLevelBin, places));
 }
 
 // The network thread's side.

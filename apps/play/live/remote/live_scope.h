@@ -66,7 +66,6 @@ class LiveScope {
     bool measuring = false;
   };
 
-  static std::uint64_t version_of(const Half& half);
   bool follow_edits();
   void choose();
   void measure_levels(std::size_t half);
