@@ -40,7 +40,9 @@ class RigCheck {
     for (const auto& output : instrument_.outputs)
       output.use == OutputUse::Audio ? check_audio(output.name) : check_drive(output.name);
     for (const auto& control : rig_.controls) check_control(control);
-    for (const auto& midi : rig_.midi) check_midi(midi);
+    for (const auto& midi : rig_.midi) check_mover(midi, "a MIDI control needs");
+    for (const auto& osc : rig_.osc) check_mover(osc, "an OSC address needs");
+    for (const auto& hid : rig_.hid) check_mover(hid, "an axis or a button needs");
     return errors_.take();
   }
 
@@ -127,12 +129,14 @@ class RigCheck {
                       in_unit(control.range.high, control.unit));
   }
 
-  void check_midi(const RigMidi& midi) {
-    const auto* entry = find_named(instrument_.controls, midi.control);
+  /// A control is moved over its range.
+  template <class Mover>
+  void check_mover(const Mover& mover, const char* needed) {
+    const auto* entry = find_named(instrument_.controls, mover.control);
     if (entry == nullptr)
-      return report_unknown("control", midi.control, midi.at, names_of(instrument_.controls));
+      return report_unknown("control", mover.control, mover.at, names_of(instrument_.controls));
     if (find(entry->fields, "range") == nullptr)
-      errors_.add(Errc::Missing, midi.at, "'" + midi.control + "' has no range, which a MIDI control needs",
+      errors_.add(Errc::Missing, mover.at, fmt::format("'{}' has no range, which {}", mover.control, needed),
                   "give it a range in the instrument, as in range = [0, 1]");
   }
 

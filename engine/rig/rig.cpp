@@ -56,6 +56,12 @@ class RigReader {
     read_controls(table);
     for (const auto& entry : read_entries(table, "midi", "{ control = 7 }", errors_))
       if (!entry.broken) rig_.midi.push_back(read_midi(entry));
+    for (const auto& entry : read_entries(table, "midi_out", "{ note = 38 }", errors_))
+      if (!entry.broken) rig_.midi_out.push_back(read_midi_out(entry));
+    for (const auto& entry : read_entries(table, "osc", "{ address = \"/1/fader3\" }", errors_))
+      if (!entry.broken) rig_.osc.push_back(read_osc(entry));
+    for (const auto& entry : read_entries(table, "hid", "{ axis = 0 }", errors_))
+      if (!entry.broken) rig_.hid.push_back(read_hid(entry));
     read_delay(table);
   }
 
@@ -170,6 +176,66 @@ class RigReader {
     return midi;
   }
 
+  RigMidiOut read_midi_out(const EntrySpec& entry) {
+    const auto& section = *rig_fields()["midi_out"].inside;
+    FieldReader fields{entry, section, errors_, "MIDI output"};
+    RigMidiOut out{entry.name, entry.at};
+    const auto number = [&](const char* key, int otherwise) {
+      return static_cast<int>(fields.number(key).value_or(otherwise));
+    };
+    const bool note = fields.has("note"), control = fields.has("control"), clock = fields.flag("clock");
+    if (note + control + clock != 1)
+      errors_.add(Errc::Missing, entry.at, "'" + entry.name + "' needs exactly one kind of MIDI message",
+                  "give one of note = 38, control = 7 and clock = true");
+    if (control) out.kind = RigMidiOut::Kind::Controller;
+    if (clock) out.kind = RigMidiOut::Kind::Clock;
+    out.number = number(control ? "control" : "note", 0);
+    out.channel = number("channel", out.channel);
+    out.per_beat = number("per_beat", out.per_beat);
+    out.length = Seconds{fields.number("length").value_or(out.length.value)};
+    for (auto [key, level] : {std::pair{"softest", &out.softest}, {"loudest", &out.loudest}})
+      if (const auto* value = fields.value(key); value != nullptr) {
+        const auto quantity = read_quantity(*value);
+        if (errors_.keep(quantity) != nullptr) *level = quantity->si;
+      }
+    if (!(out.softest > 0 && out.softest < out.loudest))
+      errors_.add(Errc::OutOfRange, entry.at,
+                  "the softest level of '" + entry.name + "' is not below the loudest",
+                  "give levels above 0, as in softest = \"-40 dB\", loudest = \"0 dB\"");
+    only_with(note, fields, {"softest", "loudest", "length"}, "note");
+    only_with(clock, fields, {"per_beat"}, "clock");
+    return out;
+  }
+  void only_with(bool there, FieldReader& fields, std::initializer_list<const char*> keys, const char* what) {
+    for (const auto* key : keys)
+      if (!there && fields.has(key))
+        errors_.add(Errc::BadArgument, fields.value(key)->at,
+                    fmt::format("'{}' is only allowed with '{}'", key, what),
+                    fmt::format("remove '{}'", key));
+  }
+
+  RigOsc read_osc(const EntrySpec& entry) {
+    FieldReader fields{entry, *rig_fields()["osc"].inside, errors_, "control"};
+    RigOsc osc{entry.name, entry.at, fields.text("address")};
+    if (!osc.address.empty() && !osc.address.starts_with('/'))
+      errors_.add(Errc::Syntax, fields.value("address")->at, "'" + osc.address + "' is no OSC address",
+                  "it begins with /, as in \"/1/fader3\"");
+    return osc;
+  }
+
+  RigHid read_hid(const EntrySpec& entry) {
+    FieldReader fields{entry, *rig_fields()["hid"].inside, errors_, "control"};
+    RigHid hid{entry.name, entry.at, fields.text("device")};
+    const bool axis = fields.has("axis"), button = fields.has("button");
+    if (axis == button)
+      errors_.add(Errc::Missing, entry.at, "control '" + entry.name + "' needs an axis or a button",
+                  "give one of axis = 0 and button = 0");
+    if (button) hid.part = HidPart::Button;
+    hid.number = static_cast<int>(fields.number(button ? "button" : "axis").value_or(0));
+    hid.invert = fields.flag("invert");
+    return hid;
+  }
+
   void read_delay(const Value::Table& table) {
     const auto* section = read_section(table, "delay", errors_);
     if (section == nullptr) return;
@@ -249,18 +315,41 @@ const SectionType& rig_fields() {
        field("pitch_bend", Kind::Flag, "the pitch wheel sets the control"),
        field("fine", Kind::Flag, "14-bit value, with controller + 32 as its low bits"),
        field("gate", Kind::Flag, "the control is 1 while the note is held")}};
+  static const SectionType midi_out{
+      "a MIDI message that an event or a control sends",
+      {whole_field("channel", 1, 16, "MIDI channel", "1"),
+       whole_field("note", 0, 127, "the event plays this note; its level is the velocity"),
+       field("softest", Kind::Any, "level of the event with velocity 1", "-40 dB"),
+       field("loudest", Kind::Any, "level of the event with velocity 127", "0 dB"),
+       quantity_field("length", "s", 0.001, 10, "length of the note", "50 ms"),
+       whole_field("control", 0, 127, "the control sends this controller, as a share of its range"),
+       field("clock", Kind::Flag, "the control, in Hz, gives the beats of a MIDI clock"),
+       whole_field("per_beat", 1, 96, "periods of the control in a beat of the clock", "1")}};
+  static const SectionType osc{
+      "an OSC address of another program that moves a control",
+      {required(text_field("address", "such as \"/1/fader3\"; 0 to 1 over the range"))}};
+  static const SectionType hid{
+      "an axis or a button of a joystick, gamepad or pedal that moves a control",
+      {text_field("device", "part of its name", "any"), whole_field("axis", 0, 63, "number of the axis"),
+       whole_field("button", 0, 63, "the control is at its highest value while it is pressed"),
+       field("invert", Kind::Flag, "the other way round")}};
   static const SectionType delay{"system delay",
                                  {quantity_field("measured", "s", 0, 10, "measured delay of the card"),
                                   quantity_field("pad", "s", 0, 10, "total delay, reached by adding delay")}};
   static const SectionType section{
       "a rig file: the hardware of an instrument",
-      joined(rig_heading(),
-             {required(section_field("device", device)),
-              entries_field("inputs", input, "channels of the instrument's inputs"),
-              entries_field("outputs", output, "channels of the instrument's outputs"),
-              entries_field("actuators", output, "actuators on channels that must never carry sound"),
-              field("controls", Kind::Settings, "initial values of controls"),
-              entries_field("midi", midi, "MIDI sources of the controls"), section_field("delay", delay)})};
+      joined(
+          rig_heading(),
+          {required(section_field("device", device)),
+           entries_field("inputs", input, "channels of the instrument's inputs"),
+           entries_field("outputs", output, "channels of the instrument's outputs"),
+           entries_field("actuators", output, "actuators on channels that must never carry sound"),
+           field("controls", Kind::Settings, "initial values of controls"),
+           entries_field("midi", midi, "MIDI sources of the controls"),
+           entries_field("midi_out", midi_out, "MIDI messages of events and controls"),
+           entries_field("osc", osc, "OSC addresses of other programs that move controls"),
+           entries_field("hid", hid, "axes and buttons of joysticks, gamepads and pedals that move controls"),
+           section_field("delay", delay)})};
   return section;
 }
 
@@ -353,6 +442,29 @@ std::string line(const RigMidi& midi) {
   return text + (midi.fine ? ", fine = true" : "") + (midi.gate ? ", gate = true" : "") + " }\n";
 }
 
+std::string line(const RigMidiOut& out) {
+  using Kind = RigMidiOut::Kind;
+  std::string text = key_text(out.name) + " = { ";
+  if (out.channel != 1) text += fmt::format("channel = {}, ", out.channel);
+  if (out.kind == Kind::Controller) text += fmt::format("control = {}", out.number);
+  if (out.kind == Kind::Clock) text += fmt::format("clock = true, per_beat = {}", out.per_beat);
+  if (out.kind == Kind::Note)
+    text += fmt::format("note = {}, softest = {}, loudest = {}, length = {}", out.number, out.softest,
+                        out.loudest, exact_quantity(out.length.value, kSecond));
+  return text + " }\n";
+}
+
+std::string line(const RigOsc& osc) {
+  return key_text(osc.control) + " = { address = " + in_quotes(osc.address) + " }\n";
+}
+
+std::string line(const RigHid& hid) {
+  std::string text = key_text(hid.control) + " = { ";
+  if (!hid.device.empty()) text += "device = " + in_quotes(hid.device) + ", ";
+  text += fmt::format("{} = {}", hid.part == HidPart::Button ? "button" : "axis", hid.number);
+  return text + (hid.invert ? ", invert = true" : "") + " }\n";
+}
+
 template <class Items>
 std::string section(const char* name, const Items& items) {
   if (items.empty()) return "";
@@ -420,6 +532,7 @@ std::string to_text(const Rig& rig) {
   if (!rig.about.empty()) text += "about = " + in_quotes(rig.about) + "\n";
   return text + device_section(rig.device) + section("inputs", rig.inputs) + section("outputs", rig.outputs) +
          section("actuators", rig.actuators) + section("controls", rig.controls) + section("midi", rig.midi) +
+         section("midi_out", rig.midi_out) + section("osc", rig.osc) + section("hid", rig.hid) +
          delay_section(rig);
 }
 

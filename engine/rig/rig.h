@@ -60,6 +60,39 @@ struct RigMidi {
   bool gate = false;  ///< a note moves it to its highest value and back to its lowest when it ends
 };
 
+/// The OSC address of another program that moves a control: from 0 to 1 over its range.
+struct RigOsc {
+  std::string control;
+  Source at;
+  std::string address;  ///< "/1/fader3"
+};
+
+enum class HidPart { Axis, Button };
+
+/// An axis or a button of a joystick, gamepad or pedal that moves a control over its range.
+struct RigHid {
+  std::string control;
+  Source at;
+  std::string device;  ///< a part of its name; empty: any
+  HidPart part = HidPart::Axis;
+  int number = 0;  ///< from 0 on
+  bool invert = false;
+};
+
+/// What an event or a control of the instrument sends.
+struct RigMidiOut {
+  enum class Kind { Note, Controller, Clock };
+  std::string name;  ///< of the event (Note) or the control
+  Source at;
+  int channel = 1;  ///< 1 to 16
+  Kind kind = Kind::Note;
+  int number = 0;  ///< of the note or controller
+  /// Levels of an event with velocity 1 and 127, SI of its level.
+  double softest = 0.01, loudest = 1.0;
+  Seconds length{0.05};  ///< of a note
+  int per_beat = 1;      ///< periods of the control, in Hz, that are a beat of the clock
+};
+
 /// A rig file: the hardware that an instrument plays on. docs/rigs.md explains it.
 struct Rig {
   struct Device {
@@ -81,6 +114,9 @@ struct Rig {
   std::vector<RigOutput> actuators;  ///< on channels that this instrument need not use
   std::vector<Control> controls;     ///< initial values
   std::vector<RigMidi> midi;
+  std::vector<RigMidiOut> midi_out;
+  std::vector<RigOsc> osc;
+  std::vector<RigHid> hid;
   std::optional<Seconds> measured_delay;  ///< from the sensor's volts to the actuator's
   std::optional<Seconds> pad_delay;       ///< hold the whole at this
   bool incomplete = false;                ///< a section could not be read

@@ -122,6 +122,60 @@ TEST_CASE("rig: a written rig reads back the same, to the last bit", "[rig]") {
   CHECK(again.midi[3].fine);
 }
 
+TEST_CASE("rig: messages that events and controls send, and OSC addresses, read back the same", "[rig]") {
+  const auto rig = rig_of(kDesk + R"(
+[midi_out]
+hit      = { note = 38, channel = 10, softest = "-60 dB", loudest = 0.5, length = "20 ms" }
+toss     = { note = 39 }
+strength = { control = 7 }
+rate     = { clock = true, per_beat = 4 }
+[osc]
+strength = { address = "/1/fader3" }
+[hid]
+strength = { device = "Pedal", axis = 1, invert = true }
+sensitivity = { button = 3 }
+)");
+  REQUIRE(rig.midi_out.size() == 4);
+  CHECK(rig.midi_out[0].channel == 10);
+  CHECK(rig.midi_out[0].number == 38);
+  CHECK(rig.midi_out[0].softest == Approx(0.001));
+  CHECK(rig.midi_out[0].loudest == 0.5);
+  CHECK(rig.midi_out[0].length == 20_ms);
+  CHECK(rig.midi_out[1].channel == 1);
+  CHECK(rig.midi_out[1].softest == Approx(0.01));
+  CHECK(rig.midi_out[2].kind == RigMidiOut::Kind::Controller);
+  CHECK(rig.midi_out[3].kind == RigMidiOut::Kind::Clock);
+  CHECK(rig.midi_out[3].per_beat == 4);
+  REQUIRE(rig.osc.size() == 1);
+  CHECK(rig.osc[0].address == "/1/fader3");
+  REQUIRE(rig.hid.size() == 2);
+  CHECK(rig.hid[0].device == "Pedal");
+  CHECK(rig.hid[0].number == 1);
+  CHECK(rig.hid[0].invert);
+  CHECK(rig.hid[1].part == HidPart::Button);
+  const auto text = to_text(rig);
+  INFO(text);
+  CHECK(to_text(rig_of(text)) == text);
+  CHECK(rig_of(text).midi_out[0].softest == rig.midi_out[0].softest);
+}
+
+TEST_CASE("rig: wrong messages and addresses are errors with their place", "[rig]") {
+  const auto errors = [](const std::string& lines) {
+    const auto read = parse_rig("format = 1\n[device]\noutput = \"x\"\n" + lines, "rig.toml", kProfiles);
+    return read ? "" : to_string(read.error());
+  };
+  CHECK(errors("[midi_out]\nhit = { channel = 2 }\n") ==
+        "rig.toml:5:1: 'hit' needs exactly one kind of MIDI message; give one of note = 38, control = 7 and "
+        "clock = true");
+  CHECK(errors("[midi_out]\nhit = { note = 38, softest = 0.5, loudest = 0.1 }\n")
+            .find("the softest level of 'hit' is not below the loudest") != std::string::npos);
+  CHECK(errors("[midi_out]\na = { control = 7, length = \"1 s\" }\n").find("only allowed with 'note'") !=
+        std::string::npos);
+  CHECK(errors("[hid]\na = { axis = 1, button = 2 }\n").find("needs an axis or a button") !=
+        std::string::npos);
+  CHECK(errors("[osc]\na = { address = \"fader\" }\n").find("is no OSC address") != std::string::npos);
+}
+
 TEST_CASE("rig: sensitivities of every dimension read back the same", "[rig]") {
   const auto* sensitivity =
       GENERATE("50 mV", "-50 mV", "3.3 V/m", "12 mV/N", "100 mV s^2/m", "2 V s/m", "0.7 mV/Pa", "0.25");
