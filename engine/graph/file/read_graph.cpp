@@ -221,6 +221,7 @@ ControlSpec read_control(EntrySpec entry, ErrorList& errors) {
   const auto unit = fields.unit("unit");
   if (unit) control.unit = *unit;
   read.unit_known = unit && read_value(read, control, errors);
+  control.about = fields.text("about");
   if (read.unit_known) read_range(fields, control, errors);
   control.smooth_s = fields.number("smooth").value_or(control.smooth_s);
   if (const auto role = fields.choice("midi")) {

@@ -80,6 +80,7 @@ struct FlatControl {
   Interval range = {};
   double smooth_s = 0.010;
   MidiRole midi = MidiRole::None;
+  std::string about = {};  ///< for people
 };
 
 enum class OutputUse { Drive, Audio, Tap };
