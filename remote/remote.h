@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -11,6 +12,7 @@
 
 #include "engine/core/dimension.h"
 #include "engine/core/error.h"
+#include "engine/rig/rig.h"
 #include "engine/runtime/signal_scope.h"
 #include "remote/picture.h"
 
@@ -29,8 +31,16 @@ struct RemoteControl {
   bool constant = false;         ///< it cannot be changed during playback
   double initial = 0.0;          ///< as in the file
   std::string midi;              ///< the controller that moves it, "cc 7"; or ""
+  std::string osc;               ///< the foreign OSC address that moves it, "/1/fader3"; or ""
+  std::optional<RigHid> hid;     ///< the axis or button that moves it
+  std::string about;             ///< for people, as in the file
   /// [any] The last value that it was set to, SI.
   mutable std::atomic<double> value{0.0};
+
+  /// [any] Its value as a position from 0 to 1 in its range, along its taper; 0 without a finite range.
+  double position() const;
+  /// [any] SI; the initial value without a finite range.
+  double at_position(double position) const;
 };
 
 /// What can be read and set. The values of its controls follow the instrument; everything else of it stays,
@@ -41,7 +51,9 @@ struct RemoteDescription {
   std::vector<std::string> gestures;
   std::vector<std::string> inputs, outputs;
   std::vector<std::string> guard_stages;  ///< in the order of RemoteMeters::guard
+  std::vector<std::string> events = {};   ///< of the instrument: "hit"
   std::vector<std::string> presets = {};
+  std::optional<double> world_delay_s = {};     ///< the delay of a simulated world: see order_verdict
   std::shared_ptr<const Picture> picture = {};  ///< nullptr: no server asked for it
 
   /// [any] The place of a control or gesture, or -1.
@@ -77,10 +89,12 @@ struct RemoteEvent {
     Guard,    ///< `text`: why the guard faded an output
     Armed,    ///< `value`: 1 or 0
     Muted,
+    Trigger,   ///< `text`: name of the instrument's event; `level`: how strong it was
     NotArmed,  ///< `text`: why an order to arm was not obeyed; for the client that gave it
   };
   Kind kind = Kind::Message;
   int value = 0;
+  double level = 0.0;      ///< SI of its signal
   std::int64_t frame = 0;  ///< of the stream; of a message the frame that is being processed
   double time_s = 0.0;     ///< of that frame, by the system clock
   char text[200] = {};
@@ -110,6 +124,13 @@ struct RemoteEdit {
   std::vector<Error> errors;
 };
 
+/// Whether the world would be stable with another system delay.
+struct RemoteVerdict {
+  double delay_s = 0.0;
+  bool stable = false;  ///< it is certain
+  std::string text;
+};
+
 /// What the scope shows now. Signals that cannot be shown are refused with a reason.
 struct RemoteScope {
   std::uint32_t id = 0;
@@ -122,11 +143,15 @@ struct RemoteRequest {
   enum class Kind : std::uint8_t {
     RecallPreset,
     SavePreset,
-    Learn,  ///< the next MIDI controller that moves is bound to a control; without a name: no more
+    Learn,  ///< the next MIDI controller or foreign OSC address is bound to a control; without a name: no
+            ///< more
+    LearntAddress,  ///< `name`: the OSC address
+    LearntHid,      ///< `hid`: the axis or button
   };
   Kind kind = Kind::RecallPreset;
   std::string name;
   double ramp_s = 0.0;
+  RigHid hid = {};
 };
 
 /// A running instrument. Functions of the network thread are called by one thread; several servers share it
@@ -159,6 +184,11 @@ class RemoteTarget {
 
   /// [any, the network thread] A message for the user.
   virtual void report(std::string /*text*/) {}
+  /// [any, the network thread] A message with this OSC address came, which has no meaning. False: it gets
+  /// none, because no control is being learnt.
+  [[nodiscard]] virtual bool learn_address(const std::string& /*address*/) { return false; }
+  /// [any, the network thread] The same of an axis or a button.
+  [[nodiscard]] virtual bool learn_hid(const RigHid& /*source*/) { return false; }
   /// [any, the network thread] False: too many wait.
   [[nodiscard]] virtual bool request(RemoteRequest /*request*/) { return false; }
 
@@ -167,6 +197,9 @@ class RemoteTarget {
   virtual std::shared_ptr<const RemoteState> state() const { return nullptr; }
   virtual std::shared_ptr<const RemoteEdit> edit() const { return nullptr; }
   virtual std::shared_ptr<const RemoteScope> scope() const { return nullptr; }
+  virtual std::shared_ptr<const RemoteVerdict> verdict() const { return nullptr; }
+  /// [any, the network thread] The stability with this system delay; of several orders the last one counts.
+  virtual void order_verdict(double /*delay_s*/) {}
   /// [any, the network thread] The scope shows these signals from now on; none: it is off.
   virtual void order_scope(std::uint32_t /*id*/, int /*bin*/, std::vector<std::string> /*signals*/) {}
   /// [any, the network thread] The state includes the levels of all signals from now on, or no longer.

@@ -29,6 +29,14 @@ class SharedRemote::Share final : public RemoteTarget {
     return all_.target_.post(bundle);
   }
   void report(std::string text) override { all_.target_.report(std::move(text)); }
+  bool learn_address(const std::string& address) override {
+    const std::lock_guard lock{all_.mutex_};
+    return all_.target_.learn_address(address);
+  }
+  bool learn_hid(const RigHid& source) override {
+    const std::lock_guard lock{all_.mutex_};
+    return all_.target_.learn_hid(source);
+  }
   bool request(RemoteRequest request) override {
     const std::lock_guard lock{all_.mutex_};
     return all_.target_.request(std::move(request));
@@ -61,6 +69,8 @@ class SharedRemote::Share final : public RemoteTarget {
   std::shared_ptr<const RemoteState> state() const override { return all_.target_.state(); }
   std::shared_ptr<const RemoteEdit> edit() const override { return all_.target_.edit(); }
   std::shared_ptr<const RemoteScope> scope() const override { return all_.target_.scope(); }
+  std::shared_ptr<const RemoteVerdict> verdict() const override { return all_.target_.verdict(); }
+  void order_verdict(double delay_s) override { all_.target_.order_verdict(delay_s); }
   void order_scope(std::uint32_t id, int bin, std::vector<std::string> signals) override {
     const std::lock_guard lock{all_.mutex_};
     all_.target_.order_scope(id, bin, std::move(signals));

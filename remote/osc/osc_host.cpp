@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "engine/graph/file/quantity.h"
 
@@ -11,16 +12,24 @@ namespace tactus {
 namespace {
 
 constexpr std::string_view kControl = "/control/", kTrigger = "/trigger/", kGesture = "/gesture/";
-/// By RemoteEvent::Kind.
-constexpr std::array kEvents = {"/event/message", "/event/guard", "/event/armed", "/event/muted"};
+/// By RemoteEvent::Kind; behind the last one is the name of the event.
+constexpr std::array kEvents = {"/event/message", "/event/guard", "/event/armed", "/event/muted",
+                                "/event/trigger/"};
 constexpr double kLeastRate_hz = 1.0, kMostRate_hz = 100.0, kDefaultRate_hz = 10.0;
 constexpr int kMostArmNumber = 1 << 23;  // exact as float32 too, which is all that Pd has
-constexpr double kRounding = 1e-6;       // of a limit, that float32 may be beyond it
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+constexpr double kRounding = 1e-6;  // of a limit, that float32 may be beyond it
 
 std::optional<double> number_of(const OscValue& value) {
   if (const auto* number = std::get_if<double>(&value)) return *number;
   if (const auto* number = std::get_if<std::int64_t>(&value)) return static_cast<double>(*number);
   return std::nullopt;
+}
+
+/// The first value as a finite number, or NaN.
+double first_number(const std::vector<OscValue>& values) {
+  const double number = values.empty() ? kNoNumber : number_of(values.front()).value_or(kNoNumber);
+  return std::isfinite(number) ? number : kNoNumber;
 }
 
 const std::string* text_of(const OscValue& value) { return std::get_if<std::string>(&value); }
@@ -79,6 +88,8 @@ std::vector<OscReading> osc_readings(const RemoteDescription& description) {
   return readings;
 }
 
+std::string osc_event(const std::string& name) { return kEvents.back() + name; }
+
 OscHost::OscHost(RemoteTarget& target, Send send, bool arm_from_elsewhere)
     : target_(target), send_(std::move(send)), arm_from_elsewhere_(arm_from_elsewhere) {
   renew();
@@ -126,6 +137,7 @@ void OscHost::obey(const OscMessage& message, Context& context) {
   if (address == "/subscribe") return subscribe(message.values, context);
   if (address == "/unsubscribe") return unsubscribe(message.values, context);
   if (address == "/list") return list(context);
+  if (turn(message, context)) return;
   error(context, "there is no message " + message.address);
 }
 
@@ -178,6 +190,19 @@ void OscHost::set_one(const RemoteControl& control, const Values& values, Contex
                             .received = {}});
 }
 
+/// Messages of a phone or a mixer have addresses of their own; faders go from 0 to 1. False: the message
+/// stands for no control.
+bool OscHost::turn(const OscMessage& message, Context& context) {
+  const double position = first_number(message.values);
+  if (std::isnan(position)) return false;
+  const auto& controls = description_->controls;
+  const auto learnt = std::ranges::find(controls, message.address, &RemoteControl::osc);
+  if (learnt == controls.end()) return target_.learn_address(message.address);
+  context.orders.push_back(
+      {.number = learnt->number, .value = learnt->at_position(position), .received = {}});
+  return true;
+}
+
 /// Reports a value outside of the range, once until one is inside again.
 double OscHost::clamped(const RemoteControl& control, double si, Context& context) {
   const double inside = std::clamp(si, control.low, control.high);
@@ -205,11 +230,11 @@ void OscHost::trigger(std::string_view name, const Values& values, Context& cont
 
 void OscHost::gesture(std::string_view name, const Values& values, Context& context) {
   const int gesture = description_->find_gesture(name);
-  const auto value = values.empty() ? std::nullopt : number_of(values[0]);
+  const double value = first_number(values);
   if (gesture < 0) return error(context, fmt::format("there is no gesture '{}'", name));
-  if (!value || !std::isfinite(*value)) return error(context, fmt::format("{}: give a number", name));
+  if (std::isnan(value)) return error(context, fmt::format("{}: give a number", name));
   context.orders.push_back(
-      {.kind = RemoteOrder::Kind::Gesture, .number = gesture, .value = *value, .received = {}});
+      {.kind = RemoteOrder::Kind::Gesture, .number = gesture, .value = value, .received = {}});
 }
 
 void OscHost::preset(RemoteRequest::Kind kind, const Values& values, Context& context) {
@@ -340,6 +365,8 @@ void OscHost::choose_readings(Subscription& subscription) const {
     if (covers_osc(subscription.pattern, readings_[r].address)) subscription.readings.push_back(r);
   subscription.events = false;
   for (const auto* event : kEvents) subscription.events |= covers_osc(subscription.pattern, event);
+  for (const auto& event : description_->events)
+    subscription.events |= covers_osc(subscription.pattern, osc_event(event));
   subscription.peaks.assign(description_->inputs.size() + description_->outputs.size(), 0.0);
 }
 
@@ -363,10 +390,14 @@ void OscHost::send_events() {
       continue;
     }
     OscMessage message{kEvents[static_cast<std::size_t>(event.kind)], {event.frame}};
-    if (event.kind == Kind::Message || event.kind == Kind::Guard)
+    if (event.kind == Kind::Message || event.kind == Kind::Guard) {
       message.values.emplace_back(std::string{event.text});
-    else
+    } else if (event.kind == Kind::Trigger) {
+      message.address = osc_event(event.text);
+      message.values.emplace_back(event.level);
+    } else {
       message.values.emplace_back(std::int64_t{event.value});
+    }
     for (const auto& [peer, client] : clients_)
       if (std::ranges::any_of(client.subscriptions, [&](const auto& subscription) {
             return subscription.events && covers_osc(subscription.pattern, message.address);

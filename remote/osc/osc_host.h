@@ -47,6 +47,9 @@ struct OscReading {
 /// All that can be read, in the order of the description.
 std::vector<OscReading> osc_readings(const RemoteDescription& description);
 
+/// The address of an event of the instrument: "/event/trigger/hit".
+std::string osc_event(const std::string& name);
+
 /// The OSC protocol of an instrument (docs/howto/use_osc.md has its messages), without sockets. Packets act
 /// on the target at once or as orders to its control thread. Nothing of it grows without a bound: there are
 /// at most kMostClients clients with kMostSubscriptions each, and answers to all of them are limited to
@@ -100,6 +103,7 @@ class OscHost {
   bool obey_at_once(const OscMessage& message, Context& context);
   void obey_mute(const Values& values, Context& context);
   void set(std::string_view name, const Values& values, Context& context);
+  bool turn(const OscMessage& message, Context& context);
   void set_one(const RemoteControl& control, const Values& values, Context& context);
   double clamped(const RemoteControl& control, double si, Context& context);
   void trigger(std::string_view name, const Values& values, Context& context);

@@ -42,8 +42,9 @@ Json reading(double value, const std::string& unit, const std::string& descripti
 void add_controls(Json& root, const RemoteDescription& description) {
   for (const auto& control : description.controls) {
     const auto& unit = control.unit;
-    const auto about = control.constant ? "cannot be changed during playback"
-                                        : "a second argument is the duration of a ramp in seconds";
+    const std::string about = (control.about.empty() ? "" : control.about + "; ") +
+                              (control.constant ? "cannot be changed during playback"
+                                                : "a second argument is the duration of a ramp in seconds");
     auto node = reading(unit.from_si(control.value), control.unit_name, about);
     node["ACCESS"] = control.constant ? kRead : kRead | kWrite;
     Json range = Json::object();
@@ -78,7 +79,7 @@ void add_readings(Json& root, const RemoteTarget& remote, const RemoteDescriptio
   }
 }
 
-void add_orders(Json& root) {
+void add_orders(Json& root, const RemoteDescription& description) {
   for (const auto& [address, type, about] :
        {std::tuple{"/arm/request", "N", "answered with /arm/number and a number"},
         {"/arm", "i", "arms the drives: the number of the answer, within 3 s; then send /alive every 100 ms"},
@@ -96,6 +97,8 @@ void add_orders(Json& root) {
     add(root, event, method(kRead, "is", "frame and text; subscribe to it"));
   for (const auto* event : {"/event/armed", "/event/muted"})
     add(root, event, method(kRead, "ii", "frame, and 1 or 0; subscribe to it"));
+  for (const auto& event : description.events)
+    add(root, osc_event(event), method(kRead, "if", "frame, and how strong it was; subscribe to it"));
 }
 
 Json tree(const RemoteTarget& remote) {
@@ -106,7 +109,7 @@ Json tree(const RemoteTarget& remote) {
                {"CONTENTS", Json::object()}};
   add_controls(root, *description);
   add_readings(root, remote, *description);
-  add_orders(root);
+  add_orders(root, *description);
   return root;
 }
 

@@ -3,13 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
+
+#include "remote/panel/panel_messages.h"
 
 namespace tactus {
 namespace {
@@ -17,159 +16,11 @@ namespace {
 using Json = nlohmann::json;
 using namespace std::chrono_literals;
 
-constexpr int kProtocol = 1;
 constexpr std::size_t kMostScopeChunks = 64;  // in a tick
 constexpr int kMostBin = 1 << 20;
 constexpr int kMostArmNumber = 1 << 30;
-constexpr double kLongestRamp_s = 3600.0;
+constexpr double kLongestRamp_s = 3600.0, kLongestDelay_s = 1.0;
 constexpr auto kStateInterval = 50ms;
-
-/// Names come from files: bytes that are no UTF-8 are replaced.
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
-
-/// JSON has no infinity.
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-template <class List, class Make>
-Json list(const List& from, Make make) {
-  Json all = Json::array();
-  for (const auto& item : from) all.push_back(make(item));
-  return all;
-}
-
-Json shares(const std::vector<std::optional<double>>& values) {
-  return list(values, [](const auto& value) { return value ? number(*value) : Json(nullptr); });
-}
-
-Json heat_json(const RemoteState& state) {
-  Json all = Json::array();
-  for (std::size_t o = 0; o < std::min(state.coil.size(), state.body.size()); ++o)
-    all.push_back(state.coil[o] && state.body[o]
-                      ? Json{{"coil", number(*state.coil[o])}, {"body", number(*state.body[o])}}
-                      : Json(nullptr));
-  return all;
-}
-
-Json numbers(const std::vector<double>& values) { return list(values, number); }
-
-Json named(const std::vector<std::string>& names) {
-  return list(names, [](const auto& name) { return Json{{"name", name}}; });
-}
-
-Json control_json(const RemoteControl& control) {
-  const auto shown = [&](double si) { return number(control.unit.from_si(si)); };
-  return {{"name", control.name},
-          {"unit", control.unit_name},
-          {"low", std::isfinite(control.low) ? shown(control.low) : Json(nullptr)},
-          {"high", std::isfinite(control.high) ? shown(control.high) : Json(nullptr)},
-          {"value", shown(control.initial)},
-          {"taper", "linear"},
-          {"constant", control.constant},
-          {"midi", control.midi}};
-}
-
-Json output_json(const PictureOutput& output) {
-  return {{"name", output.name},
-          {"drive", output.drive},
-          {"limits", list(output.limits, [](const PictureLimit& limit) {
-             return Json{{"name", limit.name}, {"value", limit.value}, {"source", limit.source}};
-           })}};
-}
-
-Json node_json(const PictureNode& node) {
-  return {{"path", node.path},
-          {"type", node.type},
-          {"about", node.about},
-          {"file", node.file},
-          {"line", node.line},
-          {"loop", node.loop},
-          {"left_out", node.left_out},
-          {"inputs", list(node.inputs,
-                          [](const auto& input) {
-                            return Json{{"port", input.port}, {"from", input.from}};
-                          })},
-          {"outputs", node.outputs}};
-}
-
-void add_picture(const Picture& picture, Json& json) {
-  json["file"] = picture.file;
-  json["device"] = picture.device;
-  json["sample_rate"] = picture.sample_rate_hz;
-  json["block"] = picture.block;
-  json["latency"] = {{"seconds", picture.latency_s ? number(*picture.latency_s) : Json(nullptr)},
-                     {"known", !picture.latency_s         ? "unknown"
-                               : picture.latency_measured ? "measured"
-                                                          : "assumed"}};
-  json["outputs"] = list(picture.outputs, output_json);
-  json["signals"] = list(picture.signals, [](const PictureSignal& signal) {
-    return Json{{"name", signal.name}, {"unit", signal.unit}, {"node", signal.node}};
-  });
-  json["graph"] = {{"nodes", list(picture.nodes, node_json)},
-                   {"loops", list(picture.loops, [](const PictureLoop& loop) {
-                      return Json{{"paths", loop.paths}, {"delay_frames", loop.delay_frames}};
-                    })}};
-  json["text"] = list(picture.files, [](const PictureFile& file) {
-    return Json{{"file", file.name}, {"text", file.text}};
-  });
-}
-
-Json description_json(const RemoteDescription& description) {
-  Json json = {{"kind", "description"},
-               {"protocol", kProtocol},
-               {"name", description.instrument},
-               {"controls", list(description.controls, control_json)},
-               {"gestures", named(description.gestures)},
-               {"inputs", named(description.inputs)},
-               {"guard_stages", description.guard_stages},
-               {"presets", description.presets}};
-  add_picture(description.picture ? *description.picture : Picture{}, json);
-  return json;
-}
-
-/// "instrument.toml:3:7" into its parts, as far as there are any.
-Json error_json(const Error& error) {
-  Json json = {
-      {"file", error.where}, {"line", 0}, {"column", 0}, {"what", error.what}, {"remedy", error.remedy}};
-  std::array<int, 2> numbers{};
-  auto where = std::string_view{error.where};
-  int found = 0;
-  for (; found < 2; ++found) {
-    const auto colon = where.rfind(':');
-    const auto digits = colon == where.npos ? "" : where.substr(colon + 1);
-    if (digits.empty() || digits.size() > 8 || digits.find_first_not_of("0123456789") != digits.npos) break;
-    numbers[static_cast<std::size_t>(found)] = std::stoi(std::string{digits});
-    where = where.substr(0, colon);
-  }
-  json["file"] = where;
-  json["line"] = found == 0 ? 0 : numbers[static_cast<std::size_t>(found - 1)];
-  json["column"] = found == 2 ? numbers[0] : 0;
-  return json;
-}
-
-template <class Number>
-void append(std::string& bytes, Number value) {
-  static_assert(std::endian::native == std::endian::little);
-  const auto at = bytes.size();
-  bytes.resize(at + sizeof value);
-  std::memcpy(bytes.data() + at, &value, sizeof value);
-}
-
-/// docs/panel_protocol.md, "Scope frames".
-std::string scope_bytes(const ScopeChunk& chunk) {
-  std::string bytes;
-  append(bytes, std::uint8_t{1});
-  append(bytes, static_cast<std::uint8_t>(chunk.traces));
-  append(bytes, std::uint16_t{0});
-  append(bytes, chunk.id);
-  append(bytes, static_cast<std::uint32_t>(chunk.bin));
-  append(bytes, static_cast<std::uint32_t>(chunk.bins));
-  append(bytes, static_cast<double>(chunk.frame));
-  const auto per_trace = static_cast<std::size_t>(ScopeChunk::kMostBins * chunk.per_bin());
-  for (int t = 0; t < chunk.traces; ++t)
-    for (std::size_t v = 0; v < static_cast<std::size_t>(chunk.bins * chunk.per_bin()); ++v)
-      append(bytes, chunk.values[static_cast<std::size_t>(t) * per_trace + v]);
-  return bytes;
-}
 
 }  // namespace
 
@@ -206,9 +57,8 @@ PanelHost::~PanelHost() = default;
 void PanelHost::connected(int client, bool local) {
   clients_[client].local = local;
   if (description_ == nullptr) description_ = target_.description();
-  sender_.text(client, text_of(description_json(*description_)));
-  if (edit_ != nullptr)
-    sender_.text(client, text_of({{"kind", "edit"}, {"errors", list(edit_->errors, error_json)}}));
+  sender_.text(client, description_text(*description_));
+  if (edit_ != nullptr) sender_.text(client, edit_text(*edit_));
 }
 
 void PanelHost::disconnected(int client) {
@@ -242,19 +92,13 @@ void PanelHost::received(int number, std::string_view text, Clock::time_point no
 
 PanelHost::Act PanelHost::act_of(std::string_view name) {
   static constexpr std::pair<std::string_view, Act> kOrders[] = {
-      {"set", &PanelHost::set},
-      {"trigger", &PanelHost::trigger},
-      {"gesture", &PanelHost::gesture},
-      {"arm_request", &PanelHost::request_arm},
-      {"arm", &PanelHost::arm},
-      {"alive", &PanelHost::alive},
-      {"disarm", &PanelHost::disarm},
-      {"mute", &PanelHost::mute},
-      {"scope", &PanelHost::scope},
-      {"levels", &PanelHost::levels},
-      {"preset_recall", &PanelHost::recall},
-      {"preset_save", &PanelHost::save},
-      {"learn", &PanelHost::learn},
+      {"set", &PanelHost::set},          {"trigger", &PanelHost::trigger},
+      {"gesture", &PanelHost::gesture},  {"arm_request", &PanelHost::request_arm},
+      {"arm", &PanelHost::arm},          {"alive", &PanelHost::alive},
+      {"disarm", &PanelHost::disarm},    {"mute", &PanelHost::mute},
+      {"scope", &PanelHost::scope},      {"levels", &PanelHost::levels},
+      {"delay", &PanelHost::judge},      {"preset_recall", &PanelHost::recall},
+      {"preset_save", &PanelHost::save}, {"learn", &PanelHost::learn},
   };
   for (const auto& [order, act] : kOrders)
     if (order == name) return act;
@@ -313,7 +157,7 @@ void PanelHost::request_arm(const Message& message) {
   const std::int64_t number = 1 + static_cast<std::int64_t>(random_() % kMostArmNumber);
   message.client.arm_number = number;
   message.client.arm_until = message.now + kArmPatience;
-  sender_.text(message.number, text_of({{"kind", "answer"}, {"to", "arm_request"}, {"number", number}}));
+  sender_.text(message.number, answer_text("arm_request", number));
 }
 
 void PanelHost::arm(const Message& message) {
@@ -358,9 +202,7 @@ void PanelHost::scope(const Message& message) {
   const double id = message.value("id").value_or(0.0);
   if (!(id >= 0 && id < 4294967296.0)) return error(message, "an id is a number from 0 to 4294967295");
   if (scope_client_ && *scope_client_ != message.number)
-    sender_.text(
-        *scope_client_,
-        text_of({{"kind", "answer"}, {"to", "scope"}, {"error", "another panel has taken the scope"}}));
+    sender_.text(*scope_client_, error_text("scope", "another panel has taken the scope"));
   scope_client_ = message.number;
   target_.order_scope(static_cast<std::uint32_t>(id), static_cast<int>(bin), std::move(names));
 }
@@ -372,6 +214,14 @@ void PanelHost::levels(const Message& message) {
   else
     level_clients_.erase(message.number);
   if (before == level_clients_.empty()) target_.order_levels(!level_clients_.empty());
+}
+
+void PanelHost::judge(const Message& message) {
+  const auto delay_s = message.value("seconds");
+  if (!description_->world_delay_s) return error(message, "there is no simulated world");
+  if (!delay_s || !(*delay_s >= 0 && *delay_s <= kLongestDelay_s))
+    return error(message, "a delay takes 0 to 1 s");
+  target_.order_verdict(*delay_s);
 }
 
 void PanelHost::recall(const Message& message) {
@@ -390,9 +240,7 @@ void PanelHost::request(const Message& message, RemoteRequest::Kind kind, double
 
 void PanelHost::error(const Message& message, const std::string& text) {
   ++counts_.refused;
-  sender_.text(message.number, text_of({{"kind", "answer"},
-                                        {"to", message.json.is_object() ? message.text("do") : ""},
-                                        {"error", text}}));
+  sender_.text(message.number, error_text(message.json.is_object() ? message.text("do") : "", text));
 }
 
 // Messages to the browsers.
@@ -421,39 +269,30 @@ void PanelHost::send_all(const std::string& text) {
 void PanelHost::describe() {
   if (auto description = target_.description(); description != description_) {
     description_ = std::move(description);
-    if (!clients_.empty()) send_all(text_of(description_json(*description_)));
+    if (!clients_.empty()) send_all(description_text(*description_));
   }
   if (auto edit = target_.edit(); edit != edit_) {
     edit_ = std::move(edit);
-    send_all(text_of({{"kind", "edit"}, {"errors", list(edit_->errors, error_json)}}));
+    send_all(edit_text(*edit_));
+  }
+  if (auto verdict = target_.verdict(); verdict != verdict_) {
+    verdict_ = std::move(verdict);
+    send_all(verdict_text(*verdict_));
   }
   if (auto scope = target_.scope(); scope != scope_) {
     scope_ = std::move(scope);
-    if (scope_client_)
-      sender_.text(*scope_client_, text_of({{"kind", "scope"},
-                                            {"id", scope_->id},
-                                            {"signals", scope_->signals},
-                                            {"refused", list(scope_->refused, [](const auto& refused) {
-                                               return Json{{"name", refused.first}, {"why", refused.second}};
-                                             })}}));
+    if (scope_client_) sender_.text(*scope_client_, scope_text(*scope_));
   }
 }
 
 void PanelHost::send_events() {
-  static constexpr std::array kKinds = {"message", "guard", "armed", "muted", "message"};
   for (RemoteEvent event; target_.take_event(event);) {
-    Json json = {{"kind", "event"},      {"frame", event.frame},
-                 {"time", event.time_s}, {"what", kKinds[static_cast<std::size_t>(event.kind)]},
-                 {"text", event.text},   {"value", event.value}};
-    if (event.kind == RemoteEvent::Kind::NotArmed) {
-      if (owner_)
-        sender_.text(
-            *owner_,
-            text_of({{"kind", "answer"}, {"to", "arm"}, {"error", std::string{"not armed: "} + event.text}}));
-      owner_.reset();
+    if (event.kind != RemoteEvent::Kind::NotArmed) {
+      send_all(event_text(event));
       continue;
     }
-    send_all(text_of(json));
+    if (owner_) sender_.text(*owner_, error_text("arm", std::string{"not armed: "} + event.text));
+    owner_.reset();
   }
 }
 
@@ -462,41 +301,10 @@ void PanelHost::send_state(Clock::time_point now) {
   const auto meters = target_.take_meters();
   const auto last_state = target_.state();
   const RemoteState state = last_state ? *last_state : RemoteState{};
-  const auto outputs = meters.outputs.size();
-  Json guard = Json::array();
-  for (std::size_t o = 0; o < outputs; ++o) {
-    Json stages = Json::array();
-    for (std::size_t s = 0; s < meters.guard.size() / outputs; ++s)
-      stages.push_back(meters.guard[o * (meters.guard.size() / outputs) + s]);
-    guard.push_back(std::move(stages));
-  }
-  Json json = {
-      {"kind", "state"},
-      {"armed", target_.armed()},
-      {"muted", target_.muted()},
-      {"controls", list(description_->controls,
-                        [](const auto& control) { return number(control.unit.from_si(control.value)); })},
-      {"inputs", numbers(meters.inputs)},
-      {"outputs", numbers(meters.outputs)},
-      {"guard", guard}};
-  json.update({{"frame", state.frame},
-               {"time", state.time_s},
-               {"drives", state.drives},
-               {"stream", state.stream},
-               {"load", number(state.load)},
-               {"load_worst", number(state.worst_load)},
-               {"xruns", state.xruns},
-               {"lost_frames", state.lost_frames},
-               {"faults", list(state.faults,
-                               [](const auto& fault) {
-                                 return Json{{"node", fault.first}, {"count", fault.second}};
-                               })},
-               {"heat", heat_json(state)},
-               {"excursion", shares(state.excursion)}});
-  if (!level_clients_.empty()) json["levels"] = numbers(state.signals);
+  PanelState panel{target_.armed(), target_.muted(), false, !level_clients_.empty()};
   for (const auto& [client, unused] : clients_) {
-    json["owner"] = owner_ == client;
-    sender_.text(client, text_of(json));
+    panel.owner = owner_ == client;
+    sender_.text(client, state_text(*description_, meters, state, panel));
   }
 }
 

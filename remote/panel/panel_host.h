@@ -69,6 +69,7 @@ class PanelHost {
   void mute(const Message& message);
   void scope(const Message& message);
   void levels(const Message& message);
+  void judge(const Message& message);
   void recall(const Message& message);
   void save(const Message& message);
   void learn(const Message& message);
@@ -92,6 +93,7 @@ class PanelHost {
   std::shared_ptr<const RemoteDescription> description_;
   std::shared_ptr<const RemoteEdit> edit_;
   std::shared_ptr<const RemoteScope> scope_;
+  std::shared_ptr<const RemoteVerdict> verdict_;
   std::optional<int> owner_;  ///< the client that had the drives armed, or asked for it
   int arming_ = 0;            ///< of the owner
   bool owner_armed_ = false;  ///< they were seen armed

@@ -829,6 +829,30 @@ test("world: signals of instrument and plant in one screen", async ({ page }) =>
   assert.ok(close(ranges[0], ranges[1], 0.3 * ranges[0]), ranges.join());
 });
 
+test("world: strokes that the drum detects are in the lane of the events, with their level", async ({ page }) => {
+  await show(page, "play");
+  const titles = await until(() => texts(page, ".lane .trigger title"), (x) => x.length >= 5, "strokes in the lane", 20000);
+  assert.ok(titles.every((t) => /^[a-z_.]+: [0-9.e+-]+$/.test(t)), titles.join("; "));
+  assert.ok(titles.some((t) => t.startsWith("hit")), titles.join("; "));
+  assert.equal((await texts(page, ".log .trigger")).length, 0);
+});
+
+test("world: the delay slider asks for a verdict", async ({ page }) => {
+  await show(page, "world");
+  assert.ok(await visible(page, "#delay_slider"));
+  assert.match(await text(page, "#delay_value"), /20 ms/);
+  await page.focus("#delay_slider");
+  await page.keyboard.press("ArrowRight");
+  await until(() => text(page, "#verdict"), (x) => /computing/.test(x), "computing");
+  const verdict = await until(() => text(page, "#verdict"), (x) => /20\.5 ms: (stable|undecided|unstable)/.test(x), "verdict", 60000);
+  assert.match(verdict, /^20\.5 ms: stable/);
+});
+
+test("world: what controls are for is shown", async ({ page }) => {
+  await show(page, "play");
+  assert.ok((await texts(page, ".control .name small")).includes("strokes per second"));
+});
+
 test("world: a control changes the roll", async ({ page }) => {
   await setControl(page, "roll_rate", 10);
   await choose(page, "asked");

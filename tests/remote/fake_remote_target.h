@@ -19,7 +19,8 @@ class FakeRemoteTarget : public RemoteTarget {
     std::string name, unit;
   };
   /// Plain numbers and Hz run from 0 to 1 (SI), ms from 2 to 100, dB from -60 to 0.
-  void describe(const std::vector<Control>& controls) {
+  void describe(const std::vector<Control>& controls,
+                const std::vector<std::string>& instrument_events = {}) {
     auto next =
         std::make_shared<RemoteDescription>(RemoteDescription{"fake",
                                                               std::vector<RemoteControl>(controls.size()),
@@ -39,6 +40,10 @@ class FakeRemoteTarget : public RemoteTarget {
       control.value = control.high;
       control.constant = control.name == "fixed";
     }
+    next->events = instrument_events;
+    next->world_delay_s = world_delay;
+    if (!learnt.empty()) next->controls[0].osc = learnt;
+    for (std::size_t c = 0; c < hid.size(); ++c) next->controls[c].hid = hid[c];
     description_ = std::move(next);
   }
 
@@ -69,9 +74,23 @@ class FakeRemoteTarget : public RemoteTarget {
     return true;
   }
   std::int64_t late() const noexcept override { return 3; }
+  bool learn_address(const std::string& address) override {
+    if (!learning) return false;
+    learnt = address;
+    return true;
+  }
 
   static constexpr int kArming = 17;
-  bool room = true;
+  bool learn_hid(const RigHid& source) override {
+    if (learning) learnt_hid = source;
+    return learning;
+  }
+
+  std::vector<RigHid> hid;  ///< of the first controls that are described
+  std::optional<RigHid> learnt_hid;
+  bool room = true, learning = false;
+  std::optional<double> world_delay;  ///< of what is described
+  std::string learnt;                 ///< the OSC address of the first control that is described
   // Set by the thread of a server.
   std::atomic<bool> is_armed{false}, is_muted{false};
   std::atomic<int> disarms{0}, arms{0}, alives{0};

@@ -227,6 +227,12 @@ class LiveWorld final : public Performer, private BlockProcessor {
     return times.networks();
   }
 
+  std::optional<Seconds> world_delay() const override { return setup_.delay.value_or(scene_.delay); }
+  WorldVerdict judge(Seconds delay, const std::map<std::string, ControlValue>& controls,
+                     const std::function<bool()>& go_on) const override {
+    return judge_world(setup_.target, setup_.in, {delay, setup_.rate, controls}, go_on);
+  }
+
   std::vector<std::string> gestures() override {
     std::vector<std::string> names;
     for (const auto& planned : built_.plant->plan().controls) names.push_back(planned.control.name);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "apps/cli/target.h"
+#include "apps/play/live/judge_world.h"
 #include "apps/play/play_report.h"
 #include "backends/take/take.h"
 #include "engine/graph/plan/compile.h"
@@ -66,6 +67,14 @@ class Performer {
   virtual bool can_strike() const { return false; }
   /// [control] Signals of the plant that can be set by hand.
   virtual std::vector<std::string> gestures() { return {}; }
+  /// [any] The system delay of the simulated world; nothing: there is none.
+  virtual std::optional<Seconds> world_delay() const { return std::nullopt; }
+  /// [any, one thread; while it plays] Whether the world is stable with this delay and these values of
+  /// controls; takes seconds. `go_on` is asked again and again: false ends it with no verdict.
+  virtual WorldVerdict judge(Seconds /*delay*/, const std::map<std::string, ControlValue>& /*controls*/,
+                             const std::function<bool()>& /*go_on*/) const {
+    return {};
+  }
   /// [control, while it plays] False: there is none, or no room.
   virtual bool set_gesture(int /*gesture*/, double /*value*/) { return false; }
   /// [control, while it plays] Strikes once, where the scene can be played by hand.

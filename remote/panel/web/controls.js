@@ -36,14 +36,14 @@ class ControlRow {
   describe(control) {
     this.control = control;
     this.learning(false);
-    this.learn.classList.toggle("bound", control.midi !== "");
+    this.learn.classList.toggle("bound", sourceOf(control) !== "");
   }
 
   learning(on) {
     this.waiting = on;
-    setText(this.learn, this.control.constant ? "constant" : on ? "waiting…" : this.control.midi || "Learn");
+    setText(this.learn, this.control.constant ? "constant" : on ? "waiting…" : sourceOf(this.control) || "Learn");
     this.learn.setAttribute("aria-pressed", String(on));
-    this.learn.setAttribute("aria-label", `Learn a controller for ${this.control.name}` + (this.control.midi ? `, now ${this.control.midi}` : ""));
+    this.learn.setAttribute("aria-label", `Learn a controller for ${this.control.name}` + (sourceOf(this.control) ? `, now ${sourceOf(this.control)}` : ""));
   }
 
   reset() {
@@ -109,9 +109,14 @@ class ControlRow {
   }
 }
 
+/** What moves it: a MIDI controller, an OSC address, an axis or a button, or several of them. */
+function sourceOf({ midi, osc, hid }) {
+  return [midi, osc, hid].filter(Boolean).join(", ");
+}
+
 /** True where a row can show either of them. */
 function same(one, other) {
-  const text = ({ midi, ...rest }) => JSON.stringify(rest);
+  const text = ({ midi, osc, hid, ...rest }) => JSON.stringify(rest);
   return text(one) === text(other);
 }
 
@@ -131,7 +136,7 @@ export function startControls(connection) {
     if (!rows.length) byId("controls").append(el("p.quiet", {}, "The file has no controls."));
   }
 
-  connection.onChange(({ controls }) => controls.map(({ midi, ...rest }) => rest), build);
+  connection.onChange(({ controls }) => controls.map(({ midi, osc, hid, ...rest }) => rest), build);
   connection.on("description", ({ controls }) => controls.forEach((control, k) => rows[k].describe(control)));
   connection.on("state", (state) => rows.forEach((row, k) => row.follow(state.controls[k])));
   connection.on("event", ({ what, text }) => {

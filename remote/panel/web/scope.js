@@ -7,7 +7,7 @@ import { SpectrumView } from "./spectrum.js";
 
 const MOST_TRACES = 8, FRAME_MS = 33, SPECTRUM_MS = 100, SPECTRUM_FRAMES = 8192;
 const SPANS_S = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10];
-const EVENTS = ["any", "guard", "armed", "muted", "message"];
+const EVENTS = ["any", "trigger", "guard", "armed", "muted", "message"];
 
 export class Scope {
   #id = 0;

@@ -400,6 +400,46 @@ TEST_CASE("osc host: events reach those who subscribed to them", "[remote][osc]"
   CHECK(stage.take(3).empty());
 }
 
+TEST_CASE("osc host: an event of the instrument has an address of its own", "[remote][osc]") {
+  Stage stage;
+  stage.target.describe({{"strength", ""}}, {"hit", "toss"});
+  stage.send({"/subscribe", {std::string{"/event/trigger/hit"}}});
+  stage.send({"/subscribe", {std::string{"/event/trigger/*"}}}, peer(2));
+  for (const auto* name : {"hit", "toss"}) {
+    RemoteEvent event{.kind = RemoteEvent::Kind::Trigger, .level = 0.25, .frame = 4800};
+    std::string{name}.copy(event.text, sizeof event.text - 1);
+    stage.target.events.push_back(event);
+  }
+  stage.pass(10ms);
+  const auto one = stage.take(1);
+  REQUIRE(one.size() == 1);
+  CHECK(one[0].address == "/event/trigger/hit");
+  CHECK(one[0].values == std::vector<OscValue>{std::int64_t{4800}, 0.25});
+  CHECK(stage.take(2).size() == 2);
+}
+
+TEST_CASE("osc host: an address without a meaning is learnt, and then moves its control over its range",
+          "[remote][osc]") {
+  Stage stage;
+  stage.send({"/1/fader3", {0.5}});
+  CHECK(stage.error() == "there is no message /1/fader3");
+  stage.target.learning = true;
+  stage.send({"/1/button", {std::string{"no number"}}});
+  CHECK_FALSE(stage.error().empty());
+  stage.send({"/1/fader3", {0.5}});
+  CHECK(stage.target.learnt == "/1/fader3");
+  CHECK(stage.take().empty());
+  stage.target.learning = false;
+  stage.target.describe({{"level", "dB"}});
+  stage.pass(10ms);
+  for (const double position : {0.0, 0.5, 7.0}) stage.send({"/1/fader3", {position}});
+  REQUIRE(stage.target.bundles.size() == 3);
+  CHECK(stage.target.bundles[0][0].value == Approx(0.001));
+  CHECK(stage.target.bundles[1][0].value == Approx(0.0316227766));  // -30 dB of -60 to 0 dB
+  CHECK(stage.target.bundles[2][0].value == 1.0);
+  CHECK(stage.target.bundles[1][0].number == 10);
+}
+
 TEST_CASE("osc host: the list has every control with its unit and range", "[remote][osc]") {
   Stage stage;
   stage.send({"/list"});

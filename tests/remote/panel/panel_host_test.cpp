@@ -28,6 +28,8 @@ class Target final : public test::FakeRemoteTarget {
     return true;
   }
   std::shared_ptr<const RemoteEdit> edit() const override { return last_edit; }
+  std::shared_ptr<const RemoteVerdict> verdict() const override { return last_verdict; }
+  void order_verdict(double delay_s) override { delay_to_judge = delay_s; }
 
   std::uint32_t scope_id = 0;
   int scope_bin = 0;
@@ -35,6 +37,8 @@ class Target final : public test::FakeRemoteTarget {
   bool levels = false;
   std::deque<ScopeChunk> chunks;
   std::shared_ptr<const RemoteEdit> last_edit;
+  std::shared_ptr<const RemoteVerdict> last_verdict;
+  double delay_to_judge = 0;
 };
 
 struct Stage {
@@ -305,6 +309,42 @@ TEST_CASE("panel host: events and errors of edits reach every browser", "[remote
   }
   stage.connect(3);
   CHECK(stage.last(3, "edit")["errors"].size() == 2);
+}
+
+TEST_CASE("panel host: an event of the instrument has its name and level", "[remote][panel]") {
+  Stage stage;
+  stage.connect(1);
+  stage.target.describe({{"strength", ""}}, {"hit"});
+  stage.tick();
+  CHECK(stage.last(1, "description")["events"] == Json::array({"hit"}));
+  RemoteEvent event{.kind = RemoteEvent::Kind::Trigger, .level = 0.25, .frame = 480};
+  std::string{"hit"}.copy(event.text, sizeof event.text - 1);
+  stage.target.events = {event};
+  stage.tick();
+  CHECK(stage.last(1, "event")["what"] == "trigger");
+  CHECK(stage.last(1, "event")["text"] == "hit");
+  CHECK(stage.last(1, "event")["value"] == 0.25);
+}
+
+TEST_CASE("panel host: asks whether the world is stable with another delay", "[remote][panel]") {
+  Stage stage;
+  stage.connect(1);
+  CHECK_FALSE(stage.last(1, "description").contains("delay"));
+  stage.send(1, {{"do", "delay"}, {"seconds", 0.005}});
+  CHECK(stage.error(1) == "there is no simulated world");
+  stage.target.world_delay = 0.02;
+  stage.target.describe({{"strength", ""}});
+  stage.tick();
+  CHECK(stage.last(1, "description")["delay"] == 0.02);
+  stage.send(1, {{"do", "delay"}, {"seconds", 2}});
+  CHECK(stage.error(1) == "a delay takes 0 to 1 s");
+  stage.send(1, {{"do", "delay"}, {"seconds", 0.005}});
+  CHECK(stage.target.delay_to_judge == 0.005);
+  stage.target.last_verdict = std::make_shared<RemoteVerdict>(RemoteVerdict{0.005, true, "stable"});
+  stage.tick();
+  CHECK(stage.last(1, "verdict")["delay"] == 0.005);
+  CHECK(stage.last(1, "verdict")["stable"] == true);
+  CHECK(stage.last(1, "verdict")["text"] == "stable");
 }
 
 TEST_CASE("panel host: the last client that asks has the scope", "[remote][panel]") {
