@@ -1,4 +1,6 @@
 #include <RtMidi.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -7,12 +9,11 @@
 #include <utility>
 
 #include "backends/library_calls.h"
+#include "backends/midi_output.h"
 #include "backends/midi_worker.h"
 
 namespace tactus {
 namespace {
-
-constexpr int kChecksPerRetry = 4;
 
 /// "nanoKONTROL2 CTRL 20:0" -> "nanoKONTROL2 CTRL": ALSA counts clients anew at each plugging in.
 std::string without_address(const std::string& name) {
@@ -23,12 +24,35 @@ std::string without_address(const std::string& name) {
   return address ? name.substr(0, client) : name;
 }
 
-/// Without it, RtMidi's constructor prints an error of its own.
+/// Without it, RtMidi's constructor prints an error of its own. Throws an RtMidiError.
 void check_sequencer(RtMidi::Api api) {
   std::error_code ignored;
   if (api == RtMidi::LINUX_ALSA && !std::filesystem::exists("/dev/snd/seq", ignored))
     throw RtMidiError("the kernel's MIDI sequencer is not loaded; load it with: sudo modprobe snd-seq");
 }
+
+/// The names of the ports by their ids (see make_rtmidi).
+std::map<std::string, std::string> rtmidi_ports(RtMidi& client, const std::string& api) {
+  std::map<std::string, std::string> names;
+  const auto count = client.getPortCount();
+  for (unsigned i = 0; i < count; ++i) {
+    const auto name = client.getPortName(i);
+    if (name.empty()) continue;  // gone meanwhile
+    const auto first = api + ":" + without_address(name);
+    auto id = first;
+    for (int twin = 2; names.contains(id); ++twin) id = first + " #" + std::to_string(twin);
+    names[id] = name;
+  }
+  return names;
+}
+
+/// The client of our own output port; it is no input of ours.
+constexpr const char* kMidiOutClient = "tactus_out";
+
+// Without one, the library prints what it thinks.
+void ignore_rtmidi_error(RtMidiError::Type, const std::string&, void*) {}
+
+constexpr int kChecksPerRetry = 4;
 
 /// Its thread is the library's.
 struct OpenPort final : MidiPort {
@@ -38,9 +62,6 @@ struct OpenPort final : MidiPort {
     receive_midi(*static_cast<OpenPort*>(self), *bytes);
   }
 };
-
-// Without one, the library prints what it thinks.
-void ignore_error(RtMidiError::Type, const std::string&, void*) {}
 
 /// The APIs that this program uses: JACK's MIDI comes with its stream, since RtMidi does not notice the death
 /// of a JACK server.
@@ -80,30 +101,16 @@ class RtMidiWorker final : public MidiWorker {
       throw RtMidiError("this program was built without the MIDI backend '" + api_ + "'");
     check_sequencer(*api);
     auto client = std::make_unique<RtMidiIn>(*api, "tactus_midi");
-    client->setErrorCallback(ignore_error);
+    client->setErrorCallback(ignore_rtmidi_error);
     return client;
   }
 
   void update_ports() {
-    const auto available = names_by_id(*scout_);
+    auto available = rtmidi_ports(*scout_, RtMidi::getApiName(scout_->getCurrentApi()));
+    std::erase_if(available, [](const auto& port) { return port.second.starts_with(kMidiOutClient); });
     keep([&](const std::string& id, auto&) { return available.contains(id); });
     for (const auto& [id, name] : available)
       if (!is_open(id)) open(id, name);
-  }
-
-  static std::map<std::string, std::string> names_by_id(RtMidiIn& client) {
-    std::map<std::string, std::string> names;
-    const auto api = RtMidi::getApiName(client.getCurrentApi());
-    const auto count = client.getPortCount();
-    for (unsigned i = 0; i < count; ++i) {
-      const auto name = client.getPortName(i);
-      if (name.empty()) continue;  // gone meanwhile
-      const auto first = api + ":" + without_address(name);
-      auto id = first;
-      for (int twin = 2; names.contains(id); ++twin) id = first + " #" + std::to_string(twin);
-      names[id] = name;
-    }
-    return names;
   }
 
   void open(const std::string& id, const std::string& name) {
@@ -123,11 +130,108 @@ class RtMidiWorker final : public MidiWorker {
   int checks_ = 0;
 };
 
+// Output.
+
+constexpr const char* kOwnPort = "events";
+
+std::unique_ptr<RtMidiOut> make_output_client(const std::string& api_name) {
+  std::vector<RtMidi::Api> available;
+  RtMidi::getCompiledApi(available);
+  const auto api = std::ranges::find_if(available, [&](RtMidi::Api candidate) {
+    return api_name.empty() ? candidate != RtMidi::UNIX_JACK : RtMidi::getApiName(candidate) == api_name;
+  });
+  if (api == available.end())
+    throw RtMidiError("this program was built without the MIDI backend '" + api_name + "'");
+  check_sequencer(*api);
+  auto client = std::make_unique<RtMidiOut>(*api, kMidiOutClient);
+  client->setErrorCallback(ignore_rtmidi_error);
+  return client;
+}
+
+std::string api_of(RtMidiOut& client) { return RtMidi::getApiName(client.getCurrentApi()); }
+
+class RtMidiOutput final : public MidiOutput {
+ public:
+  /// A port of our own.
+  explicit RtMidiOutput(std::unique_ptr<RtMidiOut> client)
+      : name_(api_of(*client) + ":" + kMidiOutClient), client_(std::move(client)) {
+    client_->openVirtualPort(kOwnPort);
+  }
+  /// That of a device.
+  RtMidiOutput(std::unique_ptr<RtMidiOut> client, std::string id)
+      : name_(std::move(id)), of_device_(true), client_(std::move(client)) {
+    open();
+  }
+
+  const std::string& name() const override { return name_; }
+  void send(std::span<const std::uint8_t> bytes) override {
+    if (client_->isPortOpen() || !of_device_) client_->sendMessage(bytes.data(), bytes.size());
+  }
+  std::optional<std::string> look() override {
+    if (!of_device_) return std::nullopt;
+    const bool open_before = client_->isPortOpen();
+    const bool there = rtmidi_ports(*client_, api_of(*client_)).contains(name_);
+    if (there == open_before) return std::nullopt;
+    if (!there) {
+      client_->closePort();
+      return "MIDI output " + name_ + " is gone";
+    }
+    open();
+    return client_->isPortOpen() ? std::optional{"MIDI output " + name_ + " is back"} : std::nullopt;
+  }
+
+ private:
+  void open() {
+    const auto ports = rtmidi_ports(*client_, api_of(*client_));
+    const auto port = ports.find(name_);
+    const auto count = port == ports.end() ? 0 : client_->getPortCount();
+    for (unsigned i = 0; i < count && !client_->isPortOpen(); ++i)
+      if (client_->getPortName(i) == port->second) client_->openPort(i, kOwnPort);
+  }
+
+  std::string name_;
+  bool of_device_ = false;
+  std::unique_ptr<RtMidiOut> client_;
+};
+
+Result<std::unique_ptr<MidiOutput>> open_now(const std::string& api, const std::string& port) {
+  auto client = make_output_client(api);
+  if (port.empty()) {
+    if (client->getCurrentApi() == RtMidi::WINDOWS_MM)
+      return fail(Errc::Device, "--midi-out", "Windows has no MIDI ports of programs",
+                  "install a virtual MIDI cable, and name it with --midi-out NAME");
+    return std::make_unique<RtMidiOutput>(std::move(client));
+  }
+  std::vector<std::string> ids;
+  for (const auto& [id, name] : rtmidi_ports(*client, api_of(*client))) {
+    if (id == port || id.find(port) != std::string::npos)
+      return std::make_unique<RtMidiOutput>(std::move(client), id);
+    ids.push_back(id);
+  }
+  return fail(Errc::UnknownName, "--midi-out", "there is no MIDI output '" + port + "'",
+              ids.empty() ? "there is none; without a name, other programs can connect to a port of this one"
+                          : fmt::format("there is {}", fmt::join(ids, ", ")));
+}
+
 }  // namespace
 
 std::shared_ptr<MidiInputs> make_rtmidi(const std::string& api, std::chrono::milliseconds interval) {
   silence_library_logs();
   return MidiWorker::start(std::make_shared<RtMidiWorker>(api), interval);
+}
+
+Result<std::unique_ptr<MidiOutput>> open_midi_output(const std::string& api, const std::string& port) {
+  silence_library_logs();
+  using Opened = Result<std::unique_ptr<MidiOutput>>;
+  auto opened = result_with_timeout([api, port]() -> std::shared_ptr<Opened> {
+    try {
+      return std::make_shared<Opened>(open_now(api, port));
+    } catch (const RtMidiError& error) {
+      return std::make_shared<Opened>(fail(Errc::Device, "--midi-out", error.what(), ""));
+    }
+  });
+  if (!opened) return fail(Errc::Device, "--midi-out", "the MIDI system does not answer", "restart it");
+  return std::move(**opened);
 }
 
 }  // namespace tactus

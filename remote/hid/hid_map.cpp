@@ -1,0 +1,40 @@
+#include "remote/hid/hid_map.h"
+
+#include <cmath>
+
+namespace tactus {
+namespace {
+
+bool is_meant(const RigHid& source, const HidEvent& event) {
+  return source.part == event.part && source.number == event.number &&
+         event.device.find(source.device) != std::string::npos;
+}
+
+}  // namespace
+
+std::vector<RemoteOrder> HidMap::handle(const HidEvent& event, RemoteTarget& target) {
+  std::vector<RemoteOrder> orders;
+  const auto description = target.description();
+  for (const auto& control : description->controls) {
+    if (!control.hid || control.constant || !is_meant(*control.hid, event)) continue;
+    const double position = control.hid->invert ? 1.0 - event.position : event.position;
+    orders.push_back({.number = control.number, .value = control.at_position(position), .received = {}});
+  }
+  if (orders.empty() && moved_far(event))
+    if (target.learn_hid(
+            {.control = {}, .at = {}, .device = event.device, .part = event.part, .number = event.number}))
+      first_.clear();
+  return orders;
+}
+
+bool HidMap::moved_far(const HidEvent& event) {
+  if (event.part == HidPart::Button) return event.position > 0.5;
+  const auto [first, is_new] = first_.try_emplace({event.device, event.number}, event.position);
+  return !is_new && std::abs(event.position - first->second) >= kLearnShare;
+}
+
+void HidMap::forget(const std::string& device) {
+  std::erase_if(first_, [&](const auto& entry) { return entry.first.first == device; });
+}
+
+}  // namespace tactus
