@@ -72,6 +72,7 @@ const std::vector<ThirdParty> kThirdParty = {
     {"nlohmann/",
      {"engine/study/", "backends/json_fields.h", "backends/take/", "latency/", "remote/", "apps/"}},
     {"oscpack/", {"remote/osc/"}},
+    {"SDL.h", {"remote/hid/", "backends/sdl/"}},
     {"boost/asio.hpp", {"remote/osc/", "remote/panel/", "remote/serial/"}},
     {"boost/beast/", {"remote/panel/"}},
     {"CLI/", {"apps/"}},

@@ -31,6 +31,8 @@ class MidiMap {
   /// least `kLearnSteps` of its 127 steps away from where it was first: worn ones jitter by one or two.
   void learn(const std::string& control);
   bool learning() const { return !learning_.empty(); }
+  /// What is being learnt, or "".
+  const std::string& control() const { return learning_; }
   /// The binding that was learnt, once. It is among `bindings` already, instead of the former one of the
   /// control.
   std::optional<RigMidi> take_learnt() { return std::exchange(learnt_, std::nullopt); }

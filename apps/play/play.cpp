@@ -119,6 +119,19 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
       ->add_option("--midi", options.midi,
                    "MIDI backend: alsa, core, winmm, or jack beside a card over JACK; default: the system's")
       ->check(CLI::IsMember({"alsa", "jack", "core", "winmm"}));
+  group
+      ->add_option_function<std::vector<std::string>>(
+          "--hid", [&options](const auto& device) { options.hid = device.empty() ? "" : device.front(); },
+          "joysticks, gamepads and pedals move controls: those whose name contains this, or all")
+      ->type_name("[NAME]")
+      ->expected(0, 1);
+  group
+      ->add_option_function<std::vector<std::string>>(
+          "--midi-out", [&options](const auto& port) { options.midi_out = port.empty() ? "" : port.front(); },
+          "send events and controls as MIDI messages, to the output of this name or to a port of the "
+          "program's own")
+      ->type_name("[PORT]")
+      ->expected(0, 1);
   group->add_flag("--listen", options.listen,
                   "simulate a scene in real time and play its sound through the sound card");
   group->add_option("--osc", options.osc,
@@ -150,9 +163,9 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
 
 /// Options for sound cards only must not be given without one.
 void check_card_options(const CLI::App& command) {
-  for (const auto* option :
-       {"--record", "--save-rig", "--learn", "--midi", "--pad-delay", "--inputs", "--outputs", "--periods",
-        "--arm", "--shared-port", "--osc", "--osc-arm", "--panel", "--panel-arm", "--serial"})
+  for (const auto* option : {"--record", "--save-rig", "--learn", "--midi", "--pad-delay", "--inputs",
+                             "--outputs", "--periods", "--arm", "--shared-port", "--osc", "--osc-arm",
+                             "--panel", "--panel-arm", "--serial", "--hid", "--midi-out"})
     if (command.count(option) > 0)
       exit_with({Errc::BadArgument, option, "needs a sound card", "give --device, --backend or --rig too"});
 }

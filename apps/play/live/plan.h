@@ -18,10 +18,12 @@ struct LiveOptions : PlayerOptions, DeviceOptions {
   std::vector<int> in_channels, out_channels;  ///< from 1
   std::string pad_delay;
   std::string record, save_rig, midi;
-  std::string learn;                 ///< an input, "*" for the first one; empty: no sensitivity is learnt
-  std::string osc;                   ///< [ADDRESS:]PORT, or empty
-  std::optional<std::string> panel;  ///< the same, of the panel; empty: any port
-  std::vector<std::string> serial;   ///< DEVICE[@BAUD]
+  std::string learn;                    ///< an input, "*" for the first one; empty: no sensitivity is learnt
+  std::string osc;                      ///< [ADDRESS:]PORT, or empty
+  std::optional<std::string> panel;     ///< the same, of the panel; empty: any port
+  std::vector<std::string> serial;      ///< DEVICE[@BAUD]
+  std::optional<std::string> hid;       ///< a part of a device's name; empty: any
+  std::optional<std::string> midi_out;  ///< a part of a port's name; empty: a port of our own
   bool osc_arm = false, panel_arm = false;  ///< clients of other hosts may arm
   bool no_browser = false;
   bool arm = false, shared_port = false, listen = false, yes = false, force = false;

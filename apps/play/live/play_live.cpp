@@ -67,13 +67,22 @@ std::string source_text(const RigMidi& binding) {
   return fmt::format("{} {}", binding.kind == RigMidi::Kind::Note ? "note" : "controller", binding.number);
 }
 
-std::string save_and_report(const std::string& file, const Rig::Device& device,
-                            const std::vector<RigMidi>& midi, const std::vector<Rig::Control>& settings) {
+/// What moves controls.
+struct Bindings {
+  std::vector<RigMidi> midi;
+  std::vector<RigOsc> osc;
+  std::vector<RigHid> hid;
+};
+
+std::string save_and_report(const std::string& file, const Rig::Device& device, const Bindings& bindings,
+                            const std::vector<Rig::Control>& settings) {
   const auto errors = change_rig(file, device, [&](Rig& rig) {
-    rig.midi = midi;
+    rig.midi = bindings.midi;
+    rig.osc = bindings.osc;
+    rig.hid = bindings.hid;
     rig.controls = settings;
   });
-  return errors.empty() ? file + ": controls and MIDI bindings saved; the previous file is " + file + "~"
+  return errors.empty() ? file + ": controls and what moves them saved; the previous file is " + file + "~"
                         : to_string(errors) + "\nnothing was saved";
 }
 
@@ -91,9 +100,11 @@ class LivePlay {
         printer_(printer),
         options_(options),
         midi_map_(plan.rig ? plan.rig->midi : std::vector<RigMidi>{}),
+        osc_(plan.rig ? plan.rig->osc : std::vector<RigOsc>{}),
+        hid_(plan.rig ? plan.rig->hid : std::vector<RigHid>{}),
         presets_(preset_folder(plan.performer->files.front())) {
     follow_notes();
-    publish_midi();
+    publish_bindings();
     if (!midi_map_.bindings().empty() || !options.midi.empty() || notes_.any()) open_midi();
   }
 
@@ -158,6 +169,11 @@ class LivePlay {
         presets_.recall(request.name, Seconds{request.ramp_s}, playing());
       if (request.kind == Kind::SavePreset) presets_.save(request.name, playing());
       if (request.kind == Kind::Learn) learn(request.name);
+      if (request.kind == Kind::LearntAddress) bind(osc_, {{}, {}, request.name}, request.name);
+      if (request.kind == Kind::LearntHid)
+        bind(hid_, request.hid,
+             fmt::format("{} {} of {}", request.hid.part == HidPart::Button ? "button" : "axis",
+                         request.hid.number, request.hid.device));
     }
   }
   void apply(const LivePresets::Recalled& recalled) {
@@ -179,10 +195,26 @@ class LivePlay {
   void save_preset() {
     if (any()) presets_.save(presets_.free_name(), playing());
   }
-  void publish_midi() {
+  void publish_bindings() {
     std::map<std::string, std::string> sources;
     for (const auto& binding : midi_map_.bindings()) sources[binding.control] = source_text(binding);
-    if (remote_ != nullptr) remote_->set_midi(std::move(sources));
+    std::map<std::string, std::string> addresses;
+    for (const auto& binding : osc_) addresses[binding.control] = binding.address;
+    if (remote_ == nullptr) return;
+    remote_->set_midi(std::move(sources));
+    remote_->set_osc(std::move(addresses));
+    remote_->set_hid(hid_);
+  }
+  /// To the control that is being learnt.
+  template <class Source>
+  void bind(std::vector<Source>& sources, Source source, const std::string& name) {
+    source.control = midi_map_.control();
+    if (source.control.empty()) return;
+    midi_map_.learn("");
+    print(fmt::format("{} now controls {}; s saves this in the rig", name, source.control));
+    std::erase_if(sources, [&](const Source& other) { return other.control == source.control; });
+    sources.push_back(std::move(source));
+    publish_bindings();
   }
 
   void follow_midi() {
@@ -197,7 +229,8 @@ class LivePlay {
         if (!controls_.turn(move.control, move.position) && refused_.insert(move.control).second)
           print(move.control + " cannot be changed during playback");
       if (const auto learnt = midi_map_.take_learnt()) {
-        publish_midi();
+        if (remote_ != nullptr) remote_->learn(false);
+        publish_bindings();
         print(fmt::format("{} of {} now controls {}; s saves this in the rig", source_text(*learnt),
                           event.port, learnt->control));
       }
@@ -333,13 +366,16 @@ class LivePlay {
   }
   /// Without a name: no more.
   void learn(const std::string& control) {
+    if (remote_ != nullptr) remote_->learn(false);
     if (control.empty()) return midi_map_.learn(control);
     const auto* live = controls_.find(control);
     if (live == nullptr || live->frozen)
       return print("there is no control '" + control + "' that can be changed");
-    if (!open_midi()) return print("this program was built without MIDI");
+    const bool others = !options_.osc.empty() || options_.hid;
+    if (!open_midi() && !others) return print("this program was built without MIDI");
     midi_map_.learn(control);
-    print("move the MIDI controller for " + control);
+    if (remote_ != nullptr) remote_->learn(true);
+    print(fmt::format("move the {}controller for {}", others ? "" : "MIDI ", control));
   }
   void save() {
     if (!plan_.rig) return print("there is no rig file: start with --save-rig FILE");
@@ -347,9 +383,11 @@ class LivePlay {
     std::vector<Rig::Control> settings;
     for (const auto& live : controls_.all())
       settings.push_back({live.control.name, {}, {live.control.value, live.control.unit, false}});
-    saving_ = std::async(std::launch::async,
-                         [file = plan_.rig_file, device = plan_.rig->device, midi = midi_map_.bindings(),
-                          settings] { return save_and_report(file, device, midi, settings); });
+    saving_ =
+        std::async(std::launch::async, [file = plan_.rig_file, device = plan_.rig->device,
+                                        bindings = Bindings{midi_map_.bindings(), osc_, hid_}, settings] {
+          return save_and_report(file, device, bindings, settings);
+        });
   }
 
   Session& session_;
@@ -360,6 +398,8 @@ class LivePlay {
   Printer& printer_;
   const LiveOptions& options_;
   MidiMap midi_map_;
+  std::vector<RigOsc> osc_;
+  std::vector<RigHid> hid_;
   MidiNotes notes_;
   std::int64_t last_frame_ = 0;       ///< of the player, when MIDI was polled
   std::shared_ptr<MidiInputs> midi_;  ///< opened when something is bound or MIDI learn is on
@@ -408,6 +448,23 @@ void report(Session& session, const SessionView& view, const LivePlan& plan, boo
   }
 }
 
+/// A rig with MIDI messages sends them, and one with joysticks reads them, without an option.
+RemoteOptions remote_options(const LiveOptions& options, const LivePlan& plan) {
+  RemoteOptions remote{.osc = options.osc,
+                       .osc_arm = options.osc_arm,
+                       .serial = options.serial,
+                       .hid = options.hid,
+                       .midi_out = options.midi_out,
+                       .midi_api = options.midi,
+                       .panel = options.panel,
+                       .panel_arm = options.panel_arm,
+                       .open_browser = !options.no_browser};
+  if (plan.rig) remote.midi_messages = plan.rig->midi_out;
+  if (!remote.midi_messages.empty() && !remote.midi_out) remote.midi_out = "";
+  if (plan.rig && !plan.rig->hid.empty() && !remote.hid) remote.hid = "";
+  return remote;
+}
+
 /// Plays on an open session to its end. The exit code.
 int play(Session& session, LivePlan& plan, StopLoop& stop_loop, const LiveOptions& options,
          RemoteServer* remote, Seconds duration) {
@@ -439,9 +496,8 @@ int play(const LiveOptions& options) {
   DeadMansSwitch dead_man;
   Session session{*plan.performer, *plan.devices.backend, plan.request, options.arm, &dead_man};
   session.share_ports(options.shared_port);
-  const auto remote = make_remote_server(
-      {options.osc, options.osc_arm, options.serial, options.panel, options.panel_arm, !options.no_browser},
-      session, *plan.performer, *plan.request.sample_rate);
+  const auto remote =
+      make_remote_server(remote_options(options, plan), session, *plan.performer, *plan.request.sample_rate);
   if (remote != nullptr) remote->target().set_latency(plan.delay, !plan.delay_assumed);
   DriveKeys keys{session.switches()};
   StopLoop stop_loop{dead_man,

@@ -72,6 +72,8 @@ LiveRemote::LiveRemote(Session& session, Performer& performer, Hertz sample_rate
     const std::lock_guard lock{mutex_};
     edit_ = std::move(edit);
   });
+  performer.instrument().add_observer(watch_);
+  follow_events();
   if (screens) scope_ = std::make_unique<LiveScope>(performer.instrument(), performer.plant());
   renew();
   described_ = false;  // the device is not known yet
@@ -80,6 +82,8 @@ LiveRemote::LiveRemote(Session& session, Performer& performer, Hertz sample_rate
 LiveRemote::~LiveRemote() {
   session_.on_guard_event({});
   session_.on_edit({});
+  player().remove_observer(watch_);
+  judging_ = false;
 }
 
 // The network's side.
@@ -126,6 +130,7 @@ void LiveRemote::watch(Clock::time_point now) noexcept {
 
 void LiveRemote::tick(std::int64_t earliest) {
   follow_frames();
+  follow_events();
   if (session_.controls().version() != version_ || !described_) renew();
   if (scope_ && scope_->tick()) described_ = false;
   take_orders();
@@ -149,6 +154,19 @@ void LiveRemote::follow_frames() {
     schedule_.restart();
   }
   if (std::exchange(frame_, frame) != frame) clock_.update(now_s, frame);
+}
+
+void LiveRemote::follow_events() {
+  for (WatchedEvent event; watch_.take(event);)
+    if (event.version == watched_version_)
+      push_event({.kind = RemoteEvent::Kind::Trigger, .level = event.level, .frame = event.frame},
+                 watched_[index(event.number)].name);
+  if (player().version() == watched_version_) return;
+  auto events = graph_events(player().plan());
+  if (!watch_.choose(player().version(), events)) return;  // while no blocks come
+  watched_version_ = player().version();
+  watched_ = std::move(events);
+  described_ = false;
 }
 
 void LiveRemote::take_orders() {
@@ -228,6 +246,7 @@ void LiveRemote::renew() {
     control.number = player().control_index(planned.name);
     control.unit_name = unit_name;
     control.unit = unit;
+    control.about = planned.about;
     control.low = planned.range.low;
     control.high = planned.range.high;
     control.constant = live[c].frozen;
@@ -235,9 +254,15 @@ void LiveRemote::renew() {
     const int in_file = player().plan().control_index(planned.name);
     control.initial = in_file < 0 ? planned.value : player().plan().controls[index(in_file)].control.value;
   }
-  for (auto& control : next->controls)
+  for (auto& control : next->controls) {
     if (const auto source = midi_.find(control.name); source != midi_.end()) control.midi = source->second;
+    if (const auto address = osc_.find(control.name); address != osc_.end()) control.osc = address->second;
+    const auto hid = std::ranges::find(hid_, control.name, &RigHid::control);
+    if (hid != hid_.end()) control.hid = *hid;
+  }
   next->presets = presets_;
+  if (const auto delay = performer_.world_delay()) next->world_delay_s = delay->value;
+  for (const auto& event : watched_) next->events.push_back(event.name);
   if (scope_) draw(*next);
   described_ = true;
   const std::lock_guard lock{mutex_};
@@ -270,6 +295,35 @@ void LiveRemote::publish_files() {
   described_ = false;
 }
 
+std::shared_ptr<const RemoteVerdict> LiveRemote::verdict() const {
+  const std::lock_guard lock{mutex_};
+  return verdict_;
+}
+
+void LiveRemote::order_verdict(double delay_s) {
+  const std::lock_guard lock{mutex_};
+  verdict_order_ = delay_s;
+}
+
+/// On a thread of its own: it takes seconds. A new order ends the one before.
+void LiveRemote::follow_verdict() {
+  const std::lock_guard lock{mutex_};
+  if (judged_.valid()) {
+    if (verdict_order_) judging_ = false;
+    if (judged_.wait_for(std::chrono::seconds{0}) == std::future_status::timeout) return;
+    auto verdict = judged_.get();
+    if (judging_) verdict_ = std::make_shared<RemoteVerdict>(std::move(verdict));
+  }
+  if (!verdict_order_) return;
+  std::map<std::string, ControlValue> controls;
+  for (const auto& live : session_.controls().all()) controls[live.control.name] = live.control.value;
+  judging_ = true;
+  judged_ = std::async(std::launch::async, [this, controls, delay_s = *std::exchange(verdict_order_, {})] {
+    auto verdict = performer_.judge(Seconds{delay_s}, controls, [this] { return judging_.load(); });
+    return RemoteVerdict{delay_s, verdict.stable, std::move(verdict.text)};
+  });
+}
+
 void LiveRemote::report(std::string text) {
   const std::lock_guard lock{mutex_};
   if (reports_.size() < kMostRequests) reports_.push_back(std::move(text));
@@ -296,6 +350,26 @@ void LiveRemote::set_midi(std::map<std::string, std::string> sources) {
   if (sources == midi_) return;
   midi_ = std::move(sources);
   described_ = false;
+}
+
+void LiveRemote::set_osc(std::map<std::string, std::string> addresses) {
+  if (addresses == osc_) return;
+  osc_ = std::move(addresses);
+  described_ = false;
+}
+
+void LiveRemote::set_hid(std::vector<RigHid> sources) {
+  hid_ = std::move(sources);
+  described_ = false;
+}
+
+bool LiveRemote::learn_hid(const RigHid& source) {
+  return learning_.exchange(false) &&
+         request({.kind = RemoteRequest::Kind::LearntHid, .name = {}, .hid = source});
+}
+
+bool LiveRemote::learn_address(const std::string& address) {
+  return learning_.exchange(false) && request({RemoteRequest::Kind::LearntAddress, address});
 }
 
 void LiveRemote::apply(const Preset& preset, Seconds ramp) {
@@ -382,6 +456,7 @@ void LiveRemote::publish_meters() {
   if (scope_) {
     publish_files();
     publish_state();
+    follow_verdict();
   }
   for (std::size_t c = 0; c < performer_.outputs.size(); ++c) {
     const auto counts = session_.guard_counts(static_cast<int>(c));

@@ -17,6 +17,7 @@
 #include "apps/play/live/session.h"
 #include "engine/core/spsc_queue.h"
 #include "engine/rig/preset.h"
+#include "engine/runtime/event_watch.h"
 #include "remote/keep_alive.h"
 #include "remote/order_queue.h"
 #include "remote/remote.h"
@@ -69,6 +70,12 @@ class LiveRemote final : public RemoteTarget, private ScheduleTarget {
   /// [control, one thread] For clients: the presets; the MIDI source of each control.
   void set_presets(std::vector<std::string> names);
   void set_midi(std::map<std::string, std::string> sources);
+  /// [control, one thread] For clients: the foreign OSC address, and the axis or button, of each control.
+  void set_osc(std::map<std::string, std::string> addresses);
+  void set_hid(std::vector<RigHid> sources);
+  /// [control, one thread] The next foreign OSC address, axis or button is a request of kind LearntAddress or
+  /// LearntHid.
+  void learn(bool on) { learning_ = on; }
   /// [control, one thread] All of a preset from the same frame on.
   void apply(const Preset& preset, Seconds ramp);
   /// [control & stopped] What is known of the round-trip latency, for screens.
@@ -90,10 +97,14 @@ class LiveRemote final : public RemoteTarget, private ScheduleTarget {
   std::int64_t late() const noexcept override { return late_; }
   void report(std::string text) override;
   bool request(RemoteRequest request) override;
+  bool learn_address(const std::string& address) override;
+  bool learn_hid(const RigHid& source) override;
   std::shared_ptr<const RemoteState> state() const override;
   std::shared_ptr<const RemoteEdit> edit() const override;
   std::shared_ptr<const RemoteScope> scope() const override { return scope_ ? scope_->shown() : nullptr; }
   void order_scope(std::uint32_t id, int bin, std::vector<std::string> signals) override;
+  std::shared_ptr<const RemoteVerdict> verdict() const override;
+  void order_verdict(double delay_s) override;
   void order_levels(bool on) override;
   bool take_scope(ScopeChunk& chunk) override { return scope_ && scope_->take(chunk); }
 
@@ -113,6 +124,8 @@ class LiveRemote final : public RemoteTarget, private ScheduleTarget {
   void not_armed(const std::string& why);
   void publish_controls();
   void report_states();
+  void follow_events();
+  void follow_verdict();
   void publish_meters();
   void publish_state();
   void publish_files();
@@ -125,6 +138,7 @@ class LiveRemote final : public RemoteTarget, private ScheduleTarget {
   std::shared_ptr<LevelMeter> meter_;
   KeepAlive keep_alive_;
   // Of what acted at once, for the messages.
+  std::atomic<bool> learning_{false};
   std::atomic<bool> client_lost_{false}, client_disarmed_{false}, client_muted_{false};
   std::atomic<double> load_{0.0};
   std::vector<std::atomic<double>> guard_;  ///< frames of each stage of each output
@@ -135,15 +149,23 @@ class LiveRemote final : public RemoteTarget, private ScheduleTarget {
   std::shared_ptr<const RemoteDescription> description_;
   std::shared_ptr<const RemoteState> state_;
   std::shared_ptr<const RemoteEdit> edit_;
+  std::shared_ptr<const RemoteVerdict> verdict_;
+  std::optional<double> verdict_order_;  ///< the delay, until it is obeyed
   std::vector<RemoteRequest> requests_;
   std::vector<std::string> reports_;
+  EventWatch watch_;
+  std::vector<GraphEvent> watched_;  ///< of the control thread
+  std::uint64_t watched_version_ = 0;
   std::unique_ptr<LiveScope> scope_;  ///< nullptr: no client has a screen
   // Of the control thread.
   std::future<std::vector<PictureFile>> files_read_;
+  std::atomic<bool> judging_{false};  ///< false ends what `judged_` waits for
+  std::future<RemoteVerdict> judged_;
   std::vector<PictureFile> files_;
   std::vector<std::string> presets_;
-  std::map<std::string, std::string> midi_;  ///< by control
-  bool described_ = false;                   ///< nothing of the description has changed since
+  std::vector<RigHid> hid_;
+  std::map<std::string, std::string> midi_, osc_;  ///< by control
+  bool described_ = false;                         ///< nothing of the description has changed since
   std::optional<Seconds> latency_;
   bool latency_measured_ = false;
   StreamClock clock_;

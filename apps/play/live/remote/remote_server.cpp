@@ -10,6 +10,12 @@
 #ifdef TACTUS_HAS_OSC
 #include "remote/osc/osc_server.h"
 #endif
+#ifdef TACTUS_HAS_HID
+#include "remote/hid/hid_sensors.h"
+#endif
+#ifdef TACTUS_HAS_RTMIDI
+#include "remote/midi/midi_sender.h"
+#endif
 #ifdef TACTUS_HAS_PANEL
 #include "remote/panel/panel_server.h"
 #endif
@@ -87,6 +93,53 @@ class SerialService final : public Service {
 };
 #endif
 
+#ifdef TACTUS_HAS_HID
+class HidService final : public Service {
+ public:
+  HidService(const std::string& device, std::unique_ptr<RemoteTarget> share)
+      : share_(std::move(share)), sensors_(or_exit(HidSensors::open(device, *share_), kDevice)) {}
+  std::string announcement() const override {
+    return fmt::format("HID       joysticks, gamepads and pedals; values take effect {:g} ms after they come",
+                       1e3 * HidSensors::kDelay.value);
+  }
+  std::string summary() const override { return fmt::format("HID       {} values", sensors_->changes()); }
+
+ private:
+  std::unique_ptr<RemoteTarget> share_;
+  std::unique_ptr<HidSensors> sensors_;
+};
+#endif
+
+#ifdef TACTUS_HAS_RTMIDI
+class MidiService final : public Service {
+ public:
+  MidiService(const RemoteOptions& options, std::unique_ptr<RemoteTarget> share) : share_(std::move(share)) {
+    auto messages = options.midi_messages;
+    if (messages.empty()) messages = default_midi_out(share_->description()->events);
+    if (messages.empty())
+      exit_with({Errc::Missing, "--midi-out", "the instrument has no event that could be sent",
+                 "name controls under [midi_out] in a rig"});
+    for (const auto& message : messages)
+      if (message.kind == RigMidiOut::Kind::Note)
+        text_ += fmt::format("; {}: note {} in channel {}", message.name, message.number, message.channel);
+      else if (message.kind == RigMidiOut::Kind::Controller)
+        text_ +=
+            fmt::format("; {}: controller {} in channel {}", message.name, message.number, message.channel);
+      else
+        text_ += fmt::format("; {}: clock", message.name);
+    auto output = or_exit(open_midi_output(options.midi_api, *options.midi_out), kDevice);
+    sender_ = or_exit(MidiSender::start(std::move(output), std::move(messages), *share_), kUsage);
+  }
+  std::string announcement() const override { return "MIDI out  " + sender_->output().name() + text_; }
+  std::string summary() const override { return fmt::format("MIDI out  {} messages", sender_->sent()); }
+
+ private:
+  std::unique_ptr<RemoteTarget> share_;
+  std::string text_;
+  std::unique_ptr<MidiSender> sender_;
+};
+#endif
+
 #ifdef TACTUS_HAS_PANEL
 class PanelService final : public Service {
  public:
@@ -127,6 +180,20 @@ class LiveServer final : public RemoteServer {
 #else
     if (!options.serial.empty()) not_built_in("--serial", "serial ports", "libboost-dev");
 #endif
+    if (options.hid) {
+#ifdef TACTUS_HAS_HID
+      services_.push_back(std::make_unique<HidService>(*options.hid, shared_.share()));
+#else
+      not_built_in("--hid", "joysticks and gamepads", "libsdl2-dev");
+#endif
+    }
+    if (options.midi_out) {
+#ifdef TACTUS_HAS_RTMIDI
+      services_.push_back(std::make_unique<MidiService>(options, shared_.share()));
+#else
+      not_built_in("--midi-out", "MIDI", "librtmidi-dev");
+#endif
+    }
     if (options.panel) {
 #ifdef TACTUS_HAS_PANEL
       services_.push_back(std::make_unique<PanelService>(options, shared_.share()));
@@ -162,7 +229,8 @@ std::unique_ptr<RemoteServer> make_remote_server(const RemoteOptions& options, S
   };
   needs(options.osc_arm && options.osc.empty(), "--osc-arm", "give --osc PORT too");
   needs(options.panel_arm && !options.panel, "--panel-arm", "give --panel too");
-  if (options.osc.empty() && options.serial.empty() && !options.panel) return nullptr;
+  if (options.osc.empty() && options.serial.empty() && !options.panel && !options.hid && !options.midi_out)
+    return nullptr;
   return std::make_unique<LiveServer>(options, session, performer, sample_rate);
 }
 

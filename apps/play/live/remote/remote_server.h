@@ -7,14 +7,19 @@
 #include <vector>
 
 #include "apps/play/live/remote/live_remote.h"
+#include "engine/rig/rig.h"
 
 namespace tactus::app {
 
 struct RemoteOptions {
-  std::string osc;                     ///< [ADDRESS:]PORT; empty: no server
-  bool osc_arm = false;                ///< clients of other hosts may arm
-  std::vector<std::string> serial{};   ///< DEVICE[@BAUD]
-  std::optional<std::string> panel{};  ///< [ADDRESS:]PORT, or empty: any port; nothing: no server
+  std::string osc;                        ///< [ADDRESS:]PORT; empty: no server
+  bool osc_arm = false;                   ///< clients of other hosts may arm
+  std::vector<std::string> serial{};      ///< DEVICE[@BAUD]
+  std::optional<std::string> hid{};       ///< a part of a device's name; empty: all
+  std::optional<std::string> midi_out{};  ///< a part of a port's name; empty: a port of our own
+  std::string midi_api{};
+  std::vector<RigMidiOut> midi_messages{};  ///< none: a note for each event
+  std::optional<std::string> panel{};       ///< [ADDRESS:]PORT, or empty: any port; nothing: no server
   bool panel_arm = false;
   bool open_browser = true;
 };

@@ -214,7 +214,7 @@ TEST_CASE("live limits: saving controls keeps a limit that was edited meanwhile"
   text.replace(text.find("0.05"), 4, "0.01");
   desk.folder.write("desk.toml", text);
   play.type("s");
-  CHECK(play.shows("controls and MIDI bindings saved"));
+  CHECK(play.shows("controls and what moves them saved"));
   play.type("q");
   CHECK(play.wait() == 0);
   CHECK(test::text_of(desk.file("desk.toml")).find("ceiling = 0.01") != std::string::npos);
