@@ -37,6 +37,7 @@ struct Device {
   /// The latency that the driver reports [frames], where it can be queried without opening the device.
   std::optional<double> input_latency_frames, output_latency_frames;
   bool is_default = false;
+  std::vector<std::string> in_names, out_names;  ///< of its channels, where they have names
 
   // Where a library has it that reaches several driver interfaces ("APIs").
   std::string api;           ///< "jack", "alsa"
@@ -72,6 +73,7 @@ struct StreamGranted {
   std::optional<double> output_latency_frames;
   bool xruns_move_delay = false;  ///< a gap may change the delay from then on
   bool writers_unknown = false;   ///< its ports take other programs too, and the library does not name them
+  bool digital_inputs = false;    ///< numbers of a device: at the end of its range no sensor is at fault
   bool comes_back = true;         ///< when it is Lost, opening it again may work in this process
 };
 
@@ -173,14 +175,18 @@ class Backend {
   }
 };
 
-/// A backend for sound cards that this program was built with. The table is in
-/// cmake/TactusDependencies.cmake; the folder backends/NAME defines `make_NAME_backend`.
-struct SoundBackend {
+/// A backend that this program was built with. The table is in cmake/TactusDependencies.cmake; the folder
+/// backends/NAME defines `make_NAME_backend`.
+struct BackendType {
   std::string name;  ///< Backend::name
   std::unique_ptr<Backend> (*make)();
 };
 
-/// [control] In the order in which they are asked for a device.
-const std::vector<SoundBackend>& sound_backends();
+/// [control] For sound cards, in the order in which they are asked for a device.
+const std::vector<BackendType>& sound_backends();
+/// [control] For force-feedback devices.
+const std::vector<BackendType>& haptic_backends();
+/// [control] All of them, those for sound cards first.
+std::vector<BackendType> all_backends();
 
 }  // namespace tactus

@@ -14,16 +14,16 @@ namespace tactus::app {
 
 static constexpr const char* kDefaultDevice = "default";  // the first one of the first library
 
-Result<std::vector<SoundBackend>> backends_called(const std::string& name) {
+Result<std::vector<BackendType>> backends_called(const std::string& name) {
   on_slow_call([](const std::string& note) { fmt::print(stderr, "{}\n", note); });
-  std::vector<SoundBackend> found;
+  std::vector<BackendType> found;
   if (name == "loop") found = {{name, [] { return std::unique_ptr<Backend>{new LoopBackend}; }}};
-  for (const auto& backend : sound_backends())
+  for (const auto& backend : all_backends())
     if (name.empty() || name == backend.name) found.push_back(backend);
   if (!found.empty()) return found;
   const auto remedy = sound_backends().empty()
                           ? "install JACK, RtAudio or PortAudio and build again"
-                          : fmt::format("it has {}", fmt::join(names_of(sound_backends()), ", "));
+                          : fmt::format("it has {}", fmt::join(names_of(all_backends()), ", "));
   if (!name.empty())
     return fail(Errc::UnknownName, "--backend", "this program was built without the backend '" + name + "'",
                 remedy);
@@ -71,7 +71,7 @@ void add_device_options(CLI::App& command, DeviceOptions& options, const char* r
   command.add_option("--rig", options.rig, rig_help);
   command.add_option(
       "--backend", options.backend,
-      fmt::format("audio backend: {}; see tactus devices", fmt::join(names_of(sound_backends()), ", ")));
+      fmt::format("backend: {}; see tactus devices", fmt::join(names_of(all_backends()), ", ")));
   command.add_option("--device", options.device,
                      fmt::format("id of a device, or part of its name, or {}", kDefaultDevice));
   command.add_option("--input-device", options.input_device, "input device, if different from --device");

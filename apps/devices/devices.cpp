@@ -24,6 +24,8 @@ Json device_json(const Device& device, const MeasuredDelays& delays) {
             {"default_rate_hz", device.default_rate.value},
             {"rates_hz", list_of(device.sample_rates, [](Hertz rate) { return rate.value; })},
             {"default", device.is_default}};
+  if (!device.in_names.empty()) json["input_names"] = device.in_names;
+  if (!device.out_names.empty()) json["output_names"] = device.out_names;
   if (device.block_frames) json["block_frames"] = *device.block_frames;
   if (device.input_latency_frames) json["driver_input_latency_frames"] = *device.input_latency_frames;
   if (device.output_latency_frames) json["driver_output_latency_frames"] = *device.output_latency_frames;
@@ -32,6 +34,13 @@ Json device_json(const Device& device, const MeasuredDelays& delays) {
     json["measured_at"] = measured->when;
   }
   return json;
+}
+
+/// With their numbers, as --inputs, --outputs and rigs have them.
+void print_channels(const char* direction, const std::vector<std::string>& names) {
+  std::vector<std::string> numbered;
+  for (const auto& name : names) numbered.push_back(fmt::format("{} {}", numbered.size() + 1, name));
+  if (!names.empty()) fmt::print("      {}: {}\n", direction, fmt::join(numbered, ", "));
 }
 
 void print(const Device& device, const MeasuredDelays& delays) {
@@ -53,6 +62,8 @@ void print(const Device& device, const MeasuredDelays& delays) {
                1e3 * measured->delay.value, measured->key.block_frames, measured->key.sample_rate.value / 1e3,
                measured->when);
   fmt::print("\n");
+  print_channels("in ", device.in_names);
+  print_channels("out", device.out_names);
 }
 
 struct DevicesOptions {
@@ -92,7 +103,7 @@ void add_devices(CLI::App& app, int& exit_code) {
                                         exit_code, run_devices);
   command.add_option("--backend", options.backend,
                      fmt::format("audio backend: only its devices; {}, or loop (simulated cards)",
-                                 fmt::join(names_of(sound_backends()), ", ")));
+                                 fmt::join(names_of(all_backends()), ", ")));
   command.add_flag("--json", options.json, "print the report as JSON");
   command.footer(
       "Examples:\n  tactus devices\n  tactus devices --backend jack --json\nPass an id, or an unambiguous "

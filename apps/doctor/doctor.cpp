@@ -373,7 +373,7 @@ struct DoctorOptions {
 /// The devices of every backend as `tactus devices` knows them.
 std::string devices_text() {
   std::string text;
-  for (const auto& backend : sound_backends()) {
+  for (const auto& backend : all_backends()) {
     const auto devices = backend.make()->devices();
     if (!devices) {
       text += backend.name + ": " + to_string(devices.error()) + "\n";

@@ -20,7 +20,7 @@ Subject live_subject(std::unique_ptr<Backend> backend, std::shared_ptr<void> sta
 }
 
 /// Plays to the device "system" of a real JACK server.
-std::optional<Subject> on_jack_server(const SoundBackend& backend) {
+std::optional<Subject> on_jack_server(const BackendType& backend) {
   std::shared_ptr<SoundServer> server = start_sound_server();
   auto subject = live_subject(backend.make(), std::move(server));
   // No other device; without any name PortAudio would abort.

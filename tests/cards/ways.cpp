@@ -55,7 +55,7 @@ MeasureSettings short_measurement(const StreamRequest& request) {
 
 bool has_backend(const std::string& name) {
   const auto& all = sound_backends();
-  return std::any_of(all.begin(), all.end(), [&](const SoundBackend& one) { return one.name == name; });
+  return std::any_of(all.begin(), all.end(), [&](const BackendType& one) { return one.name == name; });
 }
 
 bool has_alsa() {

@@ -1,0 +1,427 @@
+#include <SDL.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <mutex>
+#include <thread>
+
+#include "backends/card_callback.h"
+#include "backends/find_device.h"
+#include "backends/realtime_thread.h"
+#include "backends/sdl/effect_timer.h"
+
+namespace tactus {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using namespace std::chrono_literals;
+
+constexpr auto kPoll = 1ms;    // a block: the device is read, and written, once
+constexpr auto kLate = 100ms;  // later blocks are left out
+constexpr int kPollRate_hz = 1000;
+constexpr int kPriority = 70;
+constexpr double kFullTurn = 34.9;  // [rad/s] of the gyroscope at full scale: 2,000 degrees a second
+constexpr Uint32 kRumbleLength_ms = 500;
+
+/// SDL's joysticks and gamepads, for as long as somebody uses them.
+class Library {
+ public:
+  Library() {
+    SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
+    SDL_SetHint(SDL_HINT_JOYSTICK_ALLOW_BACKGROUND_EVENTS, "1");
+    ready_ = SDL_InitSubSystem(kParts) == 0;
+  }
+  Library(const Library&) = delete;
+  Library& operator=(const Library&) = delete;
+  ~Library() {
+    if (ready_) SDL_QuitSubSystem(kParts);
+  }
+  bool ready() const { return ready_; }
+
+ private:
+  static constexpr Uint32 kParts = SDL_INIT_JOYSTICK | SDL_INIT_GAMECONTROLLER | SDL_INIT_HAPTIC;
+  bool ready_ = false;
+};
+
+tl::unexpected<Error> failed(const std::string& what) {
+  return fail(Errc::Device, "", fmt::format("{}: {}", what, SDL_GetError()), "see tactus doctor");
+}
+
+/// What an output is in the device.
+struct Output {
+  enum class Kind { RumbleLow, RumbleHigh, Effect };
+  Kind kind = Kind::Effect;
+  std::string name;
+  Uint16 type = 0;  ///< of an effect
+  int axis = 0;     ///< of a force
+};
+
+/// The effects that a device may have, in the order of the outputs.
+constexpr std::array<std::pair<Uint16, const char*>, 5> kEffects{{{SDL_HAPTIC_SINE, "sine"},
+                                                                  {SDL_HAPTIC_SPRING, "spring"},
+                                                                  {SDL_HAPTIC_DAMPER, "damper"},
+                                                                  {SDL_HAPTIC_INERTIA, "inertia"},
+                                                                  {SDL_HAPTIC_FRICTION, "friction"}}};
+constexpr Uint16 kSinePeriod_ms = 10;
+constexpr int kMostForceAxes = 2;
+
+Sint16 scaled(double level) { return static_cast<Sint16>(std::lround(32767 * std::clamp(level, -1.0, 1.0))); }
+
+/// The effect of an output at a level. A force points along its axis; an effect of the device's own has the
+/// strength |level|.
+SDL_HapticEffect effect_of(const Output& output, double level) {
+  SDL_HapticEffect effect{};
+  effect.type = output.type;
+  const auto length = static_cast<Uint32>(EffectTimer::kLength.count());
+  const auto strength = scaled(std::abs(level));
+  if (output.type == SDL_HAPTIC_CONSTANT) {
+    effect.constant.direction.type = SDL_HAPTIC_CARTESIAN;
+    effect.constant.direction.dir[output.axis] = 1;
+    effect.constant.length = length;
+    effect.constant.level = scaled(level);
+  } else if (output.type == SDL_HAPTIC_SINE) {
+    effect.periodic.direction.type = SDL_HAPTIC_CARTESIAN;
+    effect.periodic.direction.dir[0] = 1;
+    effect.periodic.length = length;
+    effect.periodic.period = kSinePeriod_ms;
+    effect.periodic.magnitude = strength;
+  } else {
+    effect.condition.direction.type = SDL_HAPTIC_CARTESIAN;
+    effect.condition.direction.dir[0] = 1;
+    effect.condition.length = length;
+    for (int axis = 0; axis < 3; ++axis) {
+      effect.condition.right_sat[axis] = effect.condition.left_sat[axis] = 0xffff;
+      effect.condition.right_coeff[axis] = effect.condition.left_coeff[axis] = strength;
+    }
+  }
+  return effect;
+}
+
+/// A joystick, wheel or gamepad with all that it has.
+class OpenDevice {
+ public:
+  /// nullptr: it went away.
+  static std::shared_ptr<OpenDevice> open(int index) {
+    auto* joystick = SDL_JoystickOpen(index);
+    return joystick == nullptr ? nullptr : std::make_shared<OpenDevice>(index, joystick);
+  }
+  OpenDevice(int index, SDL_Joystick* joystick) : joystick_(joystick) {
+    if (SDL_IsGameController(index) == SDL_TRUE) pad_ = SDL_GameControllerOpen(index);
+    if (SDL_JoystickIsHaptic(joystick) == SDL_TRUE) haptic_ = SDL_HapticOpenFromJoystick(joystick);
+    name_inputs();
+    name_outputs();
+    effects_.resize(outputs.size());
+    levels_.resize(outputs.size());
+    values_.resize(inputs.size());
+  }
+  OpenDevice(const OpenDevice&) = delete;
+  OpenDevice& operator=(const OpenDevice&) = delete;
+  ~OpenDevice() {
+    silence();
+    if (haptic_ != nullptr) SDL_HapticClose(haptic_);
+    if (pad_ != nullptr) SDL_GameControllerClose(pad_);
+    SDL_JoystickClose(joystick_);
+  }
+
+  bool attached() const { return SDL_JoystickGetAttached(joystick_) == SDL_TRUE; }
+
+  /// The inputs as they are now; true: at least one changed.
+  bool read(std::vector<double>& values) {
+    std::size_t at = 0;
+    for (int a = 0; a < SDL_JoystickNumAxes(joystick_); ++a)
+      values[at++] = std::max(-1.0, SDL_JoystickGetAxis(joystick_, a) / 32767.0);
+    for (int h = 0; h < SDL_JoystickNumHats(joystick_); ++h) {
+      const auto hat = SDL_JoystickGetHat(joystick_, h);
+      values[at++] = ((hat & SDL_HAT_RIGHT) != 0) - ((hat & SDL_HAT_LEFT) != 0);
+      values[at++] = ((hat & SDL_HAT_UP) != 0) - ((hat & SDL_HAT_DOWN) != 0);
+    }
+    for (int b = 0; b < SDL_JoystickNumButtons(joystick_); ++b)
+      values[at++] = SDL_JoystickGetButton(joystick_, b);
+    if (gyroscope_) {
+      std::array<float, 3> turn{};
+      (void)SDL_GameControllerGetSensorData(pad_, SDL_SENSOR_GYRO, turn.data(), 3);
+      for (const float speed : turn)
+        values[at++] = std::clamp(static_cast<double>(speed) / kFullTurn, -1.0, 1.0);
+    }
+    return std::exchange(values_, values) != values;
+  }
+
+  /// Sends what changed. Levels are from -1 to 1.
+  void write(const std::vector<double>& levels, Clock::time_point now) {
+    write_rumble(levels, now);
+    for (std::size_t o = 0; o < outputs.size(); ++o)
+      if (outputs[o].kind == Output::Kind::Effect) send(o, levels[o], effects_[o].timer.next(levels[o], now));
+  }
+  /// Nothing moves any more.
+  void silence() {
+    if (rumbles_) SDL_JoystickRumble(joystick_, 0, 0, 0);
+    if (haptic_ != nullptr) SDL_HapticStopAll(haptic_);
+  }
+  /// Outputs that the device took no effect for.
+  std::int64_t refused() const { return refused_; }
+
+  std::vector<std::string> inputs;
+  std::vector<Output> outputs;
+
+ private:
+  struct Effect {
+    int id = -1;
+    EffectTimer timer;
+  };
+
+  void name_inputs() {
+    for (int a = 0; a < SDL_JoystickNumAxes(joystick_); ++a) inputs.push_back(fmt::format("axis {}", a));
+    for (int h = 0; h < SDL_JoystickNumHats(joystick_); ++h)
+      for (const auto* direction : {"x", "y"}) inputs.push_back(fmt::format("hat {} {}", h, direction));
+    for (int b = 0; b < SDL_JoystickNumButtons(joystick_); ++b) inputs.push_back(fmt::format("button {}", b));
+    gyroscope_ = pad_ != nullptr && SDL_GameControllerHasSensor(pad_, SDL_SENSOR_GYRO) == SDL_TRUE &&
+                 SDL_GameControllerSetSensorEnabled(pad_, SDL_SENSOR_GYRO, SDL_TRUE) == 0;
+    if (gyroscope_)
+      for (const auto* axis : {"x", "y", "z"}) inputs.push_back(fmt::format("gyroscope {}", axis));
+  }
+
+  /// Forces and effects need a slot each.
+  void name_outputs() {
+    rumbles_ = SDL_JoystickHasRumble(joystick_) == SDL_TRUE;
+    if (rumbles_) {
+      outputs.push_back({Output::Kind::RumbleLow, "rumble low"});
+      outputs.push_back({Output::Kind::RumbleHigh, "rumble high"});
+    }
+    if (haptic_ == nullptr) return;
+    const auto can = SDL_HapticQuery(haptic_);
+    auto slots = SDL_HapticNumEffects(haptic_);
+    const auto add = [&](Uint16 type, const std::string& name, int axis) {
+      if ((can & type) != 0 && slots-- > 0) outputs.push_back({Output::Kind::Effect, name, type, axis});
+    };
+    for (int axis = 0; axis < std::clamp(SDL_HapticNumAxes(haptic_), 1, kMostForceAxes); ++axis)
+      add(SDL_HAPTIC_CONSTANT, fmt::format("force {}", axis == 0 ? "x" : "y"), axis);
+    for (const auto& [type, name] : kEffects) add(type, name, 0);
+  }
+
+  void write_rumble(const std::vector<double>& levels, Clock::time_point now) {
+    if (!rumbles_) return;
+    using Order = EffectTimer::Order;
+    std::array<Uint16, 2> strength{};
+    bool sends = false;
+    for (std::size_t o = 0; o < 2; ++o) {
+      sends |= effects_[o].timer.next(levels[o], now) != Order::None;
+      strength[o] = static_cast<Uint16>(std::lround(65535 * std::clamp(std::abs(levels[o]), 0.0, 1.0)));
+    }
+    if (sends) SDL_JoystickRumble(joystick_, strength[0], strength[1], kRumbleLength_ms);
+  }
+
+  void send(std::size_t output, double level, EffectTimer::Order order) {
+    using Order = EffectTimer::Order;
+    if (order == Order::None) return;
+    auto& id = effects_[output].id;
+    if (order == Order::Stop) return void(id < 0 || SDL_HapticStopEffect(haptic_, id) == 0);
+    auto effect = effect_of(outputs[output], level);
+    bool sent = true;
+    if (id < 0)
+      sent = (id = SDL_HapticNewEffect(haptic_, &effect)) >= 0;
+    else if (levels_[output] != level)
+      sent = SDL_HapticUpdateEffect(haptic_, id, &effect) == 0;
+    levels_[output] = level;
+    if (sent && order != Order::Change) sent = SDL_HapticRunEffect(haptic_, id, 1) == 0;
+    if (!sent) ++refused_;
+  }
+
+  SDL_Joystick* joystick_;
+  SDL_GameController* pad_ = nullptr;
+  SDL_Haptic* haptic_ = nullptr;
+  bool rumbles_ = false, gyroscope_ = false;
+  std::vector<Effect> effects_;  ///< one for each output
+  std::vector<double> levels_;   ///< in the device
+  std::vector<double> values_;   ///< of the inputs
+  std::int64_t refused_ = 0;
+};
+
+/// Its path, where the system has one.
+std::string hardware_of(int index) {
+  const auto* path = SDL_JoystickPathForIndex(index);
+  return path == nullptr ? "" : path;
+}
+
+Device described(int index) {
+  Device device;
+  const auto* name = SDL_JoystickNameForIndex(index);
+  device.library_name = name == nullptr ? "unnamed" : name;
+  device.id = "sdl:" + device.library_name;
+  device.name = device.library_name + " (joysticks and gamepads)";
+  device.index = index;
+  device.api = "sdl";
+  device.hardware = hardware_of(index);
+  device.default_rate = 8_kHz;
+  device.block_frames = 8;
+  if (const auto opened = OpenDevice::open(index)) {
+    device.in_channels = static_cast<int>(opened->inputs.size());
+    device.out_channels = static_cast<int>(opened->outputs.size());
+    device.in_names = opened->inputs;
+    for (const auto& output : opened->outputs) device.out_names.push_back(output.name);
+  }
+  return device;
+}
+
+Result<std::vector<Device>> list_devices() {
+  const Library library;
+  if (!library.ready()) return failed("SDL finds no joysticks");
+  SDL_JoystickUpdate();
+  std::vector<Device> devices;
+  for (int i = 0; i < SDL_NumJoysticks(); ++i) devices.push_back(described(i));
+  distinguish_same_ids(devices);
+  return devices;
+}
+
+/// All that the thread touches.
+struct Line {
+  Library library;
+  std::shared_ptr<OpenDevice> device;
+  std::unique_ptr<CardCallback> card;
+  int frames = 8;  ///< of a block
+  std::atomic<bool> stops{false}, lost{false};
+  std::atomic<std::int64_t> refused{0};
+  std::atomic<double> reports_hz{0.0};
+};
+
+/// Blocks of a device, a millisecond each. Inputs move from their value in the block before to the present
+/// one in a straight line, so that they are a block late; an output is its mean over the block.
+class Pacer {
+ public:
+  explicit Pacer(Line& line)
+      : line_(line),
+        now_(line.device->inputs.size()),
+        before_(line.device->inputs.size()),
+        levels_(line.device->outputs.size()) {
+    in_.assign(now_.size(), std::vector<float>(index(line.frames)));
+    out_.assign(levels_.size(), std::vector<float>(index(line.frames)));
+    for (const auto& channel : in_) from_.push_back(channel.data());
+    for (auto& channel : out_) to_.push_back(channel.data());
+  }
+
+  void run() {
+    (void)become_realtime(kPriority);
+    SDL_JoystickUpdate();
+    line_.device->read(before_);
+    for (auto next = Clock::now(); !line_.stops; std::this_thread::sleep_until(next += kPoll)) {
+      if (Clock::now() - next > kLate) next = Clock::now();
+      if (!turn(Clock::now())) break;
+    }
+    line_.device->silence();
+  }
+
+ private:
+  bool turn(Clock::time_point now) {
+    SDL_JoystickUpdate();
+    if (!line_.device->attached()) return line_.lost = true, false;
+    count_reports(line_.device->read(now_), now);
+    const auto frames = static_cast<std::size_t>(line_.frames);
+    for (std::size_t c = 0; c < in_.size(); ++c)
+      for (std::size_t n = 0; n < frames; ++n)
+        in_[c][n] = static_cast<float>(
+            std::lerp(before_[c], now_[c], static_cast<double>(n + 1) / static_cast<double>(frames)));
+    before_ = now_;
+    line_.card->block(from_.data(), to_.data(), static_cast<int>(to_.size()), line_.frames);
+    for (std::size_t c = 0; c < out_.size(); ++c) {
+      double sum = 0.0;
+      for (const float sample : out_[c]) sum += static_cast<double>(sample);
+      levels_[c] = sum / static_cast<double>(frames);
+    }
+    line_.device->write(levels_, now);
+    line_.refused = line_.device->refused();
+    return true;
+  }
+
+  /// The most in a second so far: a device that rests reports nothing.
+  void count_reports(bool changed, Clock::time_point now) {
+    reports_ += changed ? 1 : 0;
+    if (now - counted_ < 1s) return;
+    line_.reports_hz = std::max(line_.reports_hz.load(), static_cast<double>(reports_));
+    reports_ = 0;
+    counted_ = now;
+  }
+
+  Line& line_;
+  std::vector<double> now_, before_, levels_;
+  std::vector<std::vector<float>> in_, out_;
+  std::vector<const float*> from_;
+  std::vector<float*> to_;
+  int reports_ = 0;
+  Clock::time_point counted_ = Clock::now();
+};
+
+class SdlStream final : public CardStream<Line> {
+ public:
+  using CardStream::CardStream;
+  ~SdlStream() override { static_cast<void>(stop()); }
+
+  std::string take_note() override {
+    if (const auto refused = line_->refused.load(); refused > 0 && !std::exchange(refusal_noted_, true))
+      return granted().device + " took not every effect: it has no slot left, or no such effect";
+    const auto reports = line_->reports_hz.load();
+    if (reports < kLeastReports || reports < 1.5 * noted_reports_) return {};
+    noted_reports_ = reports;
+    return fmt::format("{} reports its position {:.0f} times a second", granted().device, reports);
+  }
+
+ private:
+  static constexpr double kLeastReports = 20.0;
+
+  bool lost() const override { return line_->lost; }
+  Status start_library() override {
+    line_->stops = false;
+    thread_ = std::thread{[line = line_] { Pacer{*line}.run(); }};
+    return {};
+  }
+  Status stop_library(bool) override {
+    line_->stops = true;
+    if (thread_.joinable()) thread_.join();
+    return {};
+  }
+
+  std::thread thread_;
+  bool refusal_noted_ = false;
+  double noted_reports_ = 0.0;
+};
+
+/// Joysticks, wheels and gamepads through SDL 2. A device is "sdl:<its name>". Its inputs are axes, hats and
+/// buttons (-1 to 1, 0 or 1) and the gyroscope (2,000 degrees a second are full scale), its outputs the
+/// motors of a gamepad, the forces of a wheel or joystick, and the device's own effects, whose strength is
+/// the output. It is read and written every millisecond, whatever the rate is; none is the default device.
+class SdlBackend final : public Backend {
+ public:
+  std::string name() const override { return "sdl"; }
+  Result<std::vector<Device>> devices() override { return list_devices(); }
+  Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override {
+    const auto found = list_devices();
+    if (!found) return tl::unexpected(found.error());
+    auto wanted = request;
+    wanted.block_frames.reset();  // the device's own
+    const auto choice = choose(*found, wanted);
+    if (!choice) return tl::unexpected(choice.error());
+    if (choice->input.id != choice->output.id)
+      return fail(Errc::BadArgument, "", "inputs and outputs are of two devices", "name one");
+    auto granted = choice->granted;
+    auto line = std::make_shared<Line>();
+    line->frames = static_cast<int>(std::lround(granted.format.sample_rate.value / kPollRate_hz));
+    if (line->frames * kPollRate_hz != std::lround(granted.format.sample_rate.value))
+      return fail(Errc::BadArgument, "",
+                  "the sample rate of '" + granted.device + "' must be a multiple of 1 kHz",
+                  "omit the rate, for 8 kHz");
+    SDL_JoystickUpdate();
+    line->device = OpenDevice::open(choice->output.index);
+    if (line->device == nullptr) return failed("'" + granted.device + "' cannot be opened");
+    granted.block_frames = granted.format.max_frames = line->frames;
+    granted.input_latency_frames = line->frames;
+    granted.digital_inputs = true;
+    if (auto status = processor.prepare(granted.format); !status) return tl::unexpected(status.error());
+    return std::make_unique<SdlStream>(std::move(line), granted, request, processor);
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Backend> make_sdl_backend() { return std::make_unique<SdlBackend>(); }
+
+}  // namespace tactus

@@ -1,0 +1,258 @@
+// A wheel with force feedback of a real kernel, made with uinput, which gets what is uploaded and played.
+#include <fcntl.h>
+#include <linux/uinput.h>
+#include <poll.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "backends/backend.h"
+#include "backends/reconnecting_stream.h"
+#include "tests/support/wait_until.h"
+
+using namespace tactus;
+using namespace std::chrono_literals;
+using test::wait_until;
+
+namespace {
+
+constexpr std::chrono::milliseconds kSlowMachine = 120s;
+constexpr int kSlots = 8;
+
+class Wheel {
+ public:
+  Wheel() : file_(open("/dev/uinput", O_RDWR | O_NONBLOCK)) {
+    REQUIRE(file_ >= 0);
+    for (const int type : {EV_KEY, EV_ABS, EV_FF}) REQUIRE(ioctl(file_, UI_SET_EVBIT, type) == 0);
+    for (const int key : {BTN_TRIGGER, BTN_THUMB}) REQUIRE(ioctl(file_, UI_SET_KEYBIT, key) == 0);
+    for (const int effect :
+         {FF_CONSTANT, FF_SPRING, FF_DAMPER, FF_INERTIA, FF_FRICTION, FF_PERIODIC, FF_SINE})
+      REQUIRE(ioctl(file_, UI_SET_FFBIT, effect) == 0);
+    for (const int axis : {ABS_X, ABS_Y}) {
+      uinput_abs_setup setup{};
+      setup.code = static_cast<std::uint16_t>(axis);
+      setup.absinfo.minimum = -32768;
+      setup.absinfo.maximum = 32767;
+      REQUIRE(ioctl(file_, UI_ABS_SETUP, &setup) == 0);
+    }
+    uinput_setup setup{};
+    setup.id.bustype = BUS_USB;
+    setup.id.vendor = 0x1209;
+    setup.id.product = 0x0002;
+    setup.ff_effects_max = kSlots;
+    std::strcpy(setup.name, "Test Wheel");
+    REQUIRE(ioctl(file_, UI_DEV_SETUP, &setup) == 0);
+    REQUIRE(ioctl(file_, UI_DEV_CREATE) == 0);
+    thread_ = std::thread{[this] { answer(); }};
+  }
+  ~Wheel() {
+    stop_ = true;
+    thread_.join();
+    ioctl(file_, UI_DEV_DESTROY);
+    close(file_);
+  }
+  void move(int axis, int value) {
+    for (const auto& [type, code, to] :
+         {std::array{EV_ABS, axis, value}, std::array{EV_SYN, SYN_REPORT, 0}}) {
+      input_event event{};
+      event.type = static_cast<std::uint16_t>(type);
+      event.code = static_cast<std::uint16_t>(code);
+      event.value = to;
+      REQUIRE(write(file_, &event, sizeof event) == sizeof event);
+    }
+  }
+  /// The effect of this type that was uploaded last.
+  std::optional<ff_effect> uploaded(int type) const {
+    const std::lock_guard lock{mutex_};
+    for (const auto& [id, effect] : effects_)
+      if (effect.type == type) return effect;
+    return std::nullopt;
+  }
+  bool plays(int type) const {
+    const auto effect = uploaded(type);
+    const std::lock_guard lock{mutex_};
+    return effect && playing_.contains(effect->id) && playing_.at(effect->id);
+  }
+  int uploads(int type) const {
+    const std::lock_guard lock{mutex_};
+    const auto found = uploads_.find(type);
+    return found == uploads_.end() ? 0 : found->second;
+  }
+  std::size_t slots_in_use() const {
+    const std::lock_guard lock{mutex_};
+    return effects_.size();
+  }
+
+ private:
+  void answer() {
+    while (!stop_) {
+      pollfd waits{file_, POLLIN, 0};
+      if (poll(&waits, 1, 20) <= 0) continue;
+      for (input_event event; read(file_, &event, sizeof event) == sizeof event;) take(event);
+    }
+  }
+  void take(const input_event& event) {
+    if (event.type == EV_FF) {
+      const std::lock_guard lock{mutex_};
+      playing_[event.code] = event.value != 0;
+    }
+    if (event.type != EV_UINPUT) return;
+    if (event.code == UI_FF_UPLOAD) {
+      uinput_ff_upload upload{};
+      upload.request_id = static_cast<std::uint32_t>(event.value);
+      ioctl(file_, UI_BEGIN_FF_UPLOAD, &upload);
+      {
+        const std::lock_guard lock{mutex_};
+        effects_[upload.effect.id] = upload.effect;
+        ++uploads_[upload.effect.type];
+      }
+      upload.retval = 0;
+      ioctl(file_, UI_END_FF_UPLOAD, &upload);
+    } else if (event.code == UI_FF_ERASE) {
+      uinput_ff_erase erase{};
+      erase.request_id = static_cast<std::uint32_t>(event.value);
+      ioctl(file_, UI_BEGIN_FF_ERASE, &erase);
+      {
+        const std::lock_guard lock{mutex_};
+        effects_.erase(static_cast<int>(erase.effect_id));
+      }
+      erase.retval = 0;
+      ioctl(file_, UI_END_FF_ERASE, &erase);
+    }
+  }
+
+  int file_;
+  std::atomic<bool> stop_{false};
+  mutable std::mutex mutex_;
+  std::map<int, ff_effect> effects_;
+  std::map<int, bool> playing_;
+  std::map<int, int> uploads_;
+  std::thread thread_;
+};
+
+/// All outputs have the levels that a test gives.
+class Levels final : public BlockProcessor {
+ public:
+  Status prepare(const StreamFormat& granted) override {
+    outputs_ = granted.out_channels;
+    return {};
+  }
+  void process(const BlockIo& io) noexcept override {
+    input = io.in[0][io.frames - 1];
+    for (int c = 0; c < outputs_; ++c)
+      std::fill_n(io.out[c], io.frames, levels[static_cast<std::size_t>(c)].load());
+  }
+  std::array<std::atomic<double>, 8> levels{};
+  std::atomic<double> input{0.0};
+
+ private:
+  int outputs_ = 0;
+};
+
+/// The guard lets everything through.
+const std::vector<GuardedChannel> kFree(8, {DriveGuard::Kind::Audio, {.ceiling = 1.0}, {false, false}});
+
+std::unique_ptr<Backend> sdl() {
+  for (const auto& backend : haptic_backends())
+    if (backend.name == "sdl") return backend.make();
+  return nullptr;
+}
+
+Device wheel_of(Backend& backend) {
+  Device device;
+  REQUIRE(wait_until(
+      [&] {
+        const auto devices = backend.devices();
+        if (!devices) return false;
+        const auto found = std::ranges::find(*devices, "sdl:Test Wheel", &Device::id);
+        if (found == devices->end()) return false;
+        device = *found;
+        return true;
+      },
+      kSlowMachine));
+  return device;
+}
+
+StreamRequest request_for(const Device& device) {
+  StreamRequest request;
+  request.device = device.id;
+  request.in_channels = device.in_channels;
+  request.out_channels = device.out_channels;
+  return request;
+}
+
+bool waits(const std::function<bool()>& holds) { return wait_until(holds, kSlowMachine); }
+
+}  // namespace
+
+TEST_CASE("sdl: forces and effects of a wheel are uploaded, changed, played and stopped", "[.alsa]") {
+  Wheel wheel;
+  const auto backend = sdl();
+  const auto device = wheel_of(*backend);
+  CHECK(device.in_names == std::vector<std::string>{"axis 0", "axis 1", "button 0", "button 1"});
+  CHECK(device.out_names ==
+        std::vector<std::string>{"force x", "force y", "sine", "spring", "damper", "inertia", "friction"});
+  Levels levels;
+  Guarded guarded{levels, kFree};
+  guarded.disable_sensor_watch();
+  auto stream = backend->open(request_for(device), guarded);
+  REQUIRE(stream);
+  REQUIRE((*stream)->start());
+  wheel.move(ABS_X, 16384);
+  CHECK(waits([&] { return std::abs(levels.input - 0.5) < 1e-3; }));
+
+  levels.levels[0] = -0.5;  // streamed
+  REQUIRE(waits([&] { return wheel.plays(FF_CONSTANT); }));
+  CHECK(std::abs(wheel.uploaded(FF_CONSTANT)->u.constant.level) == Approx(16384).margin(2));
+  const int before = wheel.uploads(FF_CONSTANT);
+  levels.levels[0] = 0.25;
+  REQUIRE(waits([&] { return wheel.uploads(FF_CONSTANT) > before; }));
+  CHECK(wheel.uploaded(FF_CONSTANT)->replay.length == 500);  // a program that hangs pushes no longer
+
+  levels.levels[3] = 0.75;  // the loop of the spring is in the device
+  REQUIRE(waits([&] { return wheel.plays(FF_SPRING); }));
+  CHECK(wheel.uploaded(FF_SPRING)->u.condition[0].right_coeff == Approx(0.75 * 32767).margin(2));
+  for (const std::size_t other : {1u, 2u, 4u, 5u, 6u}) levels.levels[other] = 0.5;
+  REQUIRE(
+      waits([&] { return wheel.plays(FF_FRICTION) && wheel.plays(FF_PERIODIC) && wheel.plays(FF_INERTIA); }));
+  CHECK(wheel.slots_in_use() == 7);
+  CHECK(wheel.uploaded(FF_PERIODIC)->u.periodic.period == 10);
+
+  levels.levels[3] = 0.0;
+  CHECK(waits([&] { return !wheel.plays(FF_SPRING); }));
+  CHECK(wheel.plays(FF_DAMPER));
+  REQUIRE((*stream)->stop());
+  CHECK(waits(
+      [&] { return !wheel.plays(FF_CONSTANT) && !wheel.plays(FF_DAMPER) && !wheel.plays(FF_FRICTION); }));
+}
+
+TEST_CASE("sdl: a wheel that is unplugged while it plays is lost, and comes back", "[.alsa]") {
+  auto wheel = std::make_unique<Wheel>();
+  const auto backend = sdl();
+  const auto device = wheel_of(*backend);
+  Levels levels;
+  levels.levels[0] = 0.5;
+  Guarded guarded{levels, kFree};
+  guarded.disable_sensor_watch();
+  auto stream = ReconnectingStream::open(*backend, request_for(device), guarded);
+  REQUIRE(stream);
+  REQUIRE((*stream)->start());
+  for (int turn = 0; turn < 3; ++turn) {
+    REQUIRE(waits([&] { return wheel->plays(FF_CONSTANT); }));
+    wheel.reset();
+    REQUIRE(waits([&] { return (*stream)->tick(), (*stream)->state() == StreamState::Lost; }));
+    wheel = std::make_unique<Wheel>();
+    REQUIRE(waits([&] { return (*stream)->tick(), (*stream)->state() == StreamState::Running; }));
+  }
+  REQUIRE(waits([&] { return wheel->plays(FF_CONSTANT); }));
+  REQUIRE((*stream)->stop());
+}
