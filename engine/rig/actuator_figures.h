@@ -1,0 +1,49 @@
+#pragma once
+// Thread: [control]
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "engine/core/error.h"
+#include "engine/graph/file/field.h"
+
+namespace tactus {
+
+/// What is known of one property of an actuator, and where it comes from.
+struct ActuatorFigure {
+  enum class Kind {
+    Sheet,      ///< was read in the source
+    Derived,    ///< follows from other figures by the law of the plant
+    Judgement,  ///< has no source
+    Unknown,
+  };
+  std::string value;  ///< for people: "25 N at 40 Hz and 5 V"
+  Kind kind = Kind::Unknown;
+  std::string source;
+  std::optional<double> low, high;  ///< SI, US $ of a price; nothing: not known, or no limit
+};
+
+/// A file of instruments/actuators/figures: what an actuator can do and costs.
+struct ActuatorFigures {
+  std::string name;
+  std::string row;            ///< in table 1 of the paper; or empty
+  std::string section;        ///< of the paper
+  std::string plant;          ///< file of its simulated plant, relative to this one; or empty
+  std::string profile;        ///< of the drive guard; or empty
+  ActuatorFigure price;       ///< low to high
+  ActuatorFigure force;       ///< high: the largest [N]
+  ActuatorFigure band;        ///< low to high [Hz]
+  ActuatorFigure excursion;   ///< high: to either side [m]; infinite: it turns without end
+  ActuatorFigure resolution;  ///< low: the step of its sensor [m]
+};
+
+/// [any] All keys of such a file.
+const SectionType& actuator_figure_fields();
+
+/// [control] All errors of a file at once.
+Checked<ActuatorFigures> load_actuator_figures(const std::filesystem::path& file);
+Checked<ActuatorFigures> parse_actuator_figures(std::string_view text, const std::string& file_name);
+
+}  // namespace tactus
