@@ -15,7 +15,7 @@ namespace tactus::app {
 
 /// The backend of this name, "loop" for the simulated cards; without one all for sound cards. Errors:
 /// UnknownName, listing what there is; Device if this program was built without any.
-Result<std::vector<SoundBackend>> backends_called(const std::string& name);
+Result<std::vector<BackendType>> backends_called(const std::string& name);
 
 /// Options that say which card is played on.
 struct DeviceOptions {

@@ -27,6 +27,7 @@ const char* version();
 /// Each command adds itself: its options, its help, and what it does (its result goes into `exit_code`).
 void add_play(CLI::App& app, int& exit_code);
 void add_list(CLI::App& app, int& exit_code);
+void add_actuators(CLI::App& app, int& exit_code);
 void add_new(CLI::App& app, int& exit_code);
 void add_render(CLI::App& app, int& exit_code);
 void add_check(CLI::App& app, int& exit_code);
