@@ -44,6 +44,7 @@ TEST_CASE("docs: every shipped graph file names the schema in its first line", "
   for (const auto& entry : fs::recursive_directory_iterator(root / "instruments")) {
     const auto text = entry.path().extension() == ".toml" ? text_of(entry.path()) : "";
     if (text.find("format") == std::string::npos) continue;
+    if (entry.path().parent_path().filename() == "figures") continue;  // of actuators: no graphs
     ++files;
     const std::string directive = "#:schema ";
     INFO(entry.path());

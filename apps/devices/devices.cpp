@@ -102,7 +102,7 @@ void add_devices(CLI::App& app, int& exit_code) {
   auto [command, options] = add_command(app, "devices", "List the sound devices that instruments can play on",
                                         exit_code, run_devices);
   command.add_option("--backend", options.backend,
-                     fmt::format("audio backend: only its devices; {}, or loop (simulated cards)",
+                     fmt::format("backend: only its devices; {}, or loop (simulated cards)",
                                  fmt::join(names_of(all_backends()), ", ")));
   command.add_flag("--json", options.json, "print the report as JSON");
   command.footer(

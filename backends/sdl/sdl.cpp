@@ -182,7 +182,7 @@ class OpenDevice {
       for (const auto* axis : {"x", "y", "z"}) inputs.push_back(fmt::format("gyroscope {}", axis));
   }
 
-  /// Forces and effects need a slot each.
+  /// Forces and effects need a slot each, and both motors one.
   void name_outputs() {
     rumbles_ = SDL_JoystickHasRumble(joystick_) == SDL_TRUE;
     if (rumbles_) {
@@ -191,7 +191,7 @@ class OpenDevice {
     }
     if (haptic_ == nullptr) return;
     const auto can = SDL_HapticQuery(haptic_);
-    auto slots = SDL_HapticNumEffects(haptic_);
+    auto slots = SDL_HapticNumEffects(haptic_) - (rumbles_ ? 1 : 0);
     const auto add = [&](Uint16 type, const std::string& name, int axis) {
       if ((can & type) != 0 && slots-- > 0) outputs.push_back({Output::Kind::Effect, name, type, axis});
     };

