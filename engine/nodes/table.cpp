@@ -10,7 +10,7 @@ NodeType sine_type(), saw_type(), square_type(), triangle_type(), phasor_type(),
 NodeType noise_type(), random_walk_type(), sample_type(), curve_type();
 NodeType clip_type(), shaper_type(), map_type(), mix_type(), crossfade_type(), quantiser_type(), slew_type(),
     hysteresis_type();
-NodeType envelope_type(), decay_type(), adsr_type(), onset_type(), pitch_type();
+NodeType envelope_type(), decay_type(), adsr_type(), onset_type(), pitch_type(), stroke_type();
 NodeType one_pole_type(), low_pass_type(), high_pass_type(), band_pass_type(), modal_type();
 NodeType dc_blocker_type(), difference_type(), velocity_type();
 NodeType delay_type(), string_type(), align_type(), event_delay_type();
@@ -37,7 +37,7 @@ const Family kFamilies[] = {
     {"shapers",
      {clip_type, shaper_type, map_type, mix_type, crossfade_type, quantiser_type, slew_type,
       hysteresis_type}},
-    {"envelopes", {envelope_type, decay_type, adsr_type, onset_type, pitch_type}},
+    {"envelopes", {envelope_type, decay_type, adsr_type, onset_type, pitch_type, stroke_type}},
     {"filters",
      {one_pole_type, low_pass_type, high_pass_type, band_pass_type, fir_type, modal_type, dc_blocker_type,
       difference_type, velocity_type}},

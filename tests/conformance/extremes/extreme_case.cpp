@@ -131,15 +131,17 @@ Judgement wrong(std::string reason) { return {Verdict::Wrong, std::move(reason)}
 
 // What a node does at 0 by its declaration, and does not do next to it.
 const std::set<std::string> kJumpsAtZero = {
-    "decay.length",                       // 0: never
-    "quantiser.in",                       // a step of the staircase
-    "saw.frequency", "square.frequency",  // they start in the middle of a jump, and go on or not
+    "decay.length",  // 0: never
+    "quantiser.in",  // a step of the staircase
+    "sequence.values", "sequence.values 2", "sequence.values 3", "sequence.values 4",  // 0 is a rest
+    "saw.frequency",   "square.frequency",  // they start in the middle of a jump, and go on or not
 };
 
 /// Those that keep times, frequencies or levels of their own by definition: another unit of time is another
 /// thing.
 const std::set<std::string> kOwnTimes = {
     "onset",                      // bands from 30 Hz to 7 kHz
+    "stroke",                     // bands from 90 Hz to 9 kHz
     "align",                      // crossfades in 10 ms, periods up to 0.1 s
     "sample",                     // a recording has a rate
     "pitch",                      // every 5 ms

@@ -140,6 +140,13 @@ static int run_onset(const double* const* in, int frames, double rate, double* o
   EACH_FRAME(tactus_onset_step(&state, in[0][n], in[1][n], in[2][n], in[3][n], in[4][n]));
 }
 
+static int run_stroke(const double* const* in, int frames, double rate, double* out) {
+  tactus_stroke state;
+  memset(&state, 0, sizeof state);
+  tactus_stroke_start(&state, rate, &tactus_stroke_nets[1]);
+  EACH_FRAME(tactus_stroke_step(&state, in[0][n], in[1][n], in[2][n], in[3][n], 1));
+}
+
 /* Starts over at each trigger; waits for the first one. */
 static int run_curve(const double* const* in, int frames, double* out) {
   static const double x[] = {0, 96, 480}, y[] = {0.25, 1, -1};
@@ -207,6 +214,7 @@ int tactus_run_kernel(const char* node, const double* const* in, int frames, dou
   if (strcmp(node, "string") == 0) return run_string(in, frames, rate, out);
   if (strcmp(node, "waveguide") == 0) return run_waveguide(in, frames, rate, out);
   if (strcmp(node, "onset") == 0) return run_onset(in, frames, rate, out);
+  if (strcmp(node, "stroke") == 0) return run_stroke(in, frames, rate, out);
   if (strcmp(node, "curve") == 0) return run_curve(in, frames, out);
   if (strcmp(node, "state") == 0) return run_state(in, frames, out);
   if (strcmp(node, "interval") == 0) return run_interval(in, frames, rate, out);

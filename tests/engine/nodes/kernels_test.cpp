@@ -17,7 +17,7 @@ using test::Samples;
 
 namespace {
 
-constexpr int kFrames = 4000;
+constexpr int kFrames = 6000;  // 125 ms: `stroke` detects nothing in its first 100 ms
 
 /// Noise over the range that means something to the port; triggers come about every 20 frames.
 Samples input_of(const InputPort& port, unsigned seed) {
@@ -36,7 +36,15 @@ Samples input_of(const InputPort& port, unsigned seed) {
 struct Given {
   std::map<std::string, std::string> settings = {};
   std::map<std::string, double> constants = {};
+  std::map<std::string, Samples> signals = {};
 };
+
+/// Noise that becomes louder by 40 dB.
+Samples burst() {
+  auto samples = test::noise(kFrames, 5);
+  for (int n = 0; n < kFrames - 500; ++n) samples[static_cast<std::size_t>(n)] *= 0.01;
+  return samples;
+}
 
 /// Four samples of 16 bits at the engine's rate.
 std::string sound_file() {
@@ -67,6 +75,8 @@ Given given_to(const std::string& node) {
     return {.settings = {{"end", "free"}, {"loss_filter", "one_pole"}},
             .constants = {{"gain", 0.9}, {"loss", 0.3}}};
   if (node == "onset") return {.constants = {{"threshold", 0.02}, {"margin", 1.41}, {"noise_margin", 7}}};
+  if (node == "stroke")
+    return {.constants = {{"reference", 0}, {"threshold", 0}}, .signals = {{"in", burst()}}};
   return {};
 }
 
@@ -93,8 +103,10 @@ void compare(const NodeType& type) {
     const auto constant = given.constants.find(port.name);
     if (port.fixed && constant != given.constants.end()) values[port.name] = constant->second;
     if (port.fixed) continue;
-    inputs.push_back(constant != given.constants.end()
-                         ? Samples(kFrames, constant->second)
+    const auto signal = given.signals.find(port.name);
+    inputs.push_back(constant != given.constants.end() ? Samples(kFrames, constant->second)
+                     : signal != given.signals.end()
+                         ? signal->second
                          : input_of(port, static_cast<unsigned>(inputs.size() + 1)));
     values[port.name] = inputs.back();
   }
