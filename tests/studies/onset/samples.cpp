@@ -23,7 +23,7 @@ struct Rule {
 // Drums that one stroke of a stick, beater or hand makes sound, from kits that say they are recordings. Left
 // out as kinds: electronic and beat-box kits, cymbals and open hats, and what is many strokes by nature
 // (claps, shakers, tambourines, snare rolls, hats closed by foot).
-const Rule kRules[] = {
+const std::vector<Rule> kAcoustic = {
     {"snare",
      R"(BJA_Pacific/SN4?_|Colombo.*/snare|Forzee.*/Snare(Off)?-|Millo-.*/snare|MultiLayered2/[jr]snare|MultiLayered3/(sd|sr)_|Black Pearl.*/PearlSnare|samples/drum_snare)"},
     {"tom",
@@ -38,6 +38,12 @@ const Rule kRules[] = {
      R"(Gimme.*/(Bongo|Cajon)|circAfrique.*/(Djembe|Kenkeni1_Head|Sangban1_Head|Dununba1_Head)|samples/tabla_)"},
     {"wood, bell",
      R"(Gimme.*/(WoodBlock|Clave|Cowbell)|Forzee.*/Agogo|Black Pearl.*/Cowbell|circAfrique.*Bell|samples/drum_cowbell)"},
+};
+
+const std::vector<Rule> kElectronic = {
+    {"snare", R"(VariBreaks/VP Snare|ElectricEmpire.*/EE_Snare|HardElectro1/PowR_SN|Audiophob/.*snare)"},
+    {"tom", R"(VariBreaks/VP (Tom|Drum)|ElectricEmpire.*/EE_(Conga|Drum)|Audiophob/.*tom)"},
+    {"rim, stick", R"(VariBreaks/VP Click|ElectricEmpire.*/EE_Click)"},
 };
 
 struct Recording {
@@ -123,9 +129,46 @@ void finish(std::vector<float>& hit) {
   }
 }
 
+/// Adds the recording, unless a rule excludes it; whether it was added.
+bool add_sample(SampleSet& set, const fs::path& file, const std::string& name, const std::string& kind,
+                bool training) {
+  const Recording recording = read(file);
+  if (static_cast<double>(recording.mono.size()) < 0.03 * recording.rate) {
+    set.excluded.push_back(name + ": shorter than 30 ms");
+    return false;
+  }
+  Sample sample{name, kind, training, {}, {}};
+  const std::vector<float> hit = trimmed(recording.mono);
+  for (int shift = 0; shift < kShifts; ++shift) {
+    auto& shifted = sample.shifted[static_cast<std::size_t>(shift)];
+    shifted = resampled(hit, recording.rate, static_cast<double>(shift) / kShifts);
+    finish(shifted);
+    sample.clean[static_cast<std::size_t>(shift)] = measure(shifted, kRate);
+  }
+  if (sample.clean[0].several_strokes) {
+    set.excluded.push_back(name + ": several strokes, or still rising after 20 ms");
+    return false;
+  }
+  set.samples.push_back(std::move(sample));
+  return true;
+}
+
 }  // namespace
 
-SampleSet load_samples() {
+SampleSet load_kit(const std::string& folder) {
+  SampleSet set;
+  std::vector<fs::path> files;
+  std::error_code none;
+  for (const auto& entry : fs::recursive_directory_iterator(folder, none))
+    if (!entry.is_directory()) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  for (const fs::path& file : files)
+    add_sample(set, file, fs::path(folder).filename().string() + "/" + file.stem().string(),
+               file.parent_path().filename().string(), false);
+  return set;
+}
+
+SampleSet load_samples(Recordings recordings, const std::vector<std::string>& kits) {
   SampleSet set;
   std::vector<fs::path> files;
   for (const char* folder : {"/usr/share/hydrogen/data/drumkits", "/usr/share/sonic-pi/samples"}) {
@@ -133,31 +176,14 @@ SampleSet load_samples() {
     for (const auto& entry : fs::recursive_directory_iterator(folder, none)) files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
-  for (const Rule& rule : kRules) {
+  for (const Rule& rule : recordings == Recordings::Electronic ? kElectronic : kAcoustic) {
     const std::regex pattern(rule.path);
     bool training = false;
     for (const fs::path& file : files) {
       if (!std::regex_search(file.string(), pattern)) continue;
-      const std::string name = file.parent_path().filename().string() + "/" + file.stem().string();
-      const Recording recording = read(file);
-      if (static_cast<double>(recording.mono.size()) < 0.03 * recording.rate) {
-        set.excluded.push_back(name + ": shorter than 30 ms");
-        continue;
-      }
-      Sample sample{name, rule.kind, training, {}, {}};
-      const std::vector<float> hit = trimmed(recording.mono);
-      for (int shift = 0; shift < kShifts; ++shift) {
-        auto& shifted = sample.shifted[static_cast<std::size_t>(shift)];
-        shifted = resampled(hit, recording.rate, static_cast<double>(shift) / kShifts);
-        finish(shifted);
-        sample.clean[static_cast<std::size_t>(shift)] = measure(shifted, kRate);
-      }
-      if (sample.clean[0].several_strokes) {
-        set.excluded.push_back(name + ": several strokes, or still rising after 20 ms");
-        continue;
-      }
-      set.samples.push_back(std::move(sample));
-      training = !training;
+      const std::string kit = file.parent_path().filename().string(), name = kit + "/" + file.stem().string();
+      if (!kits.empty() && std::count(kits.begin(), kits.end(), kit) == 0) continue;
+      if (add_sample(set, file, name, rule.kind, training)) training = !training;
     }
   }
   return set;

@@ -26,6 +26,13 @@ struct SampleSet {
 
 /// Every acoustic drum hit (by kit and file name: snare, tom, kick, rim, hat, hand, wood) of Debian's
 /// packages hydrogen-drumkits and sonic-pi-samples. Every second of each kind is for training.
-SampleSet load_samples();
+/// Electronic: the drums of kits that are no recordings of an acoustic kit.
+enum class Recordings { Acoustic, Electronic };
+/// `kits`: of these only; all of them if there are none.
+SampleSet load_samples(Recordings recordings = Recordings::Acoustic,
+                       const std::vector<std::string>& kits = {});
+
+/// The recordings FOLDER/KIND/FILE of a kit; their names start with the folder's name. Without `training`.
+SampleSet load_kit(const std::string& folder);
 
 }  // namespace tactus::study
