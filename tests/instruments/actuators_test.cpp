@@ -322,12 +322,12 @@ TEST_CASE("actuators: a force-sensitive resistor conducts as a power of the forc
   const auto played = run("force_sensitive_resistor/scene.toml");
   const auto law = [](double force) { return 1e-4 * std::pow(force, 0.95); };
   for (const double at : {0.125, 0.5, 0.9})
-    CHECK(played.at("plant.conductance", at) == Approx(law(8 * at)).epsilon(0.001));
+    CHECK(played.at("plant.current", at) == Approx(law(8 * at)).epsilon(0.001));
   for (const double at : {2.0, 2.25}) {
     const double drifted = 1 + 0.05 * std::log10(at - 0.1 / 8);  // since it was touched
-    CHECK(played.at("plant.conductance", at) == Approx(1.1 * drifted * law(8 * (2.5 - at))).epsilon(0.001));
+    CHECK(played.at("plant.current", at) == Approx(1.1 * drifted * law(8 * (2.5 - at))).epsilon(0.001));
   }
-  CHECK(played.at("plant.conductance", 0.01) == 0);  // 0.08 N
+  CHECK(played.at("plant.current", 0.01) == 0);  // 0.08 N
   CHECK(played.at("instrument.force", 0.9) * 20 == Approx(7.2).epsilon(0.001));
 }
 
