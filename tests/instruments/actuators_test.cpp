@@ -236,8 +236,9 @@ TEST_CASE("actuators: off its resonance a linear resonant actuator moves as litt
   CHECK(off / at == Approx(gain(200) / gain(170)).epsilon(0.01));
 }
 
-TEST_CASE("actuators: a piezo bender swings over by its Q, and its charge is that of voltage and motion",
-          "[instruments]") {
+TEST_CASE(
+    "actuators: a piezo bender overshoots as its Q requires, and its charge is that of voltage and motion",
+    "[instruments]") {
   const auto played = run("piezo_bender/step.toml");
   const double rest = 3.333e-3 * 75 / 192.3, mass = 1.35e-3;
   const double decay = 0.0255 / (2 * mass), turn = std::sqrt(192.3 / mass - decay * decay);
