@@ -11,6 +11,10 @@
 
 namespace tactus {
 
+/// The client of a port of our own. Such a port is nobody's input, here or in another of these programs: what
+/// it sends would return.
+inline constexpr const char* kMidiOutClient = "tactus_out";
+
 /// Where MIDI messages are sent.
 class MidiOutput {
  public:

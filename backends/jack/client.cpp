@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <utility>
 
+#include "backends/midi_output.h"
 #include "engine/core/index.h"
 
 namespace tactus::jack {
@@ -185,7 +186,9 @@ bool Client::is_hardware(const std::string& port) const {
 }
 
 Names Client::midi_sources() const {
-  return names_of(jack_get_ports(handle, nullptr, JACK_DEFAULT_MIDI_TYPE, JackPortIsOutput));
+  auto sources = names_of(jack_get_ports(handle, nullptr, JACK_DEFAULT_MIDI_TYPE, JackPortIsOutput));
+  std::erase_if(sources, [](const std::string& name) { return name.starts_with(kMidiOutClient); });
+  return sources;
 }
 
 std::string Client::id_of(const std::string& name) {

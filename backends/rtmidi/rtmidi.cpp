@@ -46,9 +46,6 @@ std::map<std::string, std::string> rtmidi_ports(RtMidi& client, const std::strin
   return names;
 }
 
-/// The client of our own output port; it is no input of ours.
-constexpr const char* kMidiOutClient = "tactus_out";
-
 // Without one, the library prints what it thinks.
 void ignore_rtmidi_error(RtMidiError::Type, const std::string&, void*) {}
 

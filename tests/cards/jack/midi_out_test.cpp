@@ -155,6 +155,31 @@ rate  = { clock = true, per_beat = 4 }
   CHECK(wait_until([&] { return of_status(module.take(), 0xfc).size() == 1; }));
 }
 
+TEST_CASE("midi out: what the program sends is not what it receives", "[cards][midi]") {
+  const OnServer on;
+  if (!on.server) return;
+  const auto beat = on.folder.write("beat.toml", kBeat).string();
+  const auto rig = on.folder
+                       .write("rig.toml", R"(format = 1
+[device]
+output = "jack:system"
+[outputs]
+tone = { channel = 1 }
+[midi]
+level = { note = 36 }
+)")
+                       .string();
+  Playing play{{beat, "--rig", rig, "--midi", "jack", "--midi-out"}};
+  REQUIRE(play.says("MIDI out  jack:tactus_out"));
+  Module module;
+  REQUIRE(module.connect("tactus_out:events"));
+  REQUIRE(wait_until(
+      [&] { return of_status(module.take(), 0x99).size() >= 30; }));  // ports are looked for twice a second
+  play.press("q");
+  CHECK(play.ends() == 0);
+  CHECK(play.log().find("MIDI from 'jack:tactus_out") == std::string::npos);
+}
+
 TEST_CASE("midi out: an output that is not there is an error with those that are", "[cards][midi]") {
   const OnServer on;
   if (!on.server) return;
