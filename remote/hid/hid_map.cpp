@@ -13,6 +13,11 @@ bool is_meant(const RigHid& source, const HidEvent& event) {
 }  // namespace
 
 std::vector<RemoteOrder> HidMap::handle(const HidEvent& event, RemoteTarget& target) {
+  if (moved_far(event)) {
+    const RigHid source{{}, {}, event.device, event.part, event.number, false};
+    if (target.learn_hid(source)) return {};  // also where it moves another control
+    if (event.part == HidPart::Axis) first_[{event.device, event.number}] = event.position;
+  }
   std::vector<RemoteOrder> orders;
   const auto description = target.description();
   for (const auto& control : description->controls) {
@@ -20,10 +25,6 @@ std::vector<RemoteOrder> HidMap::handle(const HidEvent& event, RemoteTarget& tar
     const double position = control.hid->invert ? 1.0 - event.position : event.position;
     orders.push_back({.number = control.number, .value = control.at_position(position), .received = {}});
   }
-  if (orders.empty() && moved_far(event))
-    if (target.learn_hid(
-            {.control = {}, .at = {}, .device = event.device, .part = event.part, .number = event.number}))
-      first_.clear();
   return orders;
 }
 

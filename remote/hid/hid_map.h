@@ -36,7 +36,7 @@ class HidMap {
 
   bool moved_far(const HidEvent& event);
 
-  std::map<Place, double> first_;  ///< of axes that move nothing: where they were first
+  std::map<Place, double> first_;  ///< of axes: where they were when they had last moved so far
 };
 
 }  // namespace tactus

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "engine/graph/file/quantity.h"
+#include "engine/rig/preset.h"
 
 namespace tactus {
 namespace {
@@ -195,9 +196,10 @@ void OscHost::set_one(const RemoteControl& control, const Values& values, Contex
 bool OscHost::turn(const OscMessage& message, Context& context) {
   const double position = first_number(message.values);
   if (std::isnan(position)) return false;
+  if (target_.learn_address(message.address)) return true;  // also of one that moves another control
   const auto& controls = description_->controls;
   const auto learnt = std::ranges::find(controls, message.address, &RemoteControl::osc);
-  if (learnt == controls.end()) return target_.learn_address(message.address);
+  if (learnt == controls.end()) return false;
   context.orders.push_back(
       {.number = learnt->number, .value = learnt->at_position(position), .received = {}});
   return true;
@@ -242,6 +244,7 @@ void OscHost::preset(RemoteRequest::Kind kind, const Values& values, Context& co
   const auto ramp_s = values.size() > 1 ? seconds_of(values[1]) : std::optional{0.0};
   if (name == nullptr || !ramp_s || !(*ramp_s >= 0 && *ramp_s <= kMostRamp_s))
     return error(context, fmt::format("give the name of a preset, and a ramp of 0 to {} s", kMostRamp_s));
+  if (const auto status = check_preset_name(*name); !status) return error(context, to_string(status.error()));
   if (!target_.request({kind, *name, *ramp_s})) error(context, "too many requests wait");
 }
 

@@ -117,9 +117,10 @@ class Server final : public OscServer {
       if (error = bind({address, static_cast<unsigned short>(options.port)}); !error || options.port != 0)
         break;
     if (error)
-      return fail(Errc::Device, "--osc",
-                  fmt::format("{}:{} cannot be opened: {}", options.address, options.port, error.message()),
-                  "choose another port");
+      return fail(
+          Errc::Device, "--osc",
+          fmt::format("{}:{} cannot be opened: {}", options.address, options.port, error.message()),
+          error == asio::error::address_in_use ? "choose another port" : "give an address of this computer");
     v6_ = address.is_v6();
     receive();
     accept();

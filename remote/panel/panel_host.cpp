@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "engine/rig/preset.h"
 #include "remote/panel/panel_messages.h"
 
 namespace tactus {
@@ -235,7 +236,11 @@ void PanelHost::save(const Message& message) { request(message, RemoteRequest::K
 void PanelHost::learn(const Message& message) { request(message, RemoteRequest::Kind::Learn, 0.0); }
 
 void PanelHost::request(const Message& message, RemoteRequest::Kind kind, double ramp_s) {
-  if (!target_.request({kind, message.text("name"), ramp_s})) error(message, "too many requests wait");
+  const auto name = message.text("name");
+  if (kind != RemoteRequest::Kind::Learn)
+    if (const auto status = check_preset_name(name); !status)
+      return error(message, to_string(status.error()));
+  if (!target_.request({kind, name, ramp_s})) error(message, "too many requests wait");
 }
 
 void PanelHost::error(const Message& message, const std::string& text) {

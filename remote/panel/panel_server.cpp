@@ -294,9 +294,10 @@ class Server final : public PanelServer {
       return fail(Errc::Syntax, "--panel", "'" + options.address + "' is no IP address",
                   "give a port, or ADDRESS:PORT such as 0.0.0.0:8080");
     if (error = listen({address, static_cast<unsigned short>(options.port)}); error)
-      return fail(Errc::Device, "--panel",
-                  fmt::format("{}:{} cannot be opened: {}", options.address, options.port, error.message()),
-                  "choose another port");
+      return fail(
+          Errc::Device, "--panel",
+          fmt::format("{}:{} cannot be opened: {}", options.address, options.port, error.message()),
+          error == asio::error::address_in_use ? "choose another port" : "give an address of this computer");
     common_.port = acceptor_.local_endpoint().port();
     common_.address = address.is_v6() ? "[" + address.to_string() + "]" : address.to_string();
     accept();

@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "engine/graph/file/quantity.h"
 #include "remote/serial/serial_line.h"
 
 namespace tactus {
@@ -58,6 +59,7 @@ class Sensors final : public SerialSensors {
     ErrorCode ignored;
     if (error) port_.close(ignored);
     lines_.clear();
+    refusal_reported_ = false;
     clock_.restart();
     return error;
   }
@@ -92,13 +94,34 @@ class Sensors final : public SerialSensors {
     const auto line = parse_serial_line(text);
     const std::lock_guard lock{mutex_};
     ++counts_.lines;
-    if (!line) return void(++counts_.refused);
+    if (!line) return refuse(text);
     const auto orders = orders_of(*line, clock_.time_of(line->micros, now_s) + kDelay.value);
     if (orders.empty()) return;
     if (target_.post(orders))
       counts_.changes += std::ssize(orders);
     else
       ++counts_.dropped;
+  }
+
+  /// The first one since the port was opened is reported.
+  void refuse(std::string_view text) {
+    ++counts_.refused;
+    if (std::exchange(refusal_reported_, true)) return;
+    std::string shown{text.substr(0, 40)};
+    for (char& byte : shown)
+      if (static_cast<unsigned char>(byte) < 0x20 || static_cast<unsigned char>(byte) > 0x7e) byte = '?';
+    target_.report(fmt::format(
+        "{}: the line '{}' is refused, and perhaps others: write 'NAME VALUE', and check that the "
+        "sensor sends at {} baud",
+        options_.device, shown, options_.baud));
+  }
+  /// The first one of each control is reported.
+  double clamped(const RemoteControl& control, double si) {
+    const double inside = std::clamp(si, control.low, control.high);
+    if (inside != si && clamped_.insert(control.name).second)
+      target_.report(fmt::format("{}: {}: {}; the nearest value is taken", options_.device, control.name,
+                                 limits_text(control.low, control.high, control.unit)));
+    return inside;
   }
 
   std::vector<RemoteOrder> orders_of(const SerialLine& line, double time_s) {
@@ -114,7 +137,7 @@ class Sensors final : public SerialSensors {
       }
       const auto& control = description->controls[static_cast<std::size_t>(place)];
       orders.push_back({.number = control.number,
-                        .value = std::clamp(control.unit.to_si(value), control.low, control.high),
+                        .value = clamped(control, control.unit.to_si(value)),
                         .time_s = time_s,
                         .received = std::chrono::steady_clock::now()});
     }
@@ -129,7 +152,8 @@ class Sensors final : public SerialSensors {
   std::array<char, 1024> bytes_{};
   SerialLines lines_;
   SerialClock clock_{kDelay.value};
-  std::set<std::string> unknown_;
+  bool refusal_reported_ = false;
+  std::set<std::string> unknown_, clamped_;
   mutable std::mutex mutex_;
   SerialCounts counts_;
   std::thread thread_;

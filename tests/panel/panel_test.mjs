@@ -341,6 +341,17 @@ test("drum: a short press does not arm; holding does, and stays armed; disarm", 
   await until(() => texts(page, ".log .armed"), (x) => x.length >= 2 && x.every((t) => /armed/.test(t)), "events");
 });
 
+test("drum: holding the edge of the arm button arms too", async ({ page }) => {
+  const box = await (await page.$("#arm")).boundingBox();
+  for (const x of [box.x + 4, box.x + box.width - 4]) {
+    await page.mouse.move(x, box.y + box.height / 2);
+    await page.mouse.down();
+    await until(() => driveState(page), (x) => x === "armed", `armed at ${x}`);
+    await page.mouse.up();
+    await disarm(page);
+  }
+});
+
 test("drum: arm by keyboard, disarm with d", async ({ page }) => {
   await page.focus("#arm");
   await page.keyboard.down("Space");

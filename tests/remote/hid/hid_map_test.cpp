@@ -51,6 +51,15 @@ TEST_CASE("hid map: a button is the highest value while it is pressed", "[remote
   CHECK(stage.move("Pad", HidPart::Button, 3, 0.0).at(0).value == 0.0);
 }
 
+TEST_CASE("hid map: an axis that moves a control can be learnt for another one", "[remote]") {
+  Stage stage{{source("Pad", HidPart::Axis, 2)}};
+  CHECK(stage.move("Pad", HidPart::Axis, 2, 0.5).size() == 1);
+  stage.target.learning = true;
+  CHECK(stage.move("Pad", HidPart::Axis, 2, 0.6).size() == 1);
+  CHECK(stage.move("Pad", HidPart::Axis, 2, 0.8).empty());
+  CHECK(stage.target.learnt_hid);
+}
+
 TEST_CASE("hid map: what moves far enough is learnt", "[remote]") {
   Stage stage{{}};
   stage.target.learning = true;

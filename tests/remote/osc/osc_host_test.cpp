@@ -438,6 +438,11 @@ TEST_CASE("osc host: an address without a meaning is learnt, and then moves its 
   CHECK(stage.target.bundles[1][0].value == Approx(0.0316227766));  // -30 dB of -60 to 0 dB
   CHECK(stage.target.bundles[2][0].value == 1.0);
   CHECK(stage.target.bundles[1][0].number == 10);
+  stage.target.learning = true;  // for another control: it moves the first one no more
+  stage.target.learnt.clear();
+  stage.send({"/1/fader3", {0.25}});
+  CHECK(stage.target.learnt == "/1/fader3");
+  CHECK(stage.target.bundles.size() == 3);
 }
 
 TEST_CASE("osc host: the list has every control with its unit and range", "[remote][osc]") {

@@ -79,8 +79,11 @@ TEST_CASE("serial sensors: lines set controls in their unit and range, one bundl
   }
   CHECK((*sensors)->counts().refused == 2);
   CHECK((*sensors)->counts().changes == 5);
-  REQUIRE(target.reports().size() == 2);
-  CHECK(target.reports()[0].find("there is no control 'nothing' that can be changed") != std::string::npos);
+  const auto reports = target.reports();
+  REQUIRE(reports.size() == 4);
+  CHECK(reports[0].find("strength: it runs from 0 to 1") != std::string::npos);
+  CHECK(reports[1].find("there is no control 'nothing' that can be changed") != std::string::npos);
+  CHECK(reports[3].find("the line '?? 12' is refused") != std::string::npos);
 }
 
 TEST_CASE("serial sensors: a device that is unplugged is used again when it returns", "[remote][serial]") {
