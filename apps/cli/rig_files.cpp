@@ -42,11 +42,7 @@ std::vector<Error> change_rig(const fs::path& file, const Rig::Device& device,
     return {{Errc::BadFile, file.string(), "this rig was changed, and is for another device now",
              "start again with the changed rig"}};
   change(*rig);
-  std::error_code ignored;
-  auto former = file;
-  former += "~";
-  fs::copy_file(file, former, fs::copy_options::overwrite_existing, ignored);
-  if (const auto written = replace_file(file, to_text(*rig)); !written) return {written.error()};
+  if (const auto written = replace_file_with_backup(file, to_text(*rig)); !written) return {written.error()};
   return {};
 }
 

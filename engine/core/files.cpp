@@ -35,4 +35,12 @@ Status replace_file(const fs::path& file, const std::string& text) {
   return cannot_write(file);
 }
 
+Status replace_file_with_backup(const std::filesystem::path& file, const std::string& text) {
+  std::error_code ignored;
+  auto former = file;
+  former += "~";
+  std::filesystem::copy_file(file, former, std::filesystem::copy_options::overwrite_existing, ignored);
+  return replace_file(file, text);
+}
+
 }  // namespace tactus

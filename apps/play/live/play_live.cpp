@@ -74,6 +74,11 @@ struct Bindings {
   std::vector<RigHid> hid;
 };
 
+bool same_source(const RigOsc& a, const RigOsc& b) { return a.address == b.address; }
+bool same_source(const RigHid& a, const RigHid& b) {
+  return a.device == b.device && a.part == b.part && a.number == b.number;
+}
+
 std::string save_and_report(const std::string& file, const Rig::Device& device, const Bindings& bindings,
                             const std::vector<Rig::Control>& settings) {
   const auto errors = change_rig(file, device, [&](Rig& rig) {
@@ -212,7 +217,9 @@ class LivePlay {
     if (source.control.empty()) return;
     midi_map_.learn("");
     print(fmt::format("{} now controls {}; s saves this in the rig", name, source.control));
-    std::erase_if(sources, [&](const Source& other) { return other.control == source.control; });
+    std::erase_if(sources, [&](const Source& other) {
+      return other.control == source.control || same_source(other, source);
+    });
     sources.push_back(std::move(source));
     publish_bindings();
   }
@@ -460,7 +467,10 @@ RemoteOptions remote_options(const LiveOptions& options, const LivePlan& plan) {
                        .panel_arm = options.panel_arm,
                        .open_browser = !options.no_browser};
   if (plan.rig) remote.midi_messages = plan.rig->midi_out;
-  if (!remote.midi_messages.empty() && !remote.midi_out) remote.midi_out = "";
+  if (!remote.midi_messages.empty() && !remote.midi_out) {
+    remote.midi_out = "";
+    remote.midi_by_rig = true;
+  }
   if (plan.rig && !plan.rig->hid.empty() && !remote.hid) remote.hid = "";
   return remote;
 }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/core/files.h"
+#include "engine/graph/file/error_list.h"
 
 namespace tactus::app {
 namespace {
@@ -31,6 +32,9 @@ void LivePresets::recall(const std::string& name, Seconds ramp, std::vector<Flat
   if (const auto status = check_preset_name(name); !status)
     return messages_.push_back(to_string(status.error()));
   if (busy()) return;
+  if (std::error_code none; !std::filesystem::exists(file_of(name), none))
+    return messages_.push_back(fmt::format("there is no preset '{}'; {}", name,
+                                           names_.empty() ? "there are none" : "there is " + listed(names_)));
   working_ =
       std::async(std::launch::async, [file = file_of(name), name, ramp, controls = std::move(controls)] {
         auto preset = load_preset(file, controls);
@@ -51,8 +55,12 @@ void LivePresets::save(const std::string& name, std::vector<FlatControl> control
     for (const auto& control : controls) values.push_back({control.name, control.value});
     std::error_code error;
     std::filesystem::create_directories(file.parent_path(), error);
-    const auto written = replace_file(file, to_text(values, controls));
-    return Outcome{{}, {written ? "preset saved: " + file.string() : to_string(written.error())}};
+    const bool replaces = std::filesystem::exists(file, error);
+    const auto written = replace_file_with_backup(file, to_text(values, controls));
+    if (!written) return Outcome{{}, {to_string(written.error())}};
+    return Outcome{{},
+                   {"preset saved: " + file.string() +
+                    (replaces ? "; the previous file is " + file.string() + "~" : "")}};
   });
 }
 

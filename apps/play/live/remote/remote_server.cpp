@@ -53,7 +53,6 @@ class OscService final : public Service {
     const auto delay = target_.delay();
     auto text = fmt::format("OSC       {} packets, {} refused, {} sent", counts.packets,
                             counts.refused_packets, counts.answers);
-    if (target_.late() > 0) text += fmt::format(", {} bundles too late", target_.late());
     if (delay.changes > 0)
       text += fmt::format("; from packet to queue {:.2f} ms (longest {:.1f} ms)", delay.mean_ms,
                           delay.longest_ms);
@@ -165,6 +164,19 @@ class PanelService final : public Service {
 
 class LiveServer final : public RemoteServer {
  public:
+#ifdef TACTUS_HAS_RTMIDI
+  /// What only the rig asks for does not keep the instrument from playing.
+  void add_midi(const RemoteOptions& options) {
+    try {
+      services_.push_back(std::make_unique<MidiService>(options, shared_.share()));
+    } catch (const CommandError& error) {
+      const bool device = !error.errors.empty() && error.errors.front().code == Errc::Device;
+      if (!options.midi_by_rig || !device) throw;
+      notes_.push_back("no MIDI messages are sent: " + error.errors.front().what);
+    }
+  }
+#endif
+
   LiveServer(const RemoteOptions& options, Session& session, Performer& performer, Hertz sample_rate)
       : target_(session, performer, sample_rate, options.panel.has_value()), shared_(target_) {
     if (!options.osc.empty()) {
@@ -189,7 +201,7 @@ class LiveServer final : public RemoteServer {
     }
     if (options.midi_out) {
 #ifdef TACTUS_HAS_RTMIDI
-      services_.push_back(std::make_unique<MidiService>(options, shared_.share()));
+      add_midi(options);
 #else
       not_built_in("--midi-out", "MIDI", "librtmidi-dev");
 #endif
@@ -206,11 +218,15 @@ class LiveServer final : public RemoteServer {
   std::vector<std::string> announcements() const override {
     std::vector<std::string> lines;
     for (const auto& service : services_) lines.push_back(service->announcement());
+    lines.insert(lines.end(), notes_.begin(), notes_.end());
     return lines;
   }
   std::vector<std::string> summaries() const override {
     std::vector<std::string> lines;
     for (const auto& service : services_) lines.push_back(service->summary());
+    if (target_.late() > 0)
+      lines.push_back(
+          fmt::format("remote    {} changes came after the time of their time tag", target_.late()));
     return lines;
   }
 
@@ -218,6 +234,7 @@ class LiveServer final : public RemoteServer {
   LiveRemote target_;
   SharedRemote shared_;
   std::vector<std::unique_ptr<Service>> services_;
+  std::vector<std::string> notes_;
 };
 
 }  // namespace

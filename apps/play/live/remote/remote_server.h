@@ -18,6 +18,7 @@ struct RemoteOptions {
   std::optional<std::string> hid{};       ///< a part of a device's name; empty: all
   std::optional<std::string> midi_out{};  ///< a part of a port's name; empty: a port of our own
   std::string midi_api{};
+  bool midi_by_rig = false;                 ///< only the rig asks for MIDI messages
   std::vector<RigMidiOut> midi_messages{};  ///< none: a note for each event
   std::optional<std::string> panel{};       ///< [ADDRESS:]PORT, or empty: any port; nothing: no server
   bool panel_arm = false;
