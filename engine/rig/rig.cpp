@@ -217,21 +217,31 @@ class RigReader {
   RigOsc read_osc(const EntrySpec& entry) {
     FieldReader fields{entry, *rig_fields()["osc"].inside, errors_, "control"};
     RigOsc osc{entry.name, entry.at, fields.text("address")};
-    if (!osc.address.empty() && !osc.address.starts_with('/'))
-      errors_.add(Errc::Syntax, fields.value("address")->at, "'" + osc.address + "' is no OSC address",
-                  "it begins with /, as in \"/1/fader3\"");
+    if (!fields.has("address")) return osc;
+    const auto& at = fields.value("address")->at;
+    if (!osc.address.starts_with('/') || osc.address.find_first_of(" #*,?[]{}") != std::string::npos)
+      errors_.add(Errc::Syntax, at, "'" + osc.address + "' is no OSC address",
+                  "it begins with / and has no spaces and none of #*,?[]{}, as in \"/1/fader3\"");
+    for (const auto* own : {"/control/", "/trigger/", "/gesture/", "/preset/", "/arm", "/disarm", "/alive",
+                            "/mute", "/subscribe", "/unsubscribe", "/list"})
+      if (osc.address.starts_with(own))
+        errors_.add(Errc::Duplicate, at, "'" + osc.address + "' has a meaning of its own",
+                    "learn an address of another program, such as \"/1/fader3\"");
+    if (std::ranges::find(rig_.osc, osc.address, &RigOsc::address) != rig_.osc.end())
+      errors_.add(Errc::Duplicate, at, "'" + osc.address + "' moves another control already",
+                  "give each address once");
     return osc;
   }
 
   RigHid read_hid(const EntrySpec& entry) {
     FieldReader fields{entry, *rig_fields()["hid"].inside, errors_, "control"};
     RigHid hid{entry.name, entry.at, fields.text("device")};
-    const bool axis = fields.has("axis"), button = fields.has("button");
-    if (axis == button)
+    const auto axis = fields.number("axis"), button = fields.number("button");
+    if (fields.has("axis") == fields.has("button"))
       errors_.add(Errc::Missing, entry.at, "control '" + entry.name + "' needs an axis or a button",
                   "give one of axis = 0 and button = 0");
-    if (button) hid.part = HidPart::Button;
-    hid.number = static_cast<int>(fields.number(button ? "button" : "axis").value_or(0));
+    if (fields.has("button")) hid.part = HidPart::Button;
+    hid.number = static_cast<int>(button.value_or(axis.value_or(0)));
     hid.invert = fields.flag("invert");
     return hid;
   }

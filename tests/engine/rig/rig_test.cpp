@@ -173,6 +173,13 @@ TEST_CASE("rig: wrong messages and addresses are errors with their place", "[rig
         std::string::npos);
   CHECK(errors("[hid]\na = { axis = 1, button = 2 }\n").find("needs an axis or a button") !=
         std::string::npos);
+  for (const auto* wrong : {"fader", "/a b", "/fader*", "/mute", "/control/a"}) {
+    INFO(wrong);
+    CHECK(errors(std::string{"[osc]\na = { address = \""} + wrong + "\" }\n").find("rig.toml:5:17") !=
+          std::string::npos);
+  }
+  CHECK(errors("[osc]\na = { address = \"/x\" }\nb = { address = \"/x\" }\n")
+            .find("moves another control already") != std::string::npos);
   CHECK(errors("[osc]\na = { address = \"fader\" }\n").find("is no OSC address") != std::string::npos);
 }
 
