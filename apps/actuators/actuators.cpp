@@ -32,7 +32,7 @@ constexpr int kBlock = 64;
 struct ActuatorOptions {
   std::string force, band, excursion, resolution, scene;
   std::optional<double> price;
-  bool json = false, verbose = false;
+  bool json = false, sources = false;
 };
 
 struct Actuator {
@@ -352,7 +352,7 @@ int run_actuators(const ActuatorOptions& options) {
   if (options.json) return print_json(json), kDone;
   if (demand) print_demand(*demand);
   print(rows);
-  if (options.verbose)
+  if (options.sources)
     for (const auto* actuator : shown) {
       fmt::print("\n  {}\n", actuator->figures.name);
       print_details(actuator->figures);
@@ -360,7 +360,7 @@ int run_actuators(const ActuatorOptions& options) {
   if (left_out > 0) fmt::print("{} more do not have what is asked for\n", left_out);
   if (!notes.empty()) fmt::print("\n");
   for (const auto& note : notes) fmt::print("{}\n", note);
-  if (!options.verbose) fmt::print("\n~: a judgement; --verbose prints where each figure comes from\n");
+  if (!options.sources) fmt::print("\n~: a judgement; --sources prints where each figure comes from\n");
   return kDone;
 }
 
@@ -379,7 +379,7 @@ void add_actuators(CLI::App& app, int& exit_code) {
       "--for", options.scene,
       "a scene: which actuators render it, by the spectrum of its drives, its largest force and "
       "the models of the drive guard");
-  command.add_flag("--verbose", options.verbose, "also print the source of each figure");
+  command.add_flag("--sources", options.sources, "also print where each figure comes from");
   command.add_flag("--json", options.json, "print the report as JSON");
   command.footer(
       "Examples:\n  tactus actuators\n  tactus actuators --force \"1 N\" --price 50\n"

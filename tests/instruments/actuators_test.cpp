@@ -367,31 +367,3 @@ TEST_CASE("actuators: at 8 to 192 kHz no plant grows, at stiff and extreme value
       CHECK(is_bounded(run(file, set, Hertz{rate}), signal, most));
     }
 }
-
-TEST_CASE("actuators: each figure of a table has a source, and says how it was found", "[instruments]") {
-  const std::set<std::string> kinds = {"sheet", "derived", "judgement", "unknown"};
-  std::set<std::string> rows;
-  for (const auto& file : std::filesystem::directory_iterator(kInstruments / "actuators/figures")) {
-    INFO(file.path());
-    const auto figures = load_toml(file.path());
-    REQUIRE(figures);
-    if (const auto* row = find(*figures, "row")) rows.insert(*row->text());
-    if (const auto* plant = find(*figures, "plant"))
-      CHECK(std::filesystem::exists(file.path().parent_path() / *plant->text()));
-    for (const auto* section : {"price", "force", "band", "excursion", "resolution"}) {
-      INFO(section);
-      const auto* figure = find(*figures, section);
-      REQUIRE((figure != nullptr && figure->table() != nullptr));
-      const auto* kind = find(*figure->table(), "kind");
-      REQUIRE(kind != nullptr);
-      CHECK(kinds.contains(*kind->text()));
-      const auto* source = find(*figure->table(), "source");
-      CHECK((source != nullptr && !source->text()->empty()));
-      const auto* value = find(*figure->table(), "value");
-      CHECK((value != nullptr || find(*figure->table(), "usd") != nullptr));
-      if (value != nullptr) CHECK((*value->text() == "unknown") == (*kind->text() == "unknown"));
-    }
-  }
-  CHECK(rows == std::set<std::string>{"Vibrating motor", "Tactor", "Alps motorized fader", "Woofers/shaker",
-                                      "Servomotor with encoder", "Novint Falcon", "SensAble Omni"});
-}

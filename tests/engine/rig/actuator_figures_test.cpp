@@ -67,7 +67,8 @@ TEST_CASE("actuator figures: what is wrong is an error with its place", "[rig]")
   CHECK(errors_of(kFader + "colour = \"red\"\n").find("colour") != std::string::npos);
 }
 
-TEST_CASE("actuator figures: prices of the shipped files are those of table 1", "[rig]") {
+TEST_CASE("actuator figures: of the shipped files each has a source, and prices are those of table 1",
+          "[rig]") {
   // Berdahl, Steiner, Oldham, NIME 2008, table 1, in US $; of the row "Woofers/shaker" and the others the
   // price that it gives lies within that of each device.
   const std::map<std::string, std::pair<double, double>> table = {{"Vibrating motor", {1, 20}},
@@ -83,6 +84,13 @@ TEST_CASE("actuator figures: prices of the shipped files are those of table 1", 
     const auto figures = load_actuator_figures(entry.path());
     INFO(entry.path());
     REQUIRE(figures);
+    if (!figures->plant.empty()) CHECK(std::filesystem::exists(entry.path().parent_path() / figures->plant));
+    for (const auto* figure :
+         {&figures->price, &figures->force, &figures->band, &figures->excursion, &figures->resolution}) {
+      CHECK_FALSE(figure->source.empty());
+      if (!figure->value.empty())
+        CHECK((figure->value == "unknown") == (figure->kind == ActuatorFigure::Kind::Unknown));
+    }
     if (figures->row.empty()) continue;
     REQUIRE(table.contains(figures->row));
     ++found[figures->row];
