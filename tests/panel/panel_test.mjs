@@ -468,8 +468,7 @@ test("bench: the guard: limits, a stage that acts, its counts", async ({ page, p
   await arm(page);
   await until(() => texts(page, "#guard .output:first-child .acts span"), (x) => x.includes("ceiling"), "the ceiling acts");
   await until(() => texts(page, "#guard .output:first-child .acted"), (x) => x.some((t) => /^ceiling[1-9]/.test(t)), "count");
-  const level = await until(() => page.$$eval("#levels .level", (rows) => rows.filter((r) => r.textContent.startsWith("woofer")).map((r) => parseFloat(r.querySelector(".figure").textContent))[0]), (x) => x > -7, "level of the output");
-  assert.ok(close(level, -6, 0.3), `a ceiling of 0.5 is -6 dB: ${level}`);
+  await until(() => page.$$eval("#levels .level", (rows) => rows.filter((r) => r.textContent.startsWith("woofer")).map((r) => parseFloat(r.querySelector(".figure").textContent))[0]), (x) => close(x, -6, 0.3), "a ceiling of 0.5 is -6 dB");
   await disarm(page);
   await setControl(page, "amplitude", 0.25);
   await until(() => texts(page, "#guard .acts"), (x) => x.length === 0, "no stage acts any more");
@@ -776,7 +775,6 @@ test("world: no drives; the plant's signals are chosen for the scope", async ({ 
   const rows = await until(() => scopeRows(page), (x) => x.length > 0 && x.every((r) => /\d/.test(r.cells[0])), "traces");
   assert.ok(rows.every((r) => r.name.startsWith("plant/")), JSON.stringify(rows));
   assert.ok(await visible(page, "#world .scope"));
-  assert.ok(!await page.$("#delay_slider") || !await visible(page, "#delay_slider"), "the program has no delay to set");
 });
 
 test("world: a press strikes, a drag sets the value of the plant", async ({ page }) => {
