@@ -11,9 +11,11 @@
 
 namespace tactus {
 
-/// The client of a port of our own. Such a port is nobody's input, here or in another of these programs: what
-/// it sends would return.
+/// The client of a port of our own.
 inline constexpr const char* kMidiOutClient = "tactus_out";
+/// [any] A port of this program, or of another one like it, which is not used as an input: what is sent would
+/// come back.
+inline bool is_own_output(const std::string& port) { return port.starts_with(kMidiOutClient); }
 
 /// Where MIDI messages are sent.
 class MidiOutput {

@@ -187,7 +187,7 @@ bool Client::is_hardware(const std::string& port) const {
 
 Names Client::midi_sources() const {
   auto sources = names_of(jack_get_ports(handle, nullptr, JACK_DEFAULT_MIDI_TYPE, JackPortIsOutput));
-  std::erase_if(sources, [](const std::string& name) { return name.starts_with(kMidiOutClient); });
+  std::erase_if(sources, is_own_output);
   return sources;
 }
 

@@ -69,6 +69,17 @@ std::vector<RtMidi::Api> apis() {
   return compiled;
 }
 
+/// The first one, or the one of this name, if it can be used. Throws an RtMidiError.
+RtMidi::Api choose(const std::vector<RtMidi::Api>& available, const std::string& name) {
+  const auto api = std::ranges::find_if(available, [&](RtMidi::Api candidate) {
+    return name.empty() || RtMidi::getApiName(candidate) == name;
+  });
+  if (api == available.end())
+    throw RtMidiError("this program was built without the MIDI backend '" + name + "'");
+  check_sequencer(*api);
+  return *api;
+}
+
 class RtMidiWorker final : public MidiWorker {
  public:
   explicit RtMidiWorker(std::string api) : api_(std::move(api)) {}
@@ -91,20 +102,15 @@ class RtMidiWorker final : public MidiWorker {
   }
 
   std::unique_ptr<RtMidiIn> make_client() const {
-    const auto available = apis();
-    const auto named = [this](RtMidi::Api api) { return api_.empty() || RtMidi::getApiName(api) == api_; };
-    const auto api = std::ranges::find_if(available, named);
-    if (api == available.end())
-      throw RtMidiError("this program was built without the MIDI backend '" + api_ + "'");
-    check_sequencer(*api);
-    auto client = std::make_unique<RtMidiIn>(*api, "tactus_midi");
+    const auto api = choose(apis(), api_);
+    auto client = std::make_unique<RtMidiIn>(api, "tactus_midi");
     client->setErrorCallback(ignore_rtmidi_error);
     return client;
   }
 
   void update_ports() {
     auto available = rtmidi_ports(*scout_, RtMidi::getApiName(scout_->getCurrentApi()));
-    std::erase_if(available, [](const auto& port) { return port.second.starts_with(kMidiOutClient); });
+    std::erase_if(available, [](const auto& port) { return is_own_output(port.second); });
     keep([&](const std::string& id, auto&) { return available.contains(id); });
     for (const auto& [id, name] : available)
       if (!is_open(id)) open(id, name);
@@ -132,15 +138,10 @@ class RtMidiWorker final : public MidiWorker {
 constexpr const char* kOwnPort = "events";
 
 std::unique_ptr<RtMidiOut> make_output_client(const std::string& api_name) {
-  std::vector<RtMidi::Api> available;
-  RtMidi::getCompiledApi(available);
-  const auto api = std::ranges::find_if(available, [&](RtMidi::Api candidate) {
-    return api_name.empty() ? candidate != RtMidi::UNIX_JACK : RtMidi::getApiName(candidate) == api_name;
-  });
-  if (api == available.end())
-    throw RtMidiError("this program was built without the MIDI backend '" + api_name + "'");
-  check_sequencer(*api);
-  auto client = std::make_unique<RtMidiOut>(*api, kMidiOutClient);
+  auto available = apis();
+  if (api_name == "jack") RtMidi::getCompiledApi(available);
+  const auto api = choose(available, api_name);
+  auto client = std::make_unique<RtMidiOut>(api, kMidiOutClient);
   client->setErrorCallback(ignore_rtmidi_error);
   return client;
 }

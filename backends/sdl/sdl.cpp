@@ -114,7 +114,6 @@ class OpenDevice {
     name_outputs();
     effects_.resize(outputs.size());
     levels_.resize(outputs.size());
-    values_.resize(inputs.size());
   }
   OpenDevice(const OpenDevice&) = delete;
   OpenDevice& operator=(const OpenDevice&) = delete;
@@ -127,8 +126,8 @@ class OpenDevice {
 
   bool attached() const { return SDL_JoystickGetAttached(joystick_) == SDL_TRUE; }
 
-  /// The inputs as they are now; true: at least one changed.
-  bool read(std::vector<double>& values) {
+  /// The inputs as they are now.
+  void read(std::vector<double>& values) {
     std::size_t at = 0;
     for (int a = 0; a < SDL_JoystickNumAxes(joystick_); ++a)
       values[at++] = std::max(-1.0, SDL_JoystickGetAxis(joystick_, a) / 32767.0);
@@ -145,7 +144,6 @@ class OpenDevice {
       for (const float speed : turn)
         values[at++] = std::clamp(static_cast<double>(speed) / kFullTurn, -1.0, 1.0);
     }
-    return std::exchange(values_, values) != values;
   }
 
   /// Sends what changed. Levels are from -1 to 1.
@@ -159,7 +157,7 @@ class OpenDevice {
     if (rumbles_) SDL_JoystickRumble(joystick_, 0, 0, 0);
     if (haptic_ != nullptr) SDL_HapticStopAll(haptic_);
   }
-  /// Outputs that the device took no effect for.
+  /// [any] How often the device did not take an effect.
   std::int64_t refused() const { return refused_; }
 
   std::vector<std::string> inputs;
@@ -234,8 +232,7 @@ class OpenDevice {
   bool rumbles_ = false, gyroscope_ = false;
   std::vector<Effect> effects_;  ///< one for each output
   std::vector<double> levels_;   ///< in the device
-  std::vector<double> values_;   ///< of the inputs
-  std::int64_t refused_ = 0;
+  std::atomic<std::int64_t> refused_{0};
 };
 
 /// Its path, where the system has one.
@@ -281,7 +278,6 @@ struct Line {
   std::unique_ptr<CardCallback> card;
   int frames = 8;  ///< of a block
   std::atomic<bool> stops{false}, lost{false};
-  std::atomic<std::int64_t> refused{0};
   std::atomic<double> reports_hz{0.0};
 };
 
@@ -315,7 +311,8 @@ class Pacer {
   bool turn(Clock::time_point now) {
     SDL_JoystickUpdate();
     if (!line_.device->attached()) return line_.lost = true, false;
-    count_reports(line_.device->read(now_), now);
+    line_.device->read(now_);
+    count_reports(now_ != before_, now);
     const auto frames = static_cast<std::size_t>(line_.frames);
     for (std::size_t c = 0; c < in_.size(); ++c)
       for (std::size_t n = 0; n < frames; ++n)
@@ -329,7 +326,6 @@ class Pacer {
       levels_[c] = sum / static_cast<double>(frames);
     }
     line_.device->write(levels_, now);
-    line_.refused = line_.device->refused();
     return true;
   }
 
@@ -357,7 +353,7 @@ class SdlStream final : public CardStream<Line> {
   ~SdlStream() override { static_cast<void>(stop()); }
 
   std::string take_note() override {
-    if (const auto refused = line_->refused.load(); refused > 0 && !std::exchange(refusal_noted_, true))
+    if (const auto refused = line_->device->refused(); refused > 0 && !std::exchange(refusal_noted_, true))
       return granted().device + " took not every effect: it has no slot left, or no such effect";
     const auto reports = line_->reports_hz.load();
     if (reports < kLeastReports || reports < 1.5 * noted_reports_) return {};
