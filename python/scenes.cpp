@@ -248,11 +248,7 @@ py::tuple check(const Place& place, const py::dict& parameters, const py::object
         check_stability({scene ? &*scene : nullptr, instrument ? &*instrument : nullptr, &standard_nodes()},
                         options, quick, {}, threads));
   }
-  const auto verdict = report.stability();
-  return py::make_tuple(verdict == Stability::Stable      ? "stable"
-                        : verdict == Stability::Undecided ? "undecided"
-                                                          : "unstable",
-                        describe(report.verdict));
+  return py::make_tuple(name_of(report.stability()), describe(report.verdict));
 }
 
 }  // namespace

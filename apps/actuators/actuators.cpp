@@ -62,6 +62,10 @@ std::vector<Actuator> known_actuators() {
   return all;
 }
 
+std::string number_text(double si, const char* unit) {
+  return std::isinf(si) ? "endless" : short_quantity(si, parse_unit(unit)->dimension);
+}
+
 // What is asked for.
 
 /// "20 Hz" or "20 Hz,200 Hz": where the actuator must move.
@@ -77,8 +81,6 @@ Interval band_of(const std::string& text) {
 struct Need {
   std::optional<double> force, excursion, resolution, price;
   std::optional<Interval> band;
-
-  bool any() const { return force || excursion || resolution || price || band; }
 };
 
 Need need_of(const ActuatorOptions& options) {
@@ -208,9 +210,8 @@ std::vector<std::string> objections(const Actuator& actuator, const Demand& dema
   std::vector<std::string> all;
   const auto& figures = actuator.figures;
   if (demand.force && figures.force.high && *figures.force.high < *demand.force)
-    all.push_back(fmt::format("the force reaches {}, and it has {}",
-                              short_quantity(*demand.force, parse_unit("N")->dimension),
-                              short_quantity(*figures.force.high, parse_unit("N")->dimension)));
+    all.push_back(fmt::format("the force reaches {}, and it has {}", number_text(*demand.force, "N"),
+                              number_text(*figures.force.high, "N")));
   for (const auto& drive : demand.drives)
     if (figures.band.high && drive.band.high > *figures.band.high)
       all.push_back(fmt::format("'{}' reaches up to {:.0f} Hz, and it moves up to {:.0f} Hz", drive.name,
@@ -228,16 +229,10 @@ std::vector<std::string> objections(const Actuator& actuator, const Demand& dema
 
 // The table.
 
-constexpr const char* kKinds[] = {"", "", "~", ""};
-
-std::string number_text(double si, const char* unit) {
-  return std::isinf(si) ? "endless" : short_quantity(si, parse_unit(unit)->dimension);
-}
-
 /// "164 Hz to 176 Hz"; ~: a judgement.
 std::string cell(const ActuatorFigure& figure, const char* unit) {
   if (!figure.low && !figure.high) return figure.kind == ActuatorFigure::Kind::Unknown ? "unknown" : "-";
-  std::string text = kKinds[static_cast<int>(figure.kind)];
+  std::string text = figure.kind == ActuatorFigure::Kind::Judgement ? "~" : "";
   if (figure.low) text += number_text(*figure.low, unit);
   if (figure.high && figure.high != figure.low)
     text += (figure.low ? " to " : "") + number_text(*figure.high, unit);
@@ -283,9 +278,9 @@ void print_details(const ActuatorFigures& figures) {
 }
 
 Json figure_json(const ActuatorFigure& figure) {
-  static constexpr const char* kNames[] = {"sheet", "derived", "judgement", "unknown"};
-  Json json{
-      {"value", figure.value}, {"kind", kNames[static_cast<int>(figure.kind)]}, {"source", figure.source}};
+  Json json{{"value", figure.value},
+            {"kind", actuator_figure_kinds()[index(static_cast<int>(figure.kind))]},
+            {"source", figure.source}};
   if (figure.low) json["low"] = *figure.low;
   if (figure.high) json["high"] = known(std::isfinite(*figure.high), *figure.high);
   return json;
@@ -307,9 +302,7 @@ void print_demand(const Demand& demand) {
   for (const auto& drive : demand.drives)
     fmt::print("  '{}': nine tenths of its energy between {:.0f} and {:.0f} Hz\n", drive.name, drive.band.low,
                drive.band.high);
-  if (demand.force)
-    fmt::print("  largest force on the player: {}\n",
-               short_quantity(*demand.force, parse_unit("N")->dimension));
+  if (demand.force) fmt::print("  largest force on the player: {}\n", number_text(*demand.force, "N"));
   fmt::print("\n");
 }
 

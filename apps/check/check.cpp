@@ -32,12 +32,6 @@ struct CheckReport : StabilityReport {
   std::vector<std::string> highpass_lines;  ///< what the high-passes of the rig do
 };
 
-const char* word_of(Stability stability) {
-  return stability == Stability::Stable      ? "stable"
-         : stability == Stability::Undecided ? "undecided"
-                                             : "unstable";
-}
-
 // JSON has no infinity and no NaN: they are written as null.
 
 Json loop_json(const LoopVerdict& loop) {
@@ -91,7 +85,7 @@ Json network_json(const NetworkVerdict& network) {
           {"weakest", network.weakest},
           {"contact_steps", network.contact_steps},
           {"contact_too_deep", network.too_deep},
-          {"verdict", word_of(network.stability())}};
+          {"verdict", name_of(network.stability())}};
 }
 
 Json run_json(const ExtremeRun& run) {
@@ -121,7 +115,7 @@ Json gesture_json(const GestureVerdict& gesture) {
   return {{"control", gesture.control},
           {"value", gesture.value},
           {"seconds", gesture.seconds},
-          {"verdict", word_of(gesture.stability)}};
+          {"verdict", name_of(gesture.stability)}};
 }
 
 Json doubt_json(const Doubt& doubt) { return {{"reason", doubt.reason}, {"remedy", doubt.remedy}}; }
@@ -130,7 +124,7 @@ Json held_json(const HeldVerdict& held) {
   Json json{{"input", held.input},
             {"added", held.level},
             {"alternates", held.alternates},
-            {"verdict", word_of(held.stability)}};
+            {"verdict", name_of(held.stability)}};
   if (held.place) json["place"] = *held.place;
   return json;
 }
@@ -230,7 +224,7 @@ void print_controls(const StabilityVerdict& verdict) {
   rows = {{"control set by a gesture", "to", "at", "verdict"}};
   for (const auto& gesture : verdict.gestures)
     rows.push_back({gesture.control, in_unit(gesture.value, gesture.unit), prefixed(gesture.seconds, "s"),
-                    word_of(gesture.stability)});
+                    name_of(gesture.stability)});
   print_table(rows);
 }
 
@@ -279,7 +273,7 @@ Json check_json(const CheckReport& report) {
   const auto& verdict = report.verdict;
   return {
       {"name", report.name},
-      {"verdict", word_of(report.stability())},
+      {"verdict", name_of(report.stability())},
       {"holds", report.stability() == Stability::Stable},
       {"undecided", undecided_json(report)},
       {"outside_known", verdict.outside_known},
@@ -303,7 +297,7 @@ Json check_json(const CheckReport& report) {
 void print(const CheckReport& report, bool verbose) {
   const auto& verdict = report.verdict;
   const bool by_itself = report.stability() == Stability::Stable && !verdict.outside_known;
-  fmt::print("{}{}\n\n", word_of(report.stability()),
+  fmt::print("{}{}\n\n", name_of(report.stability()),
              by_itself ? " by itself; the loop through the plant is not known" : "");
   const auto sentences = describe(verdict);
   fmt::print("{}: {} ({})\n", report.name, sentences.front(), report.delay_source);

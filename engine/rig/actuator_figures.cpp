@@ -28,7 +28,7 @@ constexpr Property kProperties[] = {
 SectionType section_of(const Property& property) {
   std::vector<FieldType> fields = {
       text_field("value", "for people, as in \"2 N at 10 V\""),
-      required(choice_field("kind", {"sheet", "derived", "judgement", "unknown"},
+      required(choice_field("kind", actuator_figure_kinds(),
                             "read in the source, derived from other figures, a judgement, or not found")),
       required(text_field("source", "where it comes from"))};
   for (const auto* key : {property.low, property.high})
@@ -73,6 +73,11 @@ Checked<ActuatorFigures> read_figures(const Result<Value::Table>& table, const s
 }
 
 }  // namespace
+
+const std::vector<std::string>& actuator_figure_kinds() {
+  static const std::vector<std::string> names = {"sheet", "derived", "judgement", "unknown"};  // as Kind
+  return names;
+}
 
 const SectionType& actuator_figure_fields() {
   static const auto sections = [] {

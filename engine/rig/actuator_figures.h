@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "engine/core/error.h"
 #include "engine/graph/file/field.h"
@@ -24,6 +25,8 @@ struct ActuatorFigure {
   std::string source;
   std::optional<double> low, high;  ///< SI, US $ of a price; nothing: not known, or no limit
 };
+/// [any] As a file has it: "sheet", "derived", "judgement", "unknown".
+const std::vector<std::string>& actuator_figure_kinds();
 
 /// A file of instruments/actuators/figures: what an actuator can do and costs.
 struct ActuatorFigures {

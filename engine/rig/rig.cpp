@@ -471,7 +471,7 @@ std::string line(const RigOsc& osc) {
 std::string line(const RigHid& hid) {
   std::string text = key_text(hid.control) + " = { ";
   if (!hid.device.empty()) text += "device = " + in_quotes(hid.device) + ", ";
-  text += fmt::format("{} = {}", hid.part == HidPart::Button ? "button" : "axis", hid.number);
+  text += fmt::format("{} = {}", name_of(hid.part), hid.number);
   return text + (hid.invert ? ", invert = true" : "") + " }\n";
 }
 

@@ -68,6 +68,8 @@ struct RigOsc {
 };
 
 enum class HidPart { Axis, Button };
+/// "axis", "button"
+inline const char* name_of(HidPart part) { return part == HidPart::Button ? "button" : "axis"; }
 
 /// An axis or a button of a joystick, gamepad or pedal that moves a control over its range.
 struct RigHid {

@@ -32,7 +32,7 @@ struct WatchedEvent {
 class EventWatch final : public SignalObserver {
  public:
   static constexpr int kMostEvents = 16;
-  /// An event that follows another one of its trigger in less time is not told.
+  /// An event that follows another one of its trigger in less time is left out.
   static constexpr double kLeastInterval_s = 0.002;
 
   /// From the next sub-block on. The places belong to this version of the graph; those beyond the 16th are

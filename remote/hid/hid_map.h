@@ -26,7 +26,8 @@ class HidMap {
   /// Learning: an axis must move by this share, so that one that is noisy or at rest is not taken.
   static constexpr double kLearnShare = 0.25;
 
-  /// The orders that this event gives, without a time. What moves nothing may be learnt by `target`.
+  /// The orders that this event gives, without a time. While `target` learns, what moves far enough is
+  /// learnt and gives none.
   std::vector<RemoteOrder> handle(const HidEvent& event, RemoteTarget& target);
   /// The device is gone: its axes are at rest where they are when it returns.
   void forget(const std::string& device);

@@ -13,14 +13,14 @@
 namespace tactus {
 
 /// Joysticks, gamepads, pedals and other devices with axes and buttons (HID), which move controls. By SDL 2.
-/// They are read every millisecond; a value takes effect kDelay later, so that the distances of movements
-/// stay what they are.
+/// They are read every millisecond; a value takes effect kDelay later, so that the time between two values
+/// stays as it was.
 class HidSensors {
  public:
   static constexpr Seconds kDelay{0.005};
 
   /// `device`: only those whose name contains it; empty: all. Devices may come and go. Errors, at --hid:
-  /// Device: the system has no such devices, or they are open in this process already.
+  /// Device: the library cannot be started.
   static Result<std::unique_ptr<HidSensors>> open(const std::string& device, RemoteTarget& target);
   virtual ~HidSensors() = default;
 

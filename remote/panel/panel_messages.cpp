@@ -48,9 +48,7 @@ Json named(const std::vector<std::string>& names) {
   return list(names, [](const auto& name) { return Json{{"name", name}}; });
 }
 
-std::string text_of(const RigHid& hid) {
-  return fmt::format("{} {}", hid.part == HidPart::Button ? "button" : "axis", hid.number);
-}
+std::string text_of(const RigHid& hid) { return fmt::format("{} {}", name_of(hid.part), hid.number); }
 
 Json control_json(const RemoteControl& control) {
   const auto shown = [&](double si) { return number(control.unit.from_si(si)); };

@@ -16,10 +16,7 @@ constexpr std::size_t kMostSentences = 3;
 struct Ended {};
 
 std::string text_of(const StabilityReport& report) {
-  const auto stability = report.stability();
-  std::string text = stability == Stability::Stable      ? "stable"
-                     : stability == Stability::Undecided ? "undecided"
-                                                         : "unstable";
+  std::string text = name_of(report.stability());
   const auto sentences = describe(report.verdict);
   for (std::size_t s = 1; s < std::min(sentences.size(), kMostSentences); ++s) text += "; " + sentences[s];
   return text;

@@ -17,6 +17,12 @@ namespace tactus {
 /// What an analysis concludes; of several conclusions the last in this order counts.
 enum class Stability { Stable, Undecided, Unstable };
 inline Stability worse(Stability a, Stability b) { return a < b ? b : a; }
+/// "stable", "undecided", "unstable"
+inline const char* name_of(Stability stability) {
+  return stability == Stability::Stable      ? "stable"
+         : stability == Stability::Undecided ? "undecided"
+                                             : "unstable";
+}
 
 /// The stability of a network by itself.
 struct NetworkVerdict {
