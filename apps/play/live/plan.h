@@ -8,24 +8,18 @@
 
 #include "apps/cli/backends.h"
 #include "apps/play/live/performer.h"
+#include "apps/play/live/remote/remote_options.h"
 #include "apps/play/live/session.h"
 #include "apps/play/play_report.h"
 
 namespace tactus::app {
 
 /// Options of playing on a sound card.
-struct LiveOptions : PlayerOptions, DeviceOptions {
+struct LiveOptions : PlayerOptions, DeviceOptions, RemoteOptions {
   std::vector<int> in_channels, out_channels;  ///< from 1
   std::string pad_delay;
-  std::string record, save_rig, midi;
-  std::string learn;                    ///< an input, "*" for the first one; empty: no sensitivity is learnt
-  std::string osc;                      ///< [ADDRESS:]PORT, or empty
-  std::optional<std::string> panel;     ///< the same, of the panel; empty: any port
-  std::vector<std::string> serial;      ///< DEVICE[@BAUD]
-  std::optional<std::string> hid;       ///< a part of a device's name; empty: any
-  std::optional<std::string> midi_out;  ///< a part of a port's name; empty: a port of our own
-  bool osc_arm = false, panel_arm = false;  ///< clients of other hosts may arm
-  bool no_browser = false;
+  std::string record, save_rig;
+  std::string learn;  ///< an input, "*" for the first one; empty: no sensitivity is learnt
   bool arm = false, shared_port = false, listen = false, yes = false, force = false;
 
   /// Is a sound card asked for at all?

@@ -177,8 +177,7 @@ class LivePlay {
       if (request.kind == Kind::LearntAddress) bind(osc_, {{}, {}, request.name}, request.name);
       if (request.kind == Kind::LearntHid)
         bind(hid_, request.hid,
-             fmt::format("{} {} of {}", request.hid.part == HidPart::Button ? "button" : "axis",
-                         request.hid.number, request.hid.device));
+             fmt::format("{} {} of {}", name_of(request.hid.part), request.hid.number, request.hid.device));
     }
   }
   void apply(const LivePresets::Recalled& recalled) {
@@ -201,14 +200,10 @@ class LivePlay {
     if (any()) presets_.save(presets_.free_name(), playing());
   }
   void publish_bindings() {
+    if (remote_ == nullptr) return;
     std::map<std::string, std::string> sources;
     for (const auto& binding : midi_map_.bindings()) sources[binding.control] = source_text(binding);
-    std::map<std::string, std::string> addresses;
-    for (const auto& binding : osc_) addresses[binding.control] = binding.address;
-    if (remote_ == nullptr) return;
-    remote_->set_midi(std::move(sources));
-    remote_->set_osc(std::move(addresses));
-    remote_->set_hid(hid_);
+    remote_->set_sources(std::move(sources), osc_, hid_);
   }
   /// To the control that is being learnt.
   template <class Source>
@@ -457,15 +452,7 @@ void report(Session& session, const SessionView& view, const LivePlan& plan, boo
 
 /// A rig with MIDI messages sends them, and one with joysticks reads them, without an option.
 RemoteOptions remote_options(const LiveOptions& options, const LivePlan& plan) {
-  RemoteOptions remote{.osc = options.osc,
-                       .osc_arm = options.osc_arm,
-                       .serial = options.serial,
-                       .hid = options.hid,
-                       .midi_out = options.midi_out,
-                       .midi_api = options.midi,
-                       .panel = options.panel,
-                       .panel_arm = options.panel_arm,
-                       .open_browser = !options.no_browser};
+  RemoteOptions remote = options;
   if (plan.rig) remote.midi_messages = plan.rig->midi_out;
   if (!remote.midi_messages.empty() && !remote.midi_out) {
     remote.midi_out = "";

@@ -256,7 +256,8 @@ void LiveRemote::renew() {
   }
   for (auto& control : next->controls) {
     if (const auto source = midi_.find(control.name); source != midi_.end()) control.midi = source->second;
-    if (const auto address = osc_.find(control.name); address != osc_.end()) control.osc = address->second;
+    if (const auto osc = std::ranges::find(osc_, control.name, &RigOsc::control); osc != osc_.end())
+      control.osc = osc->address;
     const auto hid = std::ranges::find(hid_, control.name, &RigHid::control);
     if (hid != hid_.end()) control.hid = *hid;
   }
@@ -346,20 +347,11 @@ void LiveRemote::set_presets(std::vector<std::string> names) {
   described_ = false;
 }
 
-void LiveRemote::set_midi(std::map<std::string, std::string> sources) {
-  if (sources == midi_) return;
-  midi_ = std::move(sources);
-  described_ = false;
-}
-
-void LiveRemote::set_osc(std::map<std::string, std::string> addresses) {
-  if (addresses == osc_) return;
-  osc_ = std::move(addresses);
-  described_ = false;
-}
-
-void LiveRemote::set_hid(std::vector<RigHid> sources) {
-  hid_ = std::move(sources);
+void LiveRemote::set_sources(std::map<std::string, std::string> midi, std::vector<RigOsc> osc,
+                             std::vector<RigHid> hid) {
+  midi_ = std::move(midi);
+  osc_ = std::move(osc);
+  hid_ = std::move(hid);
   described_ = false;
 }
 

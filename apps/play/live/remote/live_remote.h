@@ -67,12 +67,10 @@ class LiveRemote final : public RemoteTarget, private ScheduleTarget {
   Delay delay() const { return delay_; }
   /// [control, one thread] Requests since the last call, oldest first.
   std::vector<RemoteRequest> take_requests();
-  /// [control, one thread] For clients: the presets; the MIDI source of each control.
+  /// [control, one thread] For clients: the presets.
   void set_presets(std::vector<std::string> names);
-  void set_midi(std::map<std::string, std::string> sources);
-  /// [control, one thread] For clients: the foreign OSC address, and the axis or button, of each control.
-  void set_osc(std::map<std::string, std::string> addresses);
-  void set_hid(std::vector<RigHid> sources);
+  /// [control, one thread] For clients: what moves each control; of MIDI as text.
+  void set_sources(std::map<std::string, std::string> midi, std::vector<RigOsc> osc, std::vector<RigHid> hid);
   /// [control, one thread] The next foreign OSC address, axis or button is a request of kind LearntAddress or
   /// LearntHid.
   void learn(bool on) { learning_ = on; }
@@ -163,9 +161,10 @@ class LiveRemote final : public RemoteTarget, private ScheduleTarget {
   std::future<RemoteVerdict> judged_;
   std::vector<PictureFile> files_;
   std::vector<std::string> presets_;
+  std::map<std::string, std::string> midi_;  ///< by control
+  std::vector<RigOsc> osc_;
   std::vector<RigHid> hid_;
-  std::map<std::string, std::string> midi_, osc_;  ///< by control
-  bool described_ = false;                         ///< nothing of the description has changed since
+  bool described_ = false;  ///< nothing of the description has changed since
   std::optional<Seconds> latency_;
   bool latency_measured_ = false;
   StreamClock clock_;

@@ -126,7 +126,7 @@ class MidiService final : public Service {
             fmt::format("; {}: controller {} in channel {}", message.name, message.number, message.channel);
       else
         text_ += fmt::format("; {}: clock", message.name);
-    auto output = or_exit(open_midi_output(options.midi_api, *options.midi_out), kDevice);
+    auto output = or_exit(open_midi_output(options.midi, *options.midi_out), kDevice);
     sender_ = or_exit(MidiSender::start(std::move(output), std::move(messages), *share_), kUsage);
   }
   std::string announcement() const override { return "MIDI out  " + sender_->output().name() + text_; }
@@ -146,7 +146,7 @@ class PanelService final : public Service {
     auto at = or_exit(parse_panel_address(*options.panel), kUsage);
     at.arm_from_elsewhere = options.panel_arm;
     server_ = or_exit(PanelServer::open(at, *share_), kUsage);
-    if (options.open_browser) opened_.emplace(server_->link());
+    if (!options.no_browser) opened_.emplace(server_->link());
   }
   std::string announcement() const override { return "panel     " + server_->link(); }
   std::string summary() const override {
@@ -246,8 +246,7 @@ std::unique_ptr<RemoteServer> make_remote_server(const RemoteOptions& options, S
   };
   needs(options.osc_arm && options.osc.empty(), "--osc-arm", "give --osc PORT too");
   needs(options.panel_arm && !options.panel, "--panel-arm", "give --panel too");
-  if (options.osc.empty() && options.serial.empty() && !options.panel && !options.hid && !options.midi_out)
-    return nullptr;
+  if (!options.any()) return nullptr;
   return std::make_unique<LiveServer>(options, session, performer, sample_rate);
 }
 

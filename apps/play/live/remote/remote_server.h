@@ -2,28 +2,13 @@
 // Thread: [control]
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/play/live/remote/live_remote.h"
-#include "engine/rig/rig.h"
+#include "apps/play/live/remote/remote_options.h"
 
 namespace tactus::app {
-
-struct RemoteOptions {
-  std::string osc;                        ///< [ADDRESS:]PORT; empty: no server
-  bool osc_arm = false;                   ///< clients of other hosts may arm
-  std::vector<std::string> serial{};      ///< DEVICE[@BAUD]
-  std::optional<std::string> hid{};       ///< a part of a device's name; empty: all
-  std::optional<std::string> midi_out{};  ///< a part of a port's name; empty: a port of our own
-  std::string midi_api{};
-  bool midi_by_rig = false;                 ///< only the rig asks for MIDI messages
-  std::vector<RigMidiOut> midi_messages{};  ///< none: a note for each event
-  std::optional<std::string> panel{};       ///< [ADDRESS:]PORT, or empty: any port; nothing: no server
-  bool panel_arm = false;
-  bool open_browser = true;
-};
 
 /// The servers through which clients reach a session, with the target of their orders.
 class RemoteServer {
