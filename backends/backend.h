@@ -57,6 +57,14 @@ struct DeviceIdentity {
   bool operator==(const DeviceIdentity&) const = default;
 };
 
+/// A second device of a stream: it is read and written at its own rate, beside the blocks of the first.
+struct GrantedSecond {
+  std::string device;  ///< Device::id
+  DeviceIdentity identity;
+  Seconds input_delay;   ///< its inputs are so much later than those of the first
+  Seconds output_delay;  ///< its outputs come so long after they are computed
+};
+
 /// What was granted. Only this counts: drivers round block sizes and add buffers of their own.
 struct StreamGranted {
   std::string device;            ///< Device::id of the outputs, or of the inputs where there are no outputs
@@ -73,8 +81,10 @@ struct StreamGranted {
   std::optional<double> output_latency_frames;
   bool xruns_move_delay = false;  ///< a gap may change the delay from then on
   bool writers_unknown = false;   ///< its ports take other programs too, and the library does not name them
-  bool digital_inputs = false;    ///< numbers of a device: at the end of its range no sensor is at fault
-  bool comes_back = true;         ///< when it is Lost, opening it again may work in this process
+  /// Of each input: a number that a device sends, where no sensor at the end of its range is at fault.
+  std::vector<bool> digital_inputs;
+  std::optional<GrantedSecond> second;
+  bool comes_back = true;  ///< when it is Lost, opening it again may work in this process
 };
 
 /// What is asked for. Whatever is left out, the backend chooses.
@@ -84,6 +94,7 @@ struct StreamRequest {
   std::optional<Hertz> sample_rate;  ///< a rate that cannot be had is an error, never another rate
   int in_channels = 0;
   int out_channels = 0;
+  std::string second_device;  ///< for channels from kSecondDevice on; empty: there are none
   /// Which channels of the device they are, from 0 on; empty: the first ones. As long as there are channels.
   std::vector<int> in_map, out_map;
   std::optional<int> block_frames;  ///< a wish: see StreamGranted
@@ -167,7 +178,7 @@ class Backend {
   virtual Result<std::vector<Device>> devices() = 0;
   /// [control] Opens a device and calls `processor.prepare` with the granted format. `processor` must outlive
   /// the stream. Errors: UnknownName for the device; Device; BadArgument; those of `prepare`.
-  virtual Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) = 0;
+  virtual Result<std::unique_ptr<Stream>> open(const StreamRequest& request, GuardedBlocks& processor) = 0;
   /// [control] The MIDI inputs of what the stream of this backend is connected to, while it plays; they are
   /// looked for every `interval`. nullptr: the backend has none.
   virtual std::shared_ptr<MidiInputs> midi_inputs([[maybe_unused]] std::chrono::milliseconds interval) {

@@ -36,7 +36,8 @@ static int copy_finite(const float* plane, double* samples, int frames) noexcept
   return bad;
 }
 
-CardCallback::CardCallback(Guarded& processor, const StreamRequest& request, const StreamGranted& granted)
+CardCallback::CardCallback(GuardedBlocks& processor, const StreamRequest& request,
+                           const StreamGranted& granted)
     : processor_(processor),
       format_(granted.format),
       patience_(

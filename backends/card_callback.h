@@ -73,7 +73,7 @@ class CardCallback {
  public:
   /// [control] `processor` is prepared for `granted.format` and outlives `abandon`. `request` has the channel
   /// maps.
-  CardCallback(Guarded& processor, const StreamRequest& request, const StreamGranted& granted);
+  CardCallback(GuardedBlocks& processor, const StreamRequest& request, const StreamGranted& granted);
 
   /// [control & not playing] Blocks reach the processor from now on.
   void play() noexcept;
@@ -129,7 +129,7 @@ class CardCallback {
   void watch(int frames, Clock::time_point now) noexcept;
   void watch_buffer(Clock::time_point now) noexcept;
 
-  Guarded& processor_;
+  GuardedBlocks& processor_;
   const StreamFormat format_;
   const std::chrono::nanoseconds patience_, lost_patience_, stopped_patience_;
   const std::chrono::nanoseconds buffer_;  ///< how long the driver's lasts; 0: unknown
@@ -156,7 +156,7 @@ class CardStream : public Stream {
  public:
   /// `processor` is prepared for `granted.format`; `request` has the channel maps.
   CardStream(std::shared_ptr<Line> line, StreamGranted granted, const StreamRequest& request,
-             Guarded& processor)
+             GuardedBlocks& processor)
       : line_(std::move(line)), granted_(std::move(granted)) {
     line_->card = std::make_unique<CardCallback>(processor, request, granted_);
   }

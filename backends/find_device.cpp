@@ -245,6 +245,15 @@ static void compare_settings(const StreamGranted& before, const StreamGranted& n
   differs("the number of periods", before.periods, now.periods, "");
 }
 
+static void compare_second(const StreamGranted& before, const StreamGranted& now, bool doubt,
+                           std::vector<std::string>& found) {
+  if (!before.second || !now.second) return;
+  if (doubt) add_doubt(before.second->identity, now.second->identity, "second device", found);
+  if (before.second->identity.hardware != now.second->identity.hardware)
+    found.push_back(fmt::format("the hardware of its second device is '{}' instead of '{}'",
+                                now.second->identity.hardware, before.second->identity.hardware));
+}
+
 std::vector<std::string> differences(const StreamGranted& before, const StreamGranted& now) {
   std::vector<std::string> found;
   compare_names(before, now, found);
@@ -252,6 +261,7 @@ std::vector<std::string> differences(const StreamGranted& before, const StreamGr
   compare(before.input, now.input, "input", found);
   add_doubt(before.output, now.output, "output", found);
   compare(before.output, now.output, "output", found);
+  compare_second(before, now, true, found);
   compare_settings(before, now, found);
   return found;
 }
@@ -263,6 +273,7 @@ std::vector<std::string> differences_between_openings(const StreamGranted& befor
   compare_names(before, now, found);
   compare(before.input, now.input, "input", found);
   compare(before.output, now.output, "output", found);
+  compare_second(before, now, false, found);
   if (same_settings) compare_settings(before, now, found);
   return found;
 }

@@ -26,7 +26,7 @@ std::chrono::nanoseconds time_suspended() {
 
 Result<std::unique_ptr<ReconnectingStream>> ReconnectingStream::open(Backend& backend,
                                                                      const StreamRequest& request,
-                                                                     Guarded& processor) {
+                                                                     GuardedBlocks& processor) {
   std::unique_ptr<ReconnectingStream> opened{new ReconnectingStream{backend, request, processor}};
   if (auto status = opened->reopen(); !status) return tl::unexpected(status.error());
   // From now on it is this device, whichever becomes the default.

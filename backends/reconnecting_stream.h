@@ -39,7 +39,7 @@ class ReconnectingStream {
 
   /// [control] `backend` and `processor` outlive it. Errors: those of Backend::open.
   static Result<std::unique_ptr<ReconnectingStream>> open(Backend& backend, const StreamRequest& request,
-                                                          Guarded& processor);
+                                                          GuardedBlocks& processor);
 
   /// [control] `returned` is called each time that the device came back, before blocks flow again.
   void on_return(std::function<void(const Return&)> returned) { returned_ = std::move(returned); }
@@ -74,7 +74,7 @@ class ReconnectingStream {
   int returns() const { return returns_; }
 
  private:
-  ReconnectingStream(Backend& backend, StreamRequest request, Guarded& processor)
+  ReconnectingStream(Backend& backend, StreamRequest request, GuardedBlocks& processor)
       : backend_(backend), request_(std::move(request)), processor_(processor) {}
 
   Status reopen();
@@ -90,7 +90,7 @@ class ReconnectingStream {
 
   Backend& backend_;
   StreamRequest request_;
-  Guarded& processor_;
+  GuardedBlocks& processor_;
   std::unique_ptr<Stream> stream_;  ///< nullptr while the device is away
   StreamGranted granted_;
   Health before_;  ///< of the streams that were lost

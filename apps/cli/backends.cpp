@@ -8,6 +8,7 @@
 #include "backends/find_device.h"
 #include "backends/library_calls.h"
 #include "backends/loop/loop.h"
+#include "backends/second_device/two_devices.h"
 #include "engine/core/named.h"
 
 namespace tactus::app {
@@ -59,7 +60,7 @@ Result<ChosenDevices> choose_devices(const std::string& backend, const std::stri
     if (!out) return tl::unexpected(out.error());
     auto in = input.empty() ? out : find(*devices, input);
     if (!in) return tl::unexpected(in.error());
-    return ChosenDevices{std::move(made), std::move(*out), std::move(*in)};
+    return ChosenDevices{std::move(made), std::move(*out), std::move(*in), {}};
   }
   if (const auto missing = find(others, wanted); !others.empty() && !missing)
     return tl::unexpected(missing.error());
@@ -77,6 +78,10 @@ void add_device_options(CLI::App& command, DeviceOptions& options, const char* r
   command.add_option("--input-device", options.input_device, "input device, if different from --device");
 }
 
+static bool is_haptic(const std::string& backend) {
+  return std::ranges::find(haptic_backends(), backend, &BackendType::name) != haptic_backends().end();
+}
+
 static void print_chosen(const char* option, const std::string& text, const Device& chosen) {
   if (!text.empty() && text != chosen.id) fmt::print(stderr, "{} {} is {}\n", option, text, chosen.id);
 }
@@ -86,7 +91,17 @@ ChosenDevices choose_devices(const DeviceOptions& options, const Rig::Device& ri
     if (!options.backend.empty())
       exit_with({Errc::BadArgument, "--backend", "cannot be combined with --rig, which names the device",
                  "omit it, or change the rig file"});
-    return or_exit(choose_devices("", rig.output, rig.input, DeviceNames::Exact), kDevice);
+    auto chosen = or_exit(choose_devices("", rig.output, rig.input, DeviceNames::Exact), kDevice);
+    if (rig.second.empty()) return chosen;
+    auto second = or_exit(choose_devices("", rig.second, "", DeviceNames::Exact), kDevice);
+    if (second.backend->name() == chosen.backend->name() || !is_haptic(second.backend->name()))
+      exit_with({Errc::BadArgument, "[device] second", "'" + rig.second + "' cannot be a second device",
+                 "name a joystick, wheel or gamepad, such as \"sdl:Xbox Wireless Controller\", beside a "
+                 "sound card"},
+                kDevice);
+    chosen.backend = make_two_devices(std::move(chosen.backend), std::move(second.backend));
+    chosen.second = second.output.id;
+    return chosen;
   }
   if (!options.backend.empty()) or_exit(backends_called(options.backend), kUsage);
   const auto name = [](const std::string& text) { return text == kDefaultDevice ? std::string{} : text; };
@@ -102,6 +117,7 @@ StreamRequest request_for(const ChosenDevices& devices, const Rig::Device& rig, 
   StreamRequest request;
   request.device = devices.output.id;
   if (devices.input.id != request.device) request.input_device = devices.input.id;
+  request.second_device = devices.second;
   request.sample_rate = rate.empty() ? rig.rate.value_or(devices.output.default_rate) : parse_rate(rate);
   request.block_frames = block ? block : rig.block;
   request.periods = periods ? periods : rig.periods;

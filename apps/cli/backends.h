@@ -29,6 +29,7 @@ void add_device_options(CLI::App& command, DeviceOptions& options, const char* r
 struct ChosenDevices {
   std::unique_ptr<Backend> backend;
   Device output, input;
+  std::string second;  ///< id; see StreamRequest
 };
 /// How devices are named: by a person, to whom a part of an id or name suffices, or in a file, exactly.
 enum class DeviceNames { Partial, Exact };

@@ -38,7 +38,8 @@ std::vector<Error> change_rig(const fs::path& file, const Rig::Device& device,
                               const std::function<void(Rig&)>& change) {
   auto rig = load_rig(file, profile_places(file));
   if (!rig) return rig.error();
-  if (rig->device.output != device.output || rig->device.input != device.input)
+  if (rig->device.output != device.output || rig->device.input != device.input ||
+      rig->device.second != device.second)
     return {{Errc::BadFile, file.string(), "this rig was changed, and is for another device now",
              "start again with the changed rig"}};
   change(*rig);

@@ -454,7 +454,7 @@ std::vector<SystemFinding> check_system(const SystemState& system) {
 std::vector<SystemFinding> check_rig_outputs(const Rig& rig, const std::string& file) {
   Findings all;
   for (const auto& output : rig.outputs) {
-    if (output.channels.empty()) continue;
+    if (output.channels.empty() || output.on_second_device()) continue;
     const auto name = "output '" + output.name + "'";
     if (output.highpass)
       all.add("rig",

@@ -30,7 +30,7 @@ void check_against_rig(const LoopOptions& options) {
 template <class Ports>
 int first_channel(const Ports& ports) {
   for (const auto& port : ports)
-    if (!port.channels.empty()) return port.channels.front();
+    if (!port.channels.empty() && !port.on_second_device()) return port.channels.front();
   return 1;
 }
 

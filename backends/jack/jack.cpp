@@ -125,7 +125,7 @@ Result<std::string> connection_of(Client& client, const StreamGranted& granted) 
 class JackStream final : public CardStream<Client> {
  public:
   JackStream(std::shared_ptr<Client> client, StreamGranted granted, const StreamRequest& request,
-             Guarded& processor, std::shared_ptr<jack::PlayingClient> playing)
+             GuardedBlocks& processor, std::shared_ptr<jack::PlayingClient> playing)
       : CardStream(std::move(client), std::move(granted), request, processor), playing_(std::move(playing)) {}
   ~JackStream() override {
     (void)stop();
@@ -282,7 +282,7 @@ class JackBackend final : public Backend {
       });
     });
   }
-  Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override {
+  Result<std::unique_ptr<Stream>> open(const StreamRequest& request, GuardedBlocks& processor) override {
     const auto opened = ask_server([name = request.client_name] { return Client::open(name); });
     if (!opened) return tl::unexpected(opened.error());
     const auto& client = *opened;

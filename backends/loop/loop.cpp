@@ -55,7 +55,7 @@ int by_chance(int most, int opening) {
 class LoopStream final : public Stream {
  public:
   LoopStream(const LoopCard& card, const LoopTiming& timing, const StreamRequest& request,
-             StreamGranted granted, Guarded& processor, int opening)
+             StreamGranted granted, GuardedBlocks& processor, int opening)
       : card_(card),
         processor_(processor),
         granted_(std::move(granted)),
@@ -170,7 +170,7 @@ class LoopStream final : public Stream {
   }
 
   const LoopCard card_;
-  Guarded& processor_;
+  GuardedBlocks& processor_;
   StreamGranted granted_;
   std::vector<int> in_map_, out_map_;
   ChannelBuffers in_, out_;
@@ -221,7 +221,7 @@ LoopCard LoopBackend::card(const std::string& id) const {
   return card;
 }
 
-Result<std::unique_ptr<Stream>> LoopBackend::open(const StreamRequest& request, Guarded& processor) {
+Result<std::unique_ptr<Stream>> LoopBackend::open(const StreamRequest& request, GuardedBlocks& processor) {
   const auto choice = choose(*devices(), request);
   if (!choice) return tl::unexpected(choice.error());
   if (choice->input.id != choice->output.id)
@@ -237,7 +237,7 @@ Result<std::unique_ptr<Stream>> LoopBackend::open(const StreamRequest& request, 
   granted.periods = card.delay_blocks;
   granted.input_latency_frames = timing->hardware_frames;
   granted.output_latency_frames = timing->buffer_frames;
-  if (!card.real_time) processor.set_dead_mans_switch(nullptr);  // its 500 ms pass at once
+  if (!card.real_time) processor.disable_dead_mans_switch();  // its 500 ms pass at once
   if (auto status = processor.prepare(granted.format); !status) return tl::unexpected(status.error());
   return std::make_unique<LoopStream>(card, *timing, request, std::move(granted), processor, openings_++);
 }

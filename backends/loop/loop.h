@@ -33,7 +33,7 @@ class LoopBackend final : public Backend {
   /// [control] See Backend::open. Blocks are never longer than the delay, because a card cannot record what
   /// has not been played yet: `granted` has the length. Errors besides: OutOfRange for a delay that is too
   /// short.
-  Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override;
+  Result<std::unique_ptr<Stream>> open(const StreamRequest& request, GuardedBlocks& processor) override;
 
  private:
   LoopCard card(const std::string& id) const;

@@ -361,7 +361,7 @@ class PortAudioBackend final : public Backend {
   Result<std::vector<Device>> devices() override {
     return Session::enter("tactus-devices").map([](const auto& session) { return session->devices(); });
   }
-  Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override {
+  Result<std::unique_ptr<Stream>> open(const StreamRequest& request, GuardedBlocks& processor) override {
     const auto session = Session::enter(request.client_name);
     if (!session) return tl::unexpected(session.error());
     const auto cards = alsa_devices();

@@ -375,7 +375,7 @@ class RtAudioBackend final : public Backend {
     silence_library_logs();
     return rtaudio_devices("");
   }
-  Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override {
+  Result<std::unique_ptr<Stream>> open(const StreamRequest& request, GuardedBlocks& processor) override {
     silence_library_logs();
     const auto cards = alsa_devices();
     const auto found = rtaudio_devices(request.device);

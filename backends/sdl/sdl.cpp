@@ -389,7 +389,7 @@ class SdlBackend final : public Backend {
  public:
   std::string name() const override { return "sdl"; }
   Result<std::vector<Device>> devices() override { return list_devices(); }
-  Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override {
+  Result<std::unique_ptr<Stream>> open(const StreamRequest& request, GuardedBlocks& processor) override {
     const auto found = list_devices();
     if (!found) return tl::unexpected(found.error());
     auto wanted = request;
@@ -410,7 +410,7 @@ class SdlBackend final : public Backend {
     if (line->device == nullptr) return failed("'" + granted.device + "' cannot be opened");
     granted.block_frames = granted.format.max_frames = line->frames;
     granted.input_latency_frames = line->frames;
-    granted.digital_inputs = true;
+    granted.digital_inputs.assign(index(request.in_channels), true);
     if (auto status = processor.prepare(granted.format); !status) return tl::unexpected(status.error());
     return std::make_unique<SdlStream>(std::move(line), granted, request, processor);
   }

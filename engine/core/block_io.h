@@ -14,6 +14,9 @@ struct StreamFormat {
   int max_frames = 4096;
 };
 
+/// Where channels of two devices are numbered, those from this number on are of the second one.
+inline constexpr int kSecondDevice = 1024;
+
 /// One block of samples, channel by channel: `in[channel][frame]`, full scale = 1.
 struct BlockIo {
   const double* const* in = nullptr;

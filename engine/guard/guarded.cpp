@@ -245,6 +245,7 @@ int Guarded::first_sensor_fault(const BlockIo& io, int from, int to, std::int64_
   int first = to;
   if (!watch_sensors_) return first;
   for (std::size_t c = 0; c < sensors_.size(); ++c) {
+    if (c < unwatched_.size() && unwatched_[c]) continue;
     const auto found = sensors_[c].observe(io.in[c] + from, to - from);
     if (!found) continue;
     first = std::min(first, from + found->frame);

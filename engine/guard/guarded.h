@@ -5,6 +5,7 @@
 #include <deque>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/core/block_io.h"
@@ -75,15 +76,37 @@ class GuardSwitch {
   std::atomic<Wanted> wanted_{kNone};
 };
 
-/// Any BlockProcessor with the drive guard behind every output channel and a watch at every input. Backends
-/// accept nothing else, so nothing reaches an actuator unguarded. It also turns denormals off around
-/// `process`: processors inside need not.
+/// What backends play, and nothing else, so that nothing reaches an actuator unguarded: a Guarded, or those
+/// of its channels that one of two devices has (backends/beside).
+class GuardedBlocks : public BlockProcessor {
+ public:
+  /// [realtime & prepared] The blocks before a stop: every output comes to zero, at once or as fast as its
+  /// slew limit allows. The processor inside does not run and time does not advance. True: all are at zero,
+  /// and this was the last block; if `process` is called again, every guard starts softly.
+  virtual bool finish(const BlockIo& io) noexcept TACTUS_NONBLOCKING = 0;
+  /// [realtime & prepared] Before `process`: no block came for so long. Where the dead man's switch was not
+  /// refreshed meanwhile either, as in a program that was stopped, and this is five seconds or more, the
+  /// drives are disarmed.
+  virtual void note_pause(Seconds pause) noexcept = 0;
+  /// [any] The longest time that fading out takes, of all channels.
+  virtual Seconds closing_time() const noexcept = 0;
+  /// [control & stopped] Frames do not run at their rate: the dead man's switch has no meaning.
+  virtual void disable_dead_mans_switch() noexcept = 0;
+
+ private:
+  GuardedBlocks() = default;
+  friend class Guarded;
+  friend class GuardedPart;
+};
+
+/// Any BlockProcessor with the drive guard behind every output channel and a watch at every input. It also
+/// turns denormals off around `process`: processors inside need not.
 ///
 /// An output is open while it is armed, not muted and not faded. A drive is armed and disarmed by the user;
 /// an audio output is armed from the start, and only feedback or an entry that names it disarms it. A user
 /// mutes; `fade` is for the program, which stops. Where the dead man's switch is not refreshed, everything is
 /// faded as well.
-class Guarded final : public BlockProcessor {
+class Guarded final : public GuardedBlocks {
  public:
   /// [control] `inner` must outlive this. Channels beyond the list are drives with the conservative limits.
   Guarded(BlockProcessor& inner, std::vector<GuardedChannel> channels, bool armed = true);
@@ -99,10 +122,7 @@ class Guarded final : public BlockProcessor {
   /// [control & stopped] Drives that sound at frame 0 do so without a soft start. For files and simulated
   /// worlds alone, where nothing is there to be thrown.
   void skip_soft_start() noexcept;
-  /// [realtime & prepared] The blocks before a stop: every output comes to zero, at once or as fast as its
-  /// slew limit allows. The processor inside does not run and time does not advance. True: all are at zero,
-  /// and this was the last block; if `process` is called again, every guard starts softly.
-  bool finish(const BlockIo& io) noexcept TACTUS_NONBLOCKING;
+  bool finish(const BlockIo& io) noexcept TACTUS_NONBLOCKING override;
 
   /// [control & stopped] From the next `prepare` on, the actuators are those of a device: what they did
   /// before is unknown, so the first time they are taken to be as warm as they may stay, and each time their
@@ -110,16 +130,16 @@ class Guarded final : public BlockProcessor {
   /// simulations.
   void suppose_worst() noexcept { on_device_ = true; }
 
-  /// [realtime & prepared] Before `process`: no block came for so long. Where the dead man's switch was not
-  /// refreshed meanwhile either, as in a program that was stopped, and this is five seconds or more, the
-  /// drives are disarmed.
-  void note_pause(Seconds pause) noexcept;
+  void note_pause(Seconds pause) noexcept override;
 
   /// [control & stopped] The sensors are recordings, which may hold silence: none is ever found at fault.
   void disable_sensor_watch() noexcept { watch_sensors_ = false; }
+  /// [control & stopped] The same for the inputs that are true.
+  void disable_sensor_watch(std::vector<bool> inputs) { unwatched_ = std::move(inputs); }
   /// [control & stopped] From the next `prepare` on the outputs depend on it. It outlives this; nullptr:
   /// none, for files and simulations.
   void set_dead_mans_switch(const DeadMansSwitch* dead_man) noexcept { dead_man_ = dead_man; }
+  void disable_dead_mans_switch() noexcept override { dead_man_ = nullptr; }
   /// [control & stopped] `tap` outlives this, or is taken away with nullptr.
   void set_tap(BlockTap* tap) noexcept { tap_ = tap; }
   /// [any] For all channels from the next block on, whatever waits in a queue, and journalled with its frame.
@@ -140,8 +160,7 @@ class Guarded final : public BlockProcessor {
   /// [any] What it was made with.
   const std::vector<GuardedChannel>& channels() const noexcept { return config_; }
   bool armed_at_start() const noexcept { return armed_at_start_; }
-  /// [any] The longest time that fading out takes, of all channels.
-  Seconds closing_time() const noexcept;
+  Seconds closing_time() const noexcept override;
   /// [any] Every output ended the last block closed and at zero.
   bool silent() const noexcept { return silent_.load(std::memory_order_relaxed); }
   /// [control & stopped] What brings a new Guarded of the same channels to the state of this one, as entries
@@ -197,6 +216,7 @@ class Guarded final : public BlockProcessor {
   const DeadMansSwitch* dead_man_ = nullptr;
   DeadMansWatch dead_mans_watch_;
   bool watch_sensors_ = true;
+  std::vector<bool> unwatched_;  ///< of each input
   bool on_device_ = false;
   BlockTap* tap_ = nullptr;
   std::deque<Channel> channels_;

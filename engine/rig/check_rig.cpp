@@ -96,8 +96,8 @@ class RigCheck {
       if (const auto* actuator = rig_.actuator_on(channel)) {
         const auto& profile = actuator->drive.profile;
         return errors_.add(Errc::BadArgument, output->at,
-                           fmt::format("'{}' is an audio output, but channel {} drives an actuator{}", name,
-                                       channel, profile.empty() ? "" : " (" + profile + ")"),
+                           fmt::format("'{}' is an audio output, but {} drives an actuator{}", name,
+                                       channel_name(channel), profile.empty() ? "" : " (" + profile + ")"),
                            "audio outputs have weaker limits than drives; use another channel, or make this "
                            "output a drive in the instrument");
       }

@@ -15,7 +15,7 @@
 namespace tactus {
 namespace {
 
-constexpr int kMaxChannels = 1024;
+constexpr int kMaxChannels = kSecondDevice;
 
 class RigReader {
  public:
@@ -70,6 +70,7 @@ class RigReader {
     FieldReader fields{table, *rig_fields()["device"].inside, errors_, "[device]", device.at};
     device.output = read_device_id("output", fields);
     device.input = read_device_id("input", fields);
+    device.second = read_device_id("second", fields);
     if (const auto rate = fields.number("rate")) device.rate = Hertz{*rate};
     if (const auto block = fields.number("block")) device.block = static_cast<int>(*block);
     if (const auto periods = fields.number("periods")) device.periods = static_cast<int>(*periods);
@@ -92,6 +93,11 @@ class RigReader {
     if (channel == nullptr || (channel->text() != nullptr && *channel->text() == "none")) return;
     for (const auto& lane : channel->list() != nullptr ? *channel->list() : Value::List{*channel})
       read_channel(lane, port);
+    if (!fields.flag("second")) return;
+    for (auto& number : port.channels) number += kSecondDevice;
+    if (rig_.device.second.empty())
+      errors_.add(Errc::Missing, fields.value("second")->at, "there is no second device",
+                  "give its id under [device], as in second = \"sdl:Xbox Wireless Controller\"");
   }
 
   void read_channel(const Value& value, RigPort& port) {
@@ -274,7 +280,7 @@ class RigReader {
         if (const auto [user, first] = users.emplace(channel, port.name); !first)
           errors_.add(
               Errc::Duplicate, port.at,
-              fmt::format("{} '{}' and '{}' share channel {}", what, port.name, user->second, channel),
+              fmt::format("{} '{}' and '{}' share {}", what, port.name, user->second, channel_name(channel)),
               "give each its own channel");
   }
 
@@ -297,21 +303,23 @@ const SectionType& rig_fields() {
   static const SectionType device{"the sound device, as listed by `tactus devices`",
                                   {required(text_field("output", "id of the device")),
                                    text_field("input", "id of the device", "that of the output"),
+                                   text_field("second", "id of a joystick, wheel or gamepad beside it"),
                                    quantity_field("rate", "Hz", 8e3, 192e3, "sample rate"),
                                    whole_field("block", 1, 8192, "block size in frames"),
                                    whole_field("periods", 1, 64, "blocks in the driver's buffer")}};
   static const auto channel = required(
       field("channel", Kind::Channels,
             "channel of the card, counted from 1, one per lane; \"none\" leaves the port unconnected"));
+  static const auto second = field("second", Kind::Flag, "the channels are those of the second device");
   static const SectionType input{
       "a sensor",
-      {channel,
+      {channel, second,
        quantity_field("volts_per_full_scale", "V", 1e-6, 1000, "voltage at the connector for full scale"),
        field("sensitivity", Kind::Any, "voltage for one unit of the port, as in \"2 V/m\""), about_field()},
       {},
       {"sensitivity", "volts_per_full_scale"}};
   static const SectionType output{"an output and its actuator",
-                                  joined(joined({channel}, actuator_fields()),
+                                  joined(joined({channel, second}, actuator_fields()),
                                          {quantity_field("output_highpass", "Hz", 0.001, 1000,
                                                          "cut-off frequency of the card's AC coupling")}),
                                   {},
@@ -406,8 +414,11 @@ std::string sensitivity_text(const QuantityValue& sensitivity) {
 
 std::string channel_text(const RigPort& port) {
   if (port.channels.empty()) return "channel = \"none\"";
-  if (port.channels.size() == 1) return fmt::format("channel = {}", port.channels.front());
-  return fmt::format("channel = [{}]", fmt::join(port.channels, ", "));
+  auto channels = port.channels;
+  for (auto& channel : channels) channel -= port.on_second_device() ? kSecondDevice : 0;
+  auto text = channels.size() == 1 ? fmt::format("channel = {}", channels.front())
+                                   : fmt::format("channel = [{}]", fmt::join(channels, ", "));
+  return text + (port.on_second_device() ? ", second = true" : "");
 }
 
 std::string about_text(const RigPort& port) {
@@ -486,6 +497,7 @@ std::string section(const char* name, const Items& items) {
 std::string device_section(const Rig::Device& device) {
   auto text = "\n[device]\noutput = " + in_quotes(device.output) + "\n";
   if (!device.input.empty()) text += "input = " + in_quotes(device.input) + "\n";
+  if (!device.second.empty()) text += "second = " + in_quotes(device.second) + "\n";
   if (device.rate) text += "rate = " + exact_quantity(device.rate->value, kHertz) + "\n";
   if (device.block) text += fmt::format("block = {}\n", *device.block);
   if (device.periods) text += fmt::format("periods = {}\n", *device.periods);
@@ -513,6 +525,11 @@ std::string in_quotes(std::string_view text) {
       out += c;
   }
   return out + '"';
+}
+
+std::string channel_name(int channel) {
+  return channel > kSecondDevice ? fmt::format("channel {} of the second device", channel - kSecondDevice)
+                                 : fmt::format("channel {}", channel);
 }
 
 std::string volts_per(const Dimension& sensitivity) {

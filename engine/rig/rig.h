@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/core/block_io.h"
 #include "engine/core/error.h"
 #include "engine/core/units.h"
 #include "engine/graph/file/field.h"
@@ -16,14 +17,15 @@
 
 namespace tactus {
 
-/// The channels that a port is connected to. Channels count from 1, one for each lane; none: the port is left
-/// out.
+/// The channels that a port is connected to, one for each lane; none: the port is left out. Channels count
+/// from 1, those of the second device from kSecondDevice + 1.
 struct RigPort {
   std::string name;
   Source at;
   std::vector<int> channels;
   std::string about;
 
+  bool on_second_device() const { return !channels.empty() && channels.front() > kSecondDevice; }
   bool uses(int channel) const { return std::ranges::find(channels, channel) != channels.end(); }
 };
 
@@ -100,6 +102,7 @@ struct Rig {
   struct Device {
     Source at;
     std::string output, input;  ///< ids; no input: where the output is
+    std::string second;         ///< id of a joystick, wheel or gamepad beside it; empty: there is none
     std::optional<Hertz> rate;
     std::optional<int> block, periods;
   };
@@ -142,6 +145,8 @@ std::string to_text(const Rig& rig);
 
 /// [any] A string as TOML writes it, in quotes.
 std::string in_quotes(std::string_view text);
+/// [any] "channel 3", "channel 1 of the second device"
+std::string channel_name(int channel);
 /// [any] "V/N": the unit of a sensitivity that is no plain voltage.
 std::string volts_per(const Dimension& sensitivity);
 /// [any] "\"12.4 ms\"" or 0.6: as people write it where that reads back to the last bit, else all digits in

@@ -164,7 +164,9 @@ void in_own_process(const std::string& test_case) {
 
 }  // namespace
 
-TEST_CASE("libraries: RtAudio comes back when a server that was killed does", "[cards]") { kill_server(3); }
+TEST_CASE("libraries: RtAudio comes back when a server that was killed does", "[cards]") {
+  kill_server(3);
+}
 TEST_CASE("libraries: a server that does not answer for a while is waited for", "[cards]") {
   stall_server(3);
 }

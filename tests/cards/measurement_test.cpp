@@ -92,7 +92,7 @@ class ReplacingBackend final : public Backend {
   explicit ReplacingBackend(std::optional<DelayClient::Settings> second) : second_(std::move(second)) {}
   std::string name() const override { return jack_->name(); }
   Result<std::vector<Device>> devices() override { return jack_->devices(); }
-  Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override {
+  Result<std::unique_ptr<Stream>> open(const StreamRequest& request, GuardedBlocks& processor) override {
     if (++opened == 2 && second_) {
       card.reset();
       card = std::make_unique<DelayClient>(*second_);
@@ -122,7 +122,8 @@ TEST_CASE("measurement: it is where jack_delay is a turn of 65,536 frames short,
   for (const double delay : {65600.25, 70000.0}) check_beside_jack_delay(*server, {.delay_frames = delay});
 }
 
-TEST_CASE("measurement: neither a gain of -60 dB nor inversion nor noise changes the delay", "[cards]") {
+TEST_CASE("measurement: neither a gain of -60 dB nor inversion nor noise changes the delay",
+          "[cards]") {
   const auto server = test::start_sound_server({.period = kPeriod});
   check_beside_jack_delay(*server, {.delay_frames = 960.25, .gain = 0.001});
   check_beside_jack_delay(*server, {.delay_frames = 960.25, .gain = -0.5});
@@ -130,7 +131,8 @@ TEST_CASE("measurement: neither a gain of -60 dB nor inversion nor noise changes
   check_beside_jack_delay(*server, {.delay_frames = 960.25, .noise = 0.005});
 }
 
-TEST_CASE("measurement: libraries over JACK add a period, unless the block is left to them", "[cards]") {
+TEST_CASE("measurement: libraries over JACK add a period, unless the block is left to them",
+          "[cards]") {
   const auto rig = start_card({.delay_frames = 960.25}, {.period = kPeriod});
   for (const auto& way : every_way()) {
     if (way.alsa) continue;

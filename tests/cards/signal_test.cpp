@@ -163,7 +163,8 @@ TEST_CASE("libraries: they listen to one device and play to another", "[cards]")
   }
 }
 
-TEST_CASE("libraries: a block of any length brings every sample back, or is refused in words", "[cards]") {
+TEST_CASE("libraries: a block of any length brings every sample back, or is refused in words",
+          "[cards]") {
   const auto rig = start_card();
   for (const auto& way : every_way()) {
     for (const int block : {16, 100, 4096}) {
@@ -180,7 +181,8 @@ TEST_CASE("libraries: a block of any length brings every sample back, or is refu
   }
 }
 
-TEST_CASE("libraries: they run at the server's rate from 8 kHz to 192 kHz, and at no other", "[cards]") {
+TEST_CASE("libraries: they run at the server's rate from 8 kHz to 192 kHz, and at no other",
+          "[cards]") {
   const int rate = GENERATE(8000, 192000);
   const auto rig = start_card({.delay_frames = 64}, {.rate = rate});
   for (const auto& way : every_way()) {

@@ -232,7 +232,7 @@ class ChangingCard final : public Backend {
   explicit ChangingCard(std::vector<StreamGranted> granted) : granted_(std::move(granted)) {}
   std::string name() const override { return loop_.name(); }
   Result<std::vector<Device>> devices() override { return loop_.devices(); }
-  Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override {
+  Result<std::unique_ptr<Stream>> open(const StreamRequest& request, GuardedBlocks& processor) override {
     auto stream = loop_.open(request, processor);
     if (!stream) return tl::unexpected(stream.error());
     const auto at = std::min(opened++, std::ssize(granted_) - 1);

@@ -22,7 +22,7 @@ class Cards final : public Backend {
 
   std::string name() const override { return loop_.name(); }
   Result<std::vector<Device>> devices() override { return loop_.devices(); }
-  Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override {
+  Result<std::unique_ptr<Stream>> open(const StreamRequest& request, GuardedBlocks& processor) override {
     loop_.add("loop:test", cards_[std::min(next_++, cards_.size() - 1)]);
     return loop_.open(request, processor);
   }

@@ -63,7 +63,7 @@ class FakeBackend : public Backend {
   explicit FakeBackend(FakeWorld& world) : world_(world) {}
   std::string name() const override { return "fake"; }
   Result<std::vector<Device>> devices() override { return std::vector<Device>{}; }
-  Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override {
+  Result<std::unique_ptr<Stream>> open(const StreamRequest& request, GuardedBlocks& processor) override {
     ++world_.tried;
     world_.requests.push_back(request);
     if (!world_.there) return fail(Errc::UnknownName, "", "there is no device '" + request.device + "'");
@@ -85,7 +85,7 @@ class FakeBackend : public Backend {
     return std::make_unique<FakeStream>(world_, granted);
   }
 
-  Guarded* guarded = nullptr;  ///< of the last opening
+  GuardedBlocks* guarded = nullptr;  ///< of the last opening
 
  private:
   FakeWorld& world_;

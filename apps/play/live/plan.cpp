@@ -48,12 +48,13 @@ class InputReader final : public BlockProcessor {
 const RigInput& find_input(const Rig& rig, const std::string& name) {
   std::vector<std::string> names;
   for (const auto& input : rig.inputs) {
-    if (input.channels.empty()) continue;
+    if (input.channels.empty() || input.on_second_device()) continue;
     if (name == "*" || name == input.name) return input;
     names.push_back(input.name);
   }
   exit_with({Errc::UnknownName, "--learn",
-             fmt::format("no input {}of the rig has a channel", name == "*" ? "" : "'" + name + "' "),
+             fmt::format("no input {}of the rig has a channel of the sound card",
+                         name == "*" ? "" : "'" + name + "' "),
              names.empty() ? "" : fmt::format("there is {}", fmt::join(names, ", "))},
             kNo);
 }
@@ -175,6 +176,7 @@ class Planner {
                             {{},
                              request.device,
                              request.input_device,
+                             {},
                              request.sample_rate,
                              request.block_frames,
                              request.periods},
@@ -309,6 +311,10 @@ std::string granted_text(const LivePlan& plan, const StreamGranted& granted) {
   text += unless_asked(asked.block_frames.value_or(granted.block_frames), granted.block_frames, "");
   if (granted.periods > 0) text += fmt::format(", {} periods", granted.periods);
   text += unless_asked(asked.periods.value_or(granted.periods), granted.periods, " periods");
+  if (const auto& second = granted.second)
+    text += fmt::format(
+        "\nsecond    {}: its inputs are {:g} ms later, its outputs play {:g} ms after they are computed",
+        second->device, 1e3 * second->input_delay.value, 1e3 * second->output_delay.value);
   if (granted.input_latency_frames && granted.output_latency_frames)
     text += fmt::format("\ndriver    reports {:.2f} ms in and {:.2f} ms out (not measured)",
                         *granted.input_latency_frames * ms, *granted.output_latency_frames * ms);

@@ -17,7 +17,7 @@ Status Session::open(const std::filesystem::path& record) {
   auto opened = ReconnectingStream::open(backend_, request_, guarded_);
   if (!opened) return tl::unexpected(opened.error());
   stream_ = std::move(*opened);
-  if (granted().digital_inputs) guarded_.disable_sensor_watch();
+  guarded_.disable_sensor_watch(granted().digital_inputs);
   stream_->on_return([this](const Return& back) { device_returned(back); });
   stream_->on_change([this] {
     disarm("the device is not as it was; check it before arming");

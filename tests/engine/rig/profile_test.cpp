@@ -147,7 +147,8 @@ TEST_CASE("profile: a scene says what its drives move, may ask for less, and not
   CHECK(drive_errors("sound = { ceiling = 0.3 }") == "test.toml:4:1 UnknownName 'sound' 'woofer'");
 }
 
-TEST_CASE("profile: no shipped scene needs its guard but the one that explodes, and none fades", "[scene]") {
+TEST_CASE("profile: no shipped scene needs its guard but the one that explodes, and none fades",
+          "[scene]") {
   int scenes = 0;
   for (const auto& file : std::filesystem::recursive_directory_iterator(kInstruments)) {
     if (file.path().extension() != ".toml") continue;

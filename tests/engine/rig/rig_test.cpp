@@ -66,6 +66,32 @@ std::string misfits(const std::string& lines) {
 
 }  // namespace
 
+TEST_CASE("rig: channels of the second device are its own", "[rig]") {
+  const std::string text = R"(format = 1
+[device]
+output = "jack:system"
+second = "sdl:Pad"
+[inputs]
+stick = { channel = 2, second = true }
+[outputs]
+slow = { channel = [1, 2], second = true }
+sound = { channel = [1, 2] }
+)";
+  const auto rig = rig_of(text);
+  CHECK(rig.device.second == "sdl:Pad");
+  CHECK(rig.inputs[0].on_second_device());
+  CHECK(rig.inputs[0].channels == std::vector{kSecondDevice + 2});
+  CHECK(rig.outputs[0].channels == std::vector{kSecondDevice + 1, kSecondDevice + 2});
+  CHECK_FALSE(rig.outputs[1].on_second_device());
+  const auto again = rig_of(to_text(rig));
+  CHECK(again.outputs[0].channels == rig.outputs[0].channels);
+  CHECK(again.device.second == "sdl:Pad");
+  CHECK(channel_name(3) == "channel 3");
+  CHECK(channel_name(kSecondDevice + 3) == "channel 3 of the second device");
+  CHECK(errors_of("[inputs]\nstick = { channel = 1, second = true }\n") ==
+        "rig.toml:5:33 Missing [device] second \"sdl:Xbox Wireless Controller\"");
+}
+
 TEST_CASE("rig: every line of a rig means what it says", "[rig]") {
   const auto rig = rig_of(kDesk);
   CHECK(rig.name == "my desk");

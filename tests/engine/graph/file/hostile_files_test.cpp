@@ -80,7 +80,8 @@ TEST_CASE("hostile files: 10000 nodes or masses load, more values than a parser 
   CHECK(test::errors_of(repeated("a=\n", 10'000'000)) == "test.toml Syntax 16");
 }
 
-TEST_CASE("hostile files: a long chain of names, written backwards, and as many wrong ones", "[graph]") {
+TEST_CASE("hostile files: a long chain of names, written backwards, and as many wrong ones",
+          "[graph]") {
   std::string chain = "format = 1\n[nodes]\n";
   for (int i = 20000; i > 0; --i)
     chain += "n" + std::to_string(i) + " = \"n" + std::to_string(i - 1) + "\"\n";

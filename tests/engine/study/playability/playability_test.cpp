@@ -84,7 +84,8 @@ TEST_CASE("playability: the number of workers changes nothing", "[analysis]") {
   CHECK(same(studied(options), alone));
 }
 
-TEST_CASE("playability: cached runs are not played again, runs of an incomplete line are", "[analysis]") {
+TEST_CASE("playability: cached runs are not played again, runs of an incomplete line are",
+          "[analysis]") {
   const test::TemporaryFolder folder;
   auto options = small();
   const auto fresh = studied(options);
