@@ -164,10 +164,10 @@ void in_own_process(const std::string& test_case) {
 
 }  // namespace
 
-TEST_CASE("libraries: RtAudio comes back when a server that was killed does", "[cards]") {
+TEST_CASE("libraries: RtAudio comes back when a server that was killed does", "[cards][slow]") {
   kill_server(3);
 }
-TEST_CASE("libraries: a server that does not answer for a while is waited for", "[cards]") {
+TEST_CASE("libraries: a server that does not answer for a while is waited for", "[cards][slow]") {
   stall_server(3);
 }
 TEST_CASE("libraries: a server may change its block", "[cards]") { change_block(3); }
@@ -185,7 +185,7 @@ TEST_CASE("libraries: survive a thousand changes of the block", "[.thousand]") {
 TEST_CASE("libraries: survive a thousand times pulled ports", "[.thousand]") { pull_ports(thousand()); }
 
 TEST_CASE("libraries: closing is over soon though the server does not answer, and RtAudio opens again after",
-          "[cards]") {
+          "[cards][slow]") {
   listing_patience() = seconds{5};  // it ends in vain while the server does not answer
   for (const auto& way : ways_of("rtaudio")) {
     CAPTURE(way.name);

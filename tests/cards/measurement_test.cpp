@@ -117,13 +117,13 @@ TEST_CASE("measurement: the delay of a real server is right to a thousandth of a
     check_beside_jack_delay(*server, {.delay_frames = delay});
 }
 
-TEST_CASE("measurement: it is where jack_delay is a turn of 65,536 frames short, too", "[cards]") {
+TEST_CASE("measurement: it is where jack_delay is a turn of 65,536 frames short, too", "[cards][slow]") {
   const auto server = test::start_sound_server({.period = kPeriod});
   for (const double delay : {65600.25, 70000.0}) check_beside_jack_delay(*server, {.delay_frames = delay});
 }
 
 TEST_CASE("measurement: neither a gain of -60 dB nor inversion nor noise changes the delay",
-          "[cards]") {
+          "[cards][slow]") {
   const auto server = test::start_sound_server({.period = kPeriod});
   check_beside_jack_delay(*server, {.delay_frames = 960.25, .gain = 0.001});
   check_beside_jack_delay(*server, {.delay_frames = 960.25, .gain = -0.5});
@@ -132,7 +132,7 @@ TEST_CASE("measurement: neither a gain of -60 dB nor inversion nor noise changes
 }
 
 TEST_CASE("measurement: libraries over JACK add a period, unless the block is left to them",
-          "[cards]") {
+          "[cards][slow]") {
   const auto rig = start_card({.delay_frames = 960.25}, {.period = kPeriod});
   for (const auto& way : every_way()) {
     if (way.alsa) continue;
@@ -142,7 +142,7 @@ TEST_CASE("measurement: libraries over JACK add a period, unless the block is le
   }
 }
 
-TEST_CASE("measurement: over ALSA the delay is the card's and whole periods", "[cards]") {
+TEST_CASE("measurement: over ALSA the delay is the card's and whole periods", "[cards][slow]") {
   const auto rig = start_card({.delay_frames = 960.25}, {.period = kPeriod});
   for (const auto& way : every_way()) {
     if (!way.alsa) continue;
@@ -170,7 +170,7 @@ TEST_CASE("measurement: with another program at the output's port nothing is mea
 }
 
 TEST_CASE("measurement: it ends when another JACK client has the name of the card at the next opening",
-          "[cards]") {
+          "[cards][slow]") {
   const auto server = test::start_sound_server({.period = kPeriod});
   const auto result_with = [](std::optional<DelayClient::Settings> second) {
     ReplacingBackend backend{std::move(second)};

@@ -164,7 +164,7 @@ TEST_CASE("libraries: they listen to one device and play to another", "[cards]")
 }
 
 TEST_CASE("libraries: a block of any length brings every sample back, or is refused in words",
-          "[cards]") {
+          "[cards][slow]") {
   const auto rig = start_card();
   for (const auto& way : every_way()) {
     for (const int block : {16, 100, 4096}) {
@@ -182,7 +182,7 @@ TEST_CASE("libraries: a block of any length brings every sample back, or is refu
 }
 
 TEST_CASE("libraries: they run at the server's rate from 8 kHz to 192 kHz, and at no other",
-          "[cards]") {
+          "[cards][slow]") {
   const int rate = GENERATE(8000, 192000);
   const auto rig = start_card({.delay_frames = 64}, {.rate = rate});
   for (const auto& way : every_way()) {
@@ -198,7 +198,7 @@ TEST_CASE("libraries: they run at the server's rate from 8 kHz to 192 kHz, and a
   }
 }
 
-TEST_CASE("libraries: a stream starts and stops a hundred times", "[cards]") {
+TEST_CASE("libraries: a stream starts and stops a hundred times", "[cards][slow]") {
   for (const auto& way : every_way()) {
     CAPTURE(way.name);
     const auto rig = start_card({}, {.period = way.alsa ? kPeriod : 64});
@@ -217,7 +217,7 @@ TEST_CASE("libraries: a stream starts and stops a hundred times", "[cards]") {
   }
 }
 
-TEST_CASE("libraries: a device is opened and closed again and again", "[cards]") {
+TEST_CASE("libraries: a device is opened and closed again and again", "[cards][slow]") {
   const auto rig = start_card();
   for (const auto& way : every_way()) {
     GuardedProbe probe{2, 64};

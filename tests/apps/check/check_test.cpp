@@ -141,7 +141,7 @@ TEST_CASE("check: the haptic drum holds in its scene", "[check]") {
   CHECK(looped);
 }
 
-TEST_CASE("check: the Cellomobo holds while it is played", "[check]") {
+TEST_CASE("check: the Cellomobo holds while it is played", "[check][slow]") {
   const test::TemporaryFolder folder;
   const auto answer =
       check(folder, std::string{TACTUS_SOURCE_DIR} + "/instruments/cellomobo/open_string.toml");

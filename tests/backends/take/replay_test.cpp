@@ -124,7 +124,7 @@ TEST_CASE("takes: one of format 1 plays to its end, and is input times control t
   }
 }
 
-TEST_CASE("takes: drives of random graphs are the same bit for bit, edits and all", "[take]") {
+TEST_CASE("takes: drives of random graphs are the same bit for bit, edits and all", "[take][slow]") {
   const TemporaryFolder folder;
   copy_files(folder);
   const unsigned first = 1, last = 60;

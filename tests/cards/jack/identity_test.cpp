@@ -92,7 +92,7 @@ TEST_CASE("jack: the same card is the same when it is back, another one is not",
 }
 
 TEST_CASE("jack: an equal card on other hardware, or one of unknown hardware, is not the same",
-          "[cards][jack]") {
+          "[cards][jack][slow]") {
   const auto server = start_sound_server();
   const std::string card_a = "dummy_pcm:A", card_b = "dummy_pcm:B";
   Player player{{.hardware = card_a}};

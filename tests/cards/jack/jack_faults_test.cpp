@@ -202,7 +202,7 @@ constexpr Fault kFaults[] = {{"server killed", kill_server},
 }  // namespace
 
 TEST_CASE("jack: survives each fault three times, and every sample comes back after it",
-          "[cards][jack]") {
+          "[cards][jack][slow]") {
   const auto fault = GENERATE(from_range(std::begin(kFaults), std::end(kFaults)));
   INFO(fault.name);
   const auto server = start_sound_server();

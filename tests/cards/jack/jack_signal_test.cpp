@@ -160,7 +160,7 @@ TEST_CASE("jack: runs with every block of the server from 16 to 4096 frames", "[
   if (period >= 256) CHECK(probe.probe.delay(0, 0) == 64 + period);  // a virtual machine loses shorter ones
 }
 
-TEST_CASE("jack: starts and stops a hundred times", "[cards][jack]") {
+TEST_CASE("jack: starts and stops a hundred times", "[cards][jack][slow]") {
   const auto health = test::undisturbed("a client that stays with the server", [] {
     const auto server = start_sound_server({.period = 64});
     DelayClient card;
@@ -172,7 +172,7 @@ TEST_CASE("jack: starts and stops a hundred times", "[cards][jack]") {
   CHECK(health.gaps[static_cast<std::size_t>(Gap::Unsaid)] == 0);
 }
 
-TEST_CASE("jack: a device is opened and closed again and again", "[cards][jack]") {
+TEST_CASE("jack: a device is opened and closed again and again", "[cards][jack][slow]") {
   const auto server = start_sound_server({.period = 64});
   DelayClient card;
   GuardedProbe probe{2, 64};

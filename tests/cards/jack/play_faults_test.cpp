@@ -29,7 +29,7 @@ std::vector<std::string> loopbacks() {
 }  // namespace
 
 TEST_CASE_METHOD(OnServer, "play: a program that is killed, aborts or faults leaves zeros behind",
-                 "[cards]") {
+                 "[cards][slow]") {
   ::setenv("ASAN_OPTIONS", "handle_segv=0", 0);  // the sanitizer would make an exit of it
   for (const auto& device : loopbacks())
     for (const int signal : {SIGKILL, SIGABRT, SIGSEGV}) {
@@ -48,7 +48,7 @@ TEST_CASE_METHOD(OnServer, "play: a program that is killed, aborts or faults lea
 }
 
 TEST_CASE("play: stopped by SIGSTOP, JACK repeats its last block or plays zeros and then starts softly",
-          "[cards]") {
+          "[cards][slow]") {
   const auto server = test::start_sound_server({.synchronous = false});
   const test::TemporaryFolder folder;
   const auto tone = folder.write("tone.toml", constant("0.2")).string();
@@ -78,7 +78,7 @@ TEST_CASE("play: stopped by SIGSTOP, JACK repeats its last block or plays zeros 
 }
 
 TEST_CASE_METHOD(OnServer, "play: where the input device goes the output fades within its slew limit",
-                 "[cards]") {
+                 "[cards][slow]") {
   const auto wav = folder.path() / "take.wav";
   auto input = std::make_unique<test::DelayClient>(test::DelayClient::Settings{.name = "input"});
   const auto louder = folder.write("louder.toml", constant("0.4")).string();
@@ -104,7 +104,7 @@ TEST_CASE_METHOD(OnServer, "play: where the input device goes the output fades w
   CHECK(steepest <= conservative_limits().slew_per_second / 48e3 + 1e-6);
 }
 
-TEST_CASE("play: after 5 s of SIGSTOP the drives are disarmed", "[cards]") {
+TEST_CASE("play: after 5 s of SIGSTOP the drives are disarmed", "[cards][slow]") {
   const auto server = test::start_sound_server({.synchronous = false});  // it runs on without the program
   const test::TemporaryFolder folder;
   const auto tone = folder.write("tone.toml", constant("0.2")).string();

@@ -148,7 +148,7 @@ TEST_CASE("profile: a scene says what its drives move, may ask for less, and not
 }
 
 TEST_CASE("profile: no shipped scene needs its guard but the one that explodes, and none fades",
-          "[scene]") {
+          "[scene][slow]") {
   int scenes = 0;
   for (const auto& file : std::filesystem::recursive_directory_iterator(kInstruments)) {
     if (file.path().extension() != ".toml") continue;

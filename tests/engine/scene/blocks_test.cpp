@@ -60,7 +60,7 @@ test::Outputs samples(const SceneRecording& recording) {
 }  // namespace
 
 TEST_CASE("scenes: every shipped scene plays the same bits in blocks of any size, at any delay",
-          "[scene]") {
+          "[scene][slow]") {
   const auto scenes = shipped_scenes();
   REQUIRE_FALSE(scenes.empty());
   for (const auto& path : scenes) {

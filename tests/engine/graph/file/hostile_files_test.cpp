@@ -81,7 +81,7 @@ TEST_CASE("hostile files: 10000 nodes or masses load, more values than a parser 
 }
 
 TEST_CASE("hostile files: a long chain of names, written backwards, and as many wrong ones",
-          "[graph]") {
+          "[graph][slow]") {
   std::string chain = "format = 1\n[nodes]\n";
   for (int i = 20000; i > 0; --i)
     chain += "n" + std::to_string(i) + " = \"n" + std::to_string(i - 1) + "\"\n";

@@ -46,7 +46,7 @@ void compare(const char* type, double cycles_per_frame, std::map<std::string, te
 }  // namespace
 
 TEST_CASE("band-limited waves: every partial has its amplitude times sinc^4, and so has every alias",
-          "[nodes]") {
+          "[nodes][slow]") {
   // In turns a frame, exact in binary: low, above a quarter of the rate, backwards, half the rate.
   const double f = GENERATE(37.0 / 1024, 300.0 / 1024, -37.0 / 1024, 0.5);
   compare("saw", f, {}, series(f, 0, [](int h, double x) { return -2 / (kPi * h) * std::sin(x); }));

@@ -100,7 +100,7 @@ TEST_CASE("contact: restitution_of and loss_for_restitution undo each other", "[
   CHECK(stored_at_deepest(1.0000001e-5) == Approx(stored_at_deepest(0.9999999e-5)).epsilon(0).margin(1e-10));
 }
 
-TEST_CASE("contact: what is over within a step leaves with the restitution of its loss", "[physics]") {
+TEST_CASE("contact: what is over within a step leaves with the restitution of its loss", "[physics][slow]") {
   // t_c fs = 0.24 (1e9 N/m^1.5) and 0.015 (1e12).
   const auto stiffness = GENERATE(1e9, 1e12);
   const auto [rv, e] = GENERATE(table<double, double>({{0.15, 0.909016}, {1.5, 0.487741}}));

@@ -102,7 +102,7 @@ TEST_CASE("bifurcation: a doubling lies where the square of the split begins", "
 
 TEST_CASE(
     "bifurcation: the simulated ball doubles where the ideal one does, the nearer the shorter it touches",
-    "[analysis]") {
+    "[analysis][slow]") {
   const double ideal = BouncingBall::orbit_doubles(1, 0.5);
   REQUIRE(ideal == Approx(1.526824).epsilon(1e-6));
   const double soft = std::abs(first_doubling(1e-3) - ideal),
@@ -186,7 +186,7 @@ TEST_CASE("bifurcation: controls that cannot be swept are errors", "[analysis]")
 }
 
 TEST_CASE("bouncing ball: on the woofer it lands once, twice, four times until it repeats, and never",
-          "[instruments]") {
+          "[instruments][slow]") {
   CHECK(period_in("scene.toml") == 1);
   CHECK(period_in("period_2.toml") == 2);
   CHECK(period_in("period_4.toml") == 4);
@@ -194,7 +194,7 @@ TEST_CASE("bouncing ball: on the woofer it lands once, twice, four times until i
 }
 
 TEST_CASE("bouncing ball: around the chaotic drive there is no orbit within 1 %, at 48 kHz and at 96 kHz",
-          "[instruments]") {
+          "[instruments][slow]") {
   auto scene = scene_of("chaos.toml");
   scene.rate = GENERATE(48_kHz, 96_kHz);
   BifurcationPlan plan;
@@ -213,7 +213,7 @@ TEST_CASE("bouncing ball: around the chaotic drive there is no orbit within 1 %,
 }
 
 TEST_CASE("bouncing ball: a billionth more drive moves an orbit by next to nothing, and chaos to elsewhere",
-          "[instruments]") {
+          "[instruments][slow]") {
   // An orbit of four landings may begin with any of them.
   const auto apart_at_end = [](const char* file) {
     constexpr std::size_t kSecond = 48000, kPeriod = 1600;

@@ -71,7 +71,7 @@ std::string error_of(const SceneSpec& scene, const SweepPlan& options) {
 
 }  // namespace
 
-TEST_CASE("playability: the number of workers changes nothing", "[analysis]") {
+TEST_CASE("playability: the number of workers changes nothing", "[analysis][slow]") {
   auto options = small();
   options.workers = 1;
   const auto alone = studied(options);
@@ -85,7 +85,7 @@ TEST_CASE("playability: the number of workers changes nothing", "[analysis]") {
 }
 
 TEST_CASE("playability: cached runs are not played again, runs of an incomplete line are",
-          "[analysis]") {
+          "[analysis][slow]") {
   const test::TemporaryFolder folder;
   auto options = small();
   const auto fresh = studied(options);
@@ -105,7 +105,7 @@ TEST_CASE("playability: cached runs are not played again, runs of an incomplete 
   CHECK(text_of(file) == repaired);
 }
 
-TEST_CASE("playability: the shares of a study make the whole of it", "[analysis]") {
+TEST_CASE("playability: the shares of a study make the whole of it", "[analysis][slow]") {
   const test::TemporaryFolder folder;
   auto options = small();
   const auto fresh = studied(options);
@@ -121,7 +121,7 @@ TEST_CASE("playability: the shares of a study make the whole of it", "[analysis]
   CHECK(same(studied(options), fresh));
 }
 
-TEST_CASE("playability: stopped, it stores finished runs and resumes", "[analysis]") {
+TEST_CASE("playability: stopped, it stores finished runs and resumes", "[analysis][slow]") {
   const test::TemporaryFolder folder;
   auto options = small();
   const auto fresh = studied(options);
@@ -201,7 +201,7 @@ TEST_CASE("playability: a gesture can be held at values of its own unit", "[anal
 }
 
 TEST_CASE("playability: the folder of the Cellomobo means its phrase, of which each note is result",
-          "[analysis][instruments]") {
+          "[analysis][instruments][slow]") {
   auto options = over_delays({0.02});
   const auto study = study_playability(scene_of("cellomobo/scene.toml"), standard_nodes(), options);
   REQUIRE(study);
