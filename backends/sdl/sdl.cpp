@@ -66,6 +66,9 @@ constexpr std::array<std::pair<Uint16, const char*>, 5> kEffects{{{SDL_HAPTIC_SI
                                                                   {SDL_HAPTIC_FRICTION, "friction"}}};
 constexpr Uint16 kSinePeriod_ms = 10;
 constexpr int kMostForceAxes = 2;
+constexpr Uint16 kConditions =  // a report for each axis
+    SDL_HAPTIC_SPRING | SDL_HAPTIC_DAMPER | SDL_HAPTIC_INERTIA | SDL_HAPTIC_FRICTION;
+constexpr int kReportsOfCreation = 3;  // it is created, and has a direction, a length and an envelope
 
 Sint16 scaled(double level) { return static_cast<Sint16>(std::lround(32767 * std::clamp(level, -1.0, 1.0))); }
 
@@ -118,7 +121,6 @@ class OpenDevice {
   OpenDevice(const OpenDevice&) = delete;
   OpenDevice& operator=(const OpenDevice&) = delete;
   ~OpenDevice() {
-    silence();
     if (haptic_ != nullptr) SDL_HapticClose(haptic_);
     if (pad_ != nullptr) SDL_GameControllerClose(pad_);
     SDL_JoystickClose(joystick_);
@@ -146,15 +148,22 @@ class OpenDevice {
     }
   }
 
-  /// Sends what changed. Levels are from -1 to 1.
+  /// Sends what changed, one output after the other as the budget allows. Levels are from -1 to 1.
   void write(const std::vector<double>& levels, Clock::time_point now) {
-    write_rumble(levels, now);
-    for (std::size_t o = 0; o < outputs.size(); ++o)
-      if (outputs[o].kind == Output::Kind::Effect) send(o, levels[o], effects_[o].timer.next(levels[o], now));
+    for (std::size_t n = 0, first = next_; n < outputs.size(); ++n) {
+      const auto output = (first + n) % outputs.size();
+      const auto kind = outputs[output].kind;
+      const int reports = kind == Output::Kind::Effect      ? write_effect(output, levels, now)
+                          : kind == Output::Kind::RumbleLow ? write_rumble(levels, now)
+                                                            : 0;
+      if (reports == 0) continue;
+      budget_.spend(reports, now);
+      next_ = output + 1;
+    }
   }
   /// Nothing moves any more.
   void silence() {
-    if (rumbles_) SDL_JoystickRumble(joystick_, 0, 0, 0);
+    if (rumbles_ && !rumble_is_effect_) SDL_JoystickRumble(joystick_, 0, 0, 0);
     if (haptic_ != nullptr) SDL_HapticStopAll(haptic_);
   }
   /// [any] How often the device did not take an effect.
@@ -189,6 +198,7 @@ class OpenDevice {
     }
     if (haptic_ == nullptr) return;
     const auto can = SDL_HapticQuery(haptic_);
+    rumble_is_effect_ = rumbles_ && (can & SDL_HAPTIC_LEFTRIGHT) != 0;
     auto slots = SDL_HapticNumEffects(haptic_) - (rumbles_ ? 1 : 0);
     const auto add = [&](Uint16 type, const std::string& name, int axis) {
       if ((can & type) != 0 && slots-- > 0) outputs.push_back({Output::Kind::Effect, name, type, axis});
@@ -198,40 +208,75 @@ class OpenDevice {
     for (const auto& [type, name] : kEffects) add(type, name, 0);
   }
 
-  void write_rumble(const std::vector<double>& levels, Clock::time_point now) {
-    if (!rumbles_) return;
-    using Order = EffectTimer::Order;
+  // These return how many reports a device of the USB PID class gets (PID 1.0, section 5).
+
+  /// Both motors.
+  int write_rumble(const std::vector<double>& levels, Clock::time_point now) {
     std::array<Uint16, 2> strength{};
     bool sends = false;
     for (std::size_t o = 0; o < 2; ++o) {
-      sends |= effects_[o].timer.next(levels[o], now) != Order::None;
+      sends |= next_order(o, levels, now) != EffectTimer::Order::None;
       strength[o] = static_cast<Uint16>(std::lround(65535 * std::clamp(std::abs(levels[o]), 0.0, 1.0)));
     }
-    if (sends) SDL_JoystickRumble(joystick_, strength[0], strength[1], kRumbleLength_ms);
+    return sends ? rumble(strength[0], strength[1]) : 0;
+  }
+  /// An effect of the device, where it can be one: that of SDL_JoystickRumble lasts 65 s in Linux' drivers,
+  /// and ends earlier only as long as SDL is called.
+  int rumble(Uint16 low, Uint16 high) {
+    if (!rumble_is_effect_) return SDL_JoystickRumble(joystick_, low, high, kRumbleLength_ms), 1;
+    auto& id = effects_[0].id;
+    if (low == 0 && high == 0) return stop(id);
+    SDL_HapticEffect effect{};
+    effect.leftright = {SDL_HAPTIC_LEFTRIGHT, kRumbleLength_ms, static_cast<Uint16>(low / 2),
+                        static_cast<Uint16>(high / 2)};  // full scale is 32767
+    const int reports = upload(id, effect);
+    return reports + run(id);
   }
 
-  void send(std::size_t output, double level, EffectTimer::Order order) {
-    using Order = EffectTimer::Order;
-    if (order == Order::None) return;
-    auto& id = effects_[output].id;
-    if (order == Order::Stop) return void(id < 0 || SDL_HapticStopEffect(haptic_, id) == 0);
-    auto effect = effect_of(outputs[output], level);
-    bool sent = true;
-    if (id < 0)
-      sent = (id = SDL_HapticNewEffect(haptic_, &effect)) >= 0;
-    else if (levels_[output] != level)
-      sent = SDL_HapticUpdateEffect(haptic_, id, &effect) == 0;
-    levels_[output] = level;
-    if (sent && order != Order::Change) sent = SDL_HapticRunEffect(haptic_, id, 1) == 0;
-    if (!sent) ++refused_;
+  EffectTimer::Order next_order(std::size_t output, const std::vector<double>& levels,
+                                Clock::time_point now) {
+    return effects_[output].timer.next(levels[output], now, budget_.allows(now));
   }
+  /// An effect that the device refused is tried again when it would be restarted.
+  int write_effect(std::size_t output, const std::vector<double>& levels, Clock::time_point now) {
+    using Order = EffectTimer::Order;
+    const double level = levels[output];
+    const auto order = next_order(output, levels, now);
+    auto& id = effects_[output].id;
+    if (order == Order::None || (id < 0 && order == Order::Change)) return 0;
+    if (order == Order::Stop) return stop(id);
+    int reports = 0;
+    if (id < 0 || levels_[output] != level) {
+      auto effect = effect_of(outputs[output], level);
+      reports = upload(id, effect);
+      levels_[output] = level;
+    }
+    return order == Order::Change ? reports : reports + run(id);
+  }
+  /// Creates the effect, or changes it.
+  int upload(int& id, SDL_HapticEffect& effect) {
+    const int reports =
+        ((effect.type & kConditions) != 0 ? kMostForceAxes : 1) + (id < 0 ? kReportsOfCreation : 0);
+    const bool sent = id < 0 ? (id = SDL_HapticNewEffect(haptic_, &effect)) >= 0
+                             : SDL_HapticUpdateEffect(haptic_, id, &effect) == 0;
+    if (!sent) ++refused_;
+    return reports;
+  }
+  int run(int id) {
+    if (id < 0) return 0;
+    if (SDL_HapticRunEffect(haptic_, id, 1) != 0) ++refused_;
+    return 1;
+  }
+  int stop(int id) { return id < 0 ? 0 : (SDL_HapticStopEffect(haptic_, id), 1); }
 
   SDL_Joystick* joystick_;
   SDL_GameController* pad_ = nullptr;
   SDL_Haptic* haptic_ = nullptr;
-  bool rumbles_ = false, gyroscope_ = false;
+  bool rumbles_ = false, rumble_is_effect_ = false, gyroscope_ = false;
   std::vector<Effect> effects_;  ///< one for each output
   std::vector<double> levels_;   ///< in the device
+  ReportBudget budget_;
+  std::size_t next_ = 0;  ///< output that may send first
   std::atomic<std::int64_t> refused_{0};
 };
 
