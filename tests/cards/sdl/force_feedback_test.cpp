@@ -5,7 +5,6 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <atomic>
 #include <catch2/catch.hpp>
@@ -15,17 +14,14 @@
 #include <optional>
 #include <thread>
 
-#include "backends/backend.h"
 #include "backends/reconnecting_stream.h"
-#include "tests/support/wait_until.h"
+#include "tests/cards/sdl/levels.h"
 
 using namespace tactus;
-using namespace std::chrono_literals;
-using test::wait_until;
+using namespace tactus::test;
 
 namespace {
 
-constexpr std::chrono::milliseconds kSlowMachine = 120s;
 constexpr int kSlots = 8;  // those of its seven effects, and one for both motors
 constexpr std::size_t kForceX = 2, kSpring = 5;
 
@@ -140,58 +136,7 @@ class Wheel {
   std::thread thread_;
 };
 
-/// All outputs have the levels that a test gives.
-class Levels final : public BlockProcessor {
- public:
-  Status prepare(const StreamFormat& granted) override {
-    outputs_ = granted.out_channels;
-    return {};
-  }
-  void process(const BlockIo& io) noexcept override {
-    input = io.in[0][io.frames - 1];
-    for (int c = 0; c < outputs_; ++c)
-      std::fill_n(io.out[c], io.frames, levels[static_cast<std::size_t>(c)].load());
-  }
-  std::array<std::atomic<double>, 9> levels{};
-  std::atomic<double> input{0.0};
-
- private:
-  int outputs_ = 0;
-};
-
-/// The guard lets everything through.
-const std::vector<GuardedChannel> kFree(9, {DriveGuard::Kind::Audio, {.ceiling = 1.0}, {false, false}});
-
-std::unique_ptr<Backend> sdl() {
-  for (const auto& backend : haptic_backends())
-    if (backend.name == "sdl") return backend.make();
-  return nullptr;
-}
-
-Device wheel_of(Backend& backend) {
-  Device device;
-  REQUIRE(wait_until(
-      [&] {
-        const auto devices = backend.devices();
-        if (!devices) return false;
-        const auto found = std::ranges::find(*devices, "sdl:Test Wheel", &Device::id);
-        if (found == devices->end()) return false;
-        device = *found;
-        return true;
-      },
-      kSlowMachine));
-  return device;
-}
-
-StreamRequest request_for(const Device& device) {
-  StreamRequest request;
-  request.device = device.id;
-  request.in_channels = device.in_channels;
-  request.out_channels = device.out_channels;
-  return request;
-}
-
-bool waits(const std::function<bool()>& holds) { return wait_until(holds, kSlowMachine); }
+Device wheel_of(Backend& backend) { return listed(backend, "sdl:Test Wheel", kSlots + 1); }
 
 }  // namespace
 
@@ -203,7 +148,7 @@ TEST_CASE("sdl: forces and effects of a wheel are uploaded, changed, played and 
   CHECK(device.out_names == std::vector<std::string>{"rumble low", "rumble high", "force x", "force y",
                                                      "sine", "spring", "damper", "inertia", "friction"});
   Levels levels;
-  Guarded guarded{levels, kFree};
+  Guarded guarded{levels, kUnguarded};
   guarded.disable_sensor_watch();
   auto stream = backend->open(request_for(device), guarded);
   REQUIRE(stream);
@@ -225,7 +170,7 @@ TEST_CASE("sdl: forces and effects of a wheel are uploaded, changed, played and 
   for (const std::size_t other : {0u, 3u, 4u, 6u, 7u, 8u}) levels.levels[other] = 0.5;
   REQUIRE(
       waits([&] { return wheel.plays(FF_FRICTION) && wheel.plays(FF_PERIODIC) && wheel.plays(FF_INERTIA); }));
-  CHECK(wheel.slots_in_use() == kSlots);
+  CHECK(waits([&] { return wheel.slots_in_use() == kSlots; }));
 
   levels.levels[kSpring] = 0.0;
   CHECK(waits([&] { return !wheel.plays(FF_SPRING); }));
@@ -241,7 +186,7 @@ TEST_CASE("sdl: a wheel that is unplugged while it plays is lost, and comes back
   const auto device = wheel_of(*backend);
   Levels levels;
   levels.levels[kForceX] = 0.5;
-  Guarded guarded{levels, kFree};
+  Guarded guarded{levels, kUnguarded};
   guarded.disable_sensor_watch();
   auto stream = ReconnectingStream::open(*backend, request_for(device), guarded);
   REQUIRE(stream);
