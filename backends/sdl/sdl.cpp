@@ -72,8 +72,8 @@ constexpr int kReportsOfCreation = 3;  // it is created, and has a direction, a 
 
 Sint16 scaled(double level) { return static_cast<Sint16>(std::lround(32767 * std::clamp(level, -1.0, 1.0))); }
 
-/// The effect of an output at a level. A force points along its axis; an effect of the device's own has the
-/// strength |level|.
+/// The effect of an output at a level. A positive force pushes towards positive positions of its axis; an
+/// effect of the device's own has the strength |level|.
 SDL_HapticEffect effect_of(const Output& output, double level) {
   SDL_HapticEffect effect{};
   effect.type = output.type;
@@ -81,7 +81,7 @@ SDL_HapticEffect effect_of(const Output& output, double level) {
   const auto strength = scaled(std::abs(level));
   if (output.type == SDL_HAPTIC_CONSTANT) {
     effect.constant.direction.type = SDL_HAPTIC_CARTESIAN;
-    effect.constant.direction.dir[output.axis] = 1;
+    effect.constant.direction.dir[output.axis] = -1;  // where it comes from
     effect.constant.length = length;
     effect.constant.level = scaled(level);
   } else if (output.type == SDL_HAPTIC_SINE) {

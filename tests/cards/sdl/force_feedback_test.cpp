@@ -158,7 +158,8 @@ TEST_CASE("sdl: forces and effects of a wheel are uploaded, changed, played and 
 
   levels.levels[kForceX] = -0.5;  // streamed
   REQUIRE(waits([&] { return wheel.plays(FF_CONSTANT); }));
-  CHECK(std::abs(wheel.uploaded(FF_CONSTANT)->u.constant.level) == Approx(16384).margin(2));
+  CHECK(wheel.uploaded(FF_CONSTANT)->u.constant.level == Approx(-16384).margin(2));
+  CHECK(wheel.uploaded(FF_CONSTANT)->direction == 0xc000);  // a positive level pushes right: linux/input.h
   const int before = wheel.uploads(FF_CONSTANT);
   levels.levels[kForceX] = 0.25;
   REQUIRE(waits([&] { return wheel.uploads(FF_CONSTANT) > before; }));

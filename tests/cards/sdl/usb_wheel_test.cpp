@@ -14,12 +14,12 @@ namespace {
 
 const std::string kUsbWheel = std::string{"sdl:"} + UsbWheel::kName;
 constexpr int kEffects = 8;  // seven, and one for both motors
-constexpr int kEast = 9000, kSouth = 18000, kAnyDirection = -1;
+constexpr int kFromWest = 27000, kFromNorth = 0, kAnyDirection = -1;
 
 struct Played {
   std::string output;
   int type, field;
-  int direction;      ///< [0.01 degrees]
+  int direction;      ///< that a positive force comes from [0.01 degrees]
   double full_scale;  ///< what level 1 is in the wheel, relative to UsbWheel::kFullScale
   double level, changed;
 };
@@ -29,8 +29,8 @@ struct Played {
 const std::vector<Played> kPlayed{
     {"rumble low", kEtSine, kMagnitude, kAnyDirection, 2.0 / 3.0, 1.0, 0.6},
     {"rumble high", kEtSine, kMagnitude, kAnyDirection, 1.0 / 3.0, 0.5, 0.9},
-    {"force x", kEtConstant, kMagnitude, kEast, 1.0, -0.5, 0.25},
-    {"force y", kEtConstant, kMagnitude, kSouth, 1.0, 0.75, -1.0},
+    {"force x", kEtConstant, kMagnitude, kFromWest, 1.0, -0.5, 0.25},
+    {"force y", kEtConstant, kMagnitude, kFromNorth, 1.0, 0.75, -1.0},
     {"sine", kEtSine, kMagnitude, kAnyDirection, 1.0, 0.3, 0.6},
     {"spring", kEtSpring, kPositiveCoefficient, kAnyDirection, 1.0, 0.75, 1.0},
     {"damper", kEtDamper, kNegativeCoefficient, kAnyDirection, 1.0, 0.2, 0.1},
