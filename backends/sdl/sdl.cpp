@@ -208,7 +208,7 @@ class OpenDevice {
     for (const auto& [type, name] : kEffects) add(type, name, 0);
   }
 
-  // These return how many reports a device of the USB PID class gets (PID 1.0, section 5).
+  // These return how many reports a device of the USB PID class gets.
 
   /// Both motors.
   int write_rumble(const std::vector<double>& levels, Clock::time_point now) {

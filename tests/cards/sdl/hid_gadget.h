@@ -1,5 +1,4 @@
 #pragma once
-// Thread: [control]
 
 #include <atomic>
 #include <cstdint>

@@ -1,5 +1,4 @@
 #pragma once
-// Thread: [control]
 
 #include <algorithm>
 #include <array>

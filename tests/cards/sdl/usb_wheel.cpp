@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 namespace tactus::test {
 namespace {
@@ -43,10 +42,11 @@ constexpr int kTurn = 35'999;    // [0.01 degrees]
 Field choice(int usage, std::vector<int> choices) {
   return {usage, 1, 1, static_cast<int>(choices.size()), Unit::None, std::move(choices)};
 }
-Field time(int usage) { return {usage, 2, 0, kLongest, Unit::Milliseconds}; }
+Field duration(int usage) { return {usage, 2, 0, kLongest, Unit::Milliseconds}; }
 
-/// All reports of the class that the wheel has. Output reports come through the interrupt endpoint, feature
-/// reports through the control pipe (PID 1.0, section 5).
+/// All reports of the class that the wheel has: usage, identifier, kind and fields, these with usage, bytes
+/// and logical range. Output reports come through the interrupt endpoint, feature reports through the control
+/// pipe.
 std::vector<Report> pid_reports(int slots) {
   const Field block{kBlockIndex, 1, 1, slots};
   const auto type =
@@ -57,9 +57,9 @@ std::vector<Report> pid_reports(int slots) {
        Kind::Output,
        {block,
         type,
-        time(kDuration),
-        time(kTriggerRepeatInterval),
-        time(kStartDelay),
+        duration(kDuration),
+        duration(kTriggerRepeatInterval),
+        duration(kStartDelay),
         {kGain, 1, 0, UsbWheel::kFullGain},
         {kTriggerButton, 1, 0, kButtons},
         {kDirectionEnable, 1, 0, 1},
@@ -67,7 +67,11 @@ std::vector<Report> pid_reports(int slots) {
       {kSetEnvelopeReport,
        0x12,
        Kind::Output,
-       {block, {kAttackLevel, 2, 0, kFull}, {kFadeLevel, 2, 0, kFull}, time(kAttackTime), time(kFadeTime)}},
+       {block,
+        {kAttackLevel, 2, 0, kFull},
+        {kFadeLevel, 2, 0, kFull},
+        duration(kAttackTime),
+        duration(kFadeTime)}},
       {kSetConditionReport,
        0x13,
        Kind::Output,
@@ -86,7 +90,7 @@ std::vector<Report> pid_reports(int slots) {
         {kMagnitude, 2, 0, kFull},
         {kOffset, 2, -kFull, kFull},
         {kPhase, 2, 0, kTurn, Unit::Centidegrees},
-        time(kPeriod)}},
+        duration(kPeriod)}},
       {kSetConstantForceReport, 0x15, Kind::Output, {block, {kMagnitude, 2, -kFull, kFull}}},
       {kEffectOperationReport,
        0x16,
@@ -193,7 +197,7 @@ Bytes report_descriptor(int slots) {
   return descriptor.bytes;
 }
 
-void append(Bytes& bytes, int value, int count) {
+void append_number(Bytes& bytes, int value, int count) {
   for (int at = 0; at < count; ++at)
     bytes.push_back(static_cast<std::uint8_t>(static_cast<unsigned>(value) >> (8 * at)));
 }
@@ -231,9 +235,9 @@ void UsbWheel::unplug() { gadget_.unplug(); }
 
 void UsbWheel::steer(int position) const {
   Bytes report{kInputIdentifier};
-  append(report, position, 2);
-  append(report, 0, 2);  // the pedal
-  append(report, 0, 1);  // the buttons
+  append_number(report, position, 2);
+  append_number(report, 0, 2);  // the pedal
+  append_number(report, 0, 1);  // the buttons
   gadget_.send(report);
 }
 
@@ -319,13 +323,13 @@ Bytes UsbWheel::give(int identifier) const {
   const int free_bytes = kBytesOfEffect * (memory_ - static_cast<int>(effects_.size()));
   Bytes report{static_cast<std::uint8_t>(identifier)};
   if (identifier == kBlockLoadIdentifier) {
-    append(report, loaded_, 1);
-    append(report, loaded_ > 0 ? 1 : 2, 1);  // success, or full
-    append(report, free_bytes, 2);
+    append_number(report, loaded_, 1);
+    append_number(report, loaded_ > 0 ? 1 : 2, 1);  // success, or full
+    append_number(report, free_bytes, 2);
   } else if (identifier == kPoolIdentifier) {
-    append(report, kBytesOfEffect * memory_, 2);
-    append(report, memory_, 1);
-    append(report, 1, 1);  // the wheel manages its memory itself
+    append_number(report, kBytesOfEffect * memory_, 2);
+    append_number(report, memory_, 1);
+    append_number(report, 1, 1);  // the wheel manages its memory itself
   } else {
     return {};
   }

@@ -1,5 +1,4 @@
 #pragma once
-// Thread: [control]
 
 #include <map>
 #include <mutex>
@@ -12,7 +11,7 @@
 namespace tactus::test {
 
 /// Usages of a force-feedback device: Device Class Definition for Physical Interface Devices (PID) 1.0,
-/// USB Implementers' Forum 1999, section 4.
+/// USB Implementers' Forum 1999.
 enum Pid : int {
   kSetEffectReport = 0x21,
   kBlockIndex = 0x22,
