@@ -114,7 +114,7 @@ TEST_CASE("profile: every shipped one can be read, says where its figures are fr
       CHECK(check(limits_for(*profile, volts)));
     CHECK(find_profile(file.path().stem().string(), {kInstruments}, "test"));
   }
-  CHECK(profiles == 8);
+  CHECK(profiles == 9);
   CHECK(test::summary(find_profile("wofer", {kInstruments}, "test")) == "test UnknownName 'wofer' 'woofer'");
 }
 
