@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <optional>
@@ -30,8 +31,7 @@ constexpr double kLimitedShare = 1e-3;  // of the frames: fewer are not felt
 constexpr int kBlock = 64;
 
 struct ActuatorOptions {
-  std::string force, band, excursion, resolution, scene;
-  std::optional<double> price;
+  std::string force, band, excursion, resolution, price, scene;
   bool json = false, sources = false;
 };
 
@@ -62,8 +62,10 @@ std::vector<Actuator> known_actuators() {
   return all;
 }
 
+/// With three digits.
 std::string number_text(double si, const char* unit) {
-  return std::isinf(si) ? "endless" : short_quantity(si, parse_unit(unit)->dimension);
+  if (std::isinf(si)) return "endless";
+  return short_quantity(std::stod(fmt::format("{:.3g}", si)), parse_unit(unit)->dimension);
 }
 
 // What is asked for.
@@ -75,6 +77,15 @@ Interval band_of(const std::string& text) {
   const double last =
       comma == std::string::npos ? first : parse_option(text.substr(comma + 1), "Hz", "band", 0);
   return {std::min(first, last), std::max(first, last)};
+}
+
+double price_of(const std::string& text) {
+  char* end = nullptr;
+  const double price = std::strtod(text.c_str(), &end);
+  if (*end != '\0' || !std::isfinite(price) || price < 0)
+    exit_with({Errc::BadArgument, "--price", "'" + text + "' is not a price in US $",
+               "give a number from 0 on, such as 50"});
+  return price;
 }
 
 /// What an actuator must have.
@@ -89,7 +100,7 @@ Need need_of(const ActuatorOptions& options) {
   if (!options.excursion.empty()) need.excursion = parse_option(options.excursion, "m", "excursion", 0);
   if (!options.resolution.empty()) need.resolution = parse_option(options.resolution, "m", "resolution", 0);
   if (!options.band.empty()) need.band = band_of(options.band);
-  need.price = options.price;
+  if (!options.price.empty()) need.price = price_of(options.price);
   return need;
 }
 
@@ -205,6 +216,31 @@ std::optional<std::vector<GuardVerdict>> judge(const Actuator& actuator, const D
   return verdicts;
 }
 
+/// Why the actuator cannot move as a drive asks; empty: it can, as far as its band is known. A force on the
+/// player must have the frequencies of the drive; otherwise a vibration may follow it.
+std::string band_objection(const ActuatorFigures& figures, const Drive& drive, bool gives_force) {
+  if (figures.drive_to && !gives_force)
+    return drive.band.high <= *figures.drive_to
+               ? ""
+               : fmt::format("'{}' changes at up to {}, and it follows changes up to {}", drive.name,
+                             number_text(drive.band.high, "Hz"), number_text(*figures.drive_to, "Hz"));
+  if (figures.band.high && drive.band.high > *figures.band.high)
+    return fmt::format("'{}' reaches up to {}, and it moves up to {}", drive.name,
+                       number_text(drive.band.high, "Hz"), number_text(*figures.band.high, "Hz"));
+  if (figures.band.low && drive.band.low < *figures.band.low)
+    return fmt::format("'{}' reaches down to {}, and it moves from {} on", drive.name,
+                       number_text(drive.band.low, "Hz"), number_text(*figures.band.low, "Hz"));
+  return "";
+}
+
+/// What of the scene cannot be compared with an actuator.
+std::vector<std::string> not_known(const ActuatorFigures& figures, const Demand& demand) {
+  std::vector<std::string> all;
+  if (demand.force && !figures.force.high) all.emplace_back("force");
+  if (!figures.band.high && !figures.drive_to) all.emplace_back("band");
+  return all;
+}
+
 /// Why the actuator does not render the scene; empty: it does, as far as it is known.
 std::vector<std::string> objections(const Actuator& actuator, const Demand& demand) {
   std::vector<std::string> all;
@@ -213,12 +249,8 @@ std::vector<std::string> objections(const Actuator& actuator, const Demand& dema
     all.push_back(fmt::format("the force reaches {}, and it has {}", number_text(*demand.force, "N"),
                               number_text(*figures.force.high, "N")));
   for (const auto& drive : demand.drives)
-    if (figures.band.high && drive.band.high > *figures.band.high)
-      all.push_back(fmt::format("'{}' reaches up to {:.0f} Hz, and it moves up to {:.0f} Hz", drive.name,
-                                drive.band.high, *figures.band.high));
-    else if (figures.band.low && drive.band.low < *figures.band.low)
-      all.push_back(fmt::format("'{}' reaches down to {:.0f} Hz, and it moves from {:.0f} Hz on", drive.name,
-                                drive.band.low, *figures.band.low));
+    if (const auto against = band_objection(figures, drive, demand.force.has_value()); !against.empty())
+      all.push_back(against);
   if (const auto verdicts = judge(actuator, demand))
     for (const auto& verdict : *verdicts)
       for (const auto& [stage, share] : verdict.limited)
@@ -300,10 +332,18 @@ Json actuator_json(const ActuatorFigures& figures) {
 void print_demand(const Demand& demand) {
   fmt::print("{}\n", demand.scene);
   for (const auto& drive : demand.drives)
-    fmt::print("  '{}': nine tenths of its energy between {:.0f} and {:.0f} Hz\n", drive.name, drive.band.low,
-               drive.band.high);
+    fmt::print("  '{}': nine tenths of its energy between {} and {}\n", drive.name,
+               number_text(drive.band.low, "Hz"), number_text(drive.band.high, "Hz"));
   if (demand.force) fmt::print("  largest force on the player: {}\n", number_text(*demand.force, "N"));
   fmt::print("\n");
+}
+
+std::string judgement(const Actuator& actuator, const Demand& demand,
+                      const std::vector<std::string>& against) {
+  if (!against.empty()) return fmt::format("{}", fmt::join(against, "; "));
+  if (actuator.figures.profile.empty()) return "not judged: it has no profile";
+  const auto open = not_known(actuator.figures, demand);
+  return open.empty() ? "renders it" : fmt::format("no objection, but not known: {}", fmt::join(open, ", "));
 }
 
 int run_actuators(const ActuatorOptions& options) {
@@ -325,7 +365,10 @@ int run_actuators(const ActuatorOptions& options) {
     auto entry = actuator_json(actuator.figures);
     entry["lacks"] = found.lacks;
     entry["unknown"] = found.unknown;
-    if (demand) entry["objections"] = against;
+    if (demand) {
+      entry["objections"] = against;
+      entry["not_known"] = not_known(actuator.figures, *demand);
+    }
     json["actuators"].push_back(std::move(entry));
     if (!found.lacks.empty()) {
       ++left_out;
@@ -336,11 +379,7 @@ int run_actuators(const ActuatorOptions& options) {
     if (!found.unknown.empty())
       notes.push_back(fmt::format("{}: unknown: {}", actuator.figures.name, fmt::join(found.unknown, ", ")));
     if (demand)
-      notes.push_back(fmt::format(
-          "{}: {}", actuator.figures.name,
-          against.empty()
-              ? (actuator.figures.profile.empty() ? "not judged: it has no profile" : "renders it")
-              : fmt::format("{}", fmt::join(against, "; "))));
+      notes.push_back(fmt::format("{}: {}", actuator.figures.name, judgement(actuator, *demand, against)));
   }
   if (options.json) return print_json(json), kDone;
   if (demand) print_demand(*demand);
@@ -350,10 +389,15 @@ int run_actuators(const ActuatorOptions& options) {
       fmt::print("\n  {}\n", actuator->figures.name);
       print_details(actuator->figures);
     }
-  if (left_out > 0) fmt::print("{} more do not have what is asked for\n", left_out);
+  if (left_out > 0)
+    fmt::print("{} more {} not have what is asked for\n", left_out, left_out == 1 ? "does" : "do");
   if (!notes.empty()) fmt::print("\n");
   for (const auto& note : notes) fmt::print("{}\n", note);
-  if (!options.sources) fmt::print("\n~: a judgement; --sources prints where each figure comes from\n");
+  if (!options.sources)
+    fmt::print(
+        "\n~: a judgement; -: none, or not one number; --sources prints each figure in words, and where it "
+        "comes "
+        "from\n");
   return kDone;
 }
 
@@ -367,7 +411,7 @@ void add_actuators(CLI::App& app, int& exit_code) {
   command.add_option("--band", options.band, "frequency that it must move at, or two: \"20 Hz,200 Hz\"");
   command.add_option("--excursion", options.excursion, "excursion to either side, such as \"3 mm\"");
   command.add_option("--resolution", options.resolution, "of its own sensor, such as \"0.2 mm\"");
-  add_number(command, "--price", options.price, "US $ that it may cost", 0.0, 1e6);
+  command.add_option("--price", options.price, "US $ that it may cost, such as 50");
   command.add_option(
       "--for", options.scene,
       "a scene: which actuators render it, by the spectrum of its drives, its largest force and "

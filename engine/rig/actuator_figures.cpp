@@ -25,6 +25,8 @@ constexpr Property kProperties[] = {
     {"resolution", "of its own sensor", "m", &ActuatorFigures::resolution, "step", nullptr},
 };
 
+constexpr const char* kDriveTo = "drive_to";
+
 SectionType section_of(const Property& property) {
   std::vector<FieldType> fields = {
       text_field("value", "for people, as in \"2 N at 10 V\""),
@@ -35,13 +37,17 @@ SectionType section_of(const Property& property) {
     if (key != nullptr) fields.push_back(quantity_field(key, property.unit, 0, 1e9, property.doc));
   if (property.figure == &ActuatorFigures::excursion)
     fields.push_back(field("endless", FieldType::Kind::Flag, "it turns without end"));
+  if (property.figure == &ActuatorFigures::band)
+    fields.push_back(quantity_field(kDriveTo, "Hz", 0, 1e9,
+                                    "changes of the drive that it follows, if the drive is not in the band"));
   return {property.doc, std::move(fields)};
 }
 
-ActuatorFigure read_figure(const Value::Table& table, const Property& property, ErrorList& errors) {
-  ActuatorFigure figure;
+void read_figure(const Value::Table& table, const Property& property, ActuatorFigures& figures,
+                 ErrorList& errors) {
   const auto* section = read_section(table, property.name, errors);
-  if (section == nullptr) return figure;
+  if (section == nullptr) return;
+  auto& figure = figures.*property.figure;
   FieldReader fields{*section, *actuator_figure_fields()[property.name].inside, errors,
                      std::string{"["} + property.name + "]", find(table, property.name)->at};
   figure.value = fields.text("value");
@@ -52,7 +58,7 @@ ActuatorFigure read_figure(const Value::Table& table, const Property& property, 
   if (property.high != nullptr) figure.high = fields.number(property.high);
   if (property.figure == &ActuatorFigures::excursion && fields.flag("endless"))
     figure.high = std::numeric_limits<double>::infinity();
-  return figure;
+  if (property.figure == &ActuatorFigures::band) figures.drive_to = fields.number(kDriveTo);
 }
 
 Checked<ActuatorFigures> read_figures(const Result<Value::Table>& table, const std::string& file) {
@@ -67,7 +73,7 @@ Checked<ActuatorFigures> read_figures(const Result<Value::Table>& table, const s
   figures.section = fields.text("section");
   figures.plant = fields.text("plant");
   figures.profile = fields.text("profile");
-  for (const auto& property : kProperties) figures.*property.figure = read_figure(*table, property, errors);
+  for (const auto& property : kProperties) read_figure(*table, property, figures, errors);
   if (errors.any()) return tl::unexpected(errors.take());
   return figures;
 }

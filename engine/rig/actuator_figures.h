@@ -40,6 +40,9 @@ struct ActuatorFigures {
   ActuatorFigure band;        ///< low to high [Hz]
   ActuatorFigure excursion;   ///< high: to either side [m]; infinite: it turns without end
   ActuatorFigure resolution;  ///< low: the step of its sensor [m]
+  /// [Hz] Changes of the drive that it follows, where the drive has other frequencies than the movement: the
+  /// DC of a vibration motor.
+  std::optional<double> drive_to;
 };
 
 /// [any] All keys of such a file.

@@ -25,6 +25,7 @@ source = "estimate"
 [band]
 from = "0 Hz"
 to = "2.7 Hz"
+drive_to = "1.5 Hz"
 kind = "derived"
 source = "law"
 [excursion]
@@ -55,6 +56,7 @@ TEST_CASE("actuator figures: every number and source is read", "[rig]") {
   CHECK(figures->force.kind == ActuatorFigure::Kind::Judgement);
   CHECK(figures->force.high == 2.0);
   CHECK(figures->band.high == 2.7);
+  CHECK(figures->drive_to == 1.5);
   CHECK(figures->excursion.high == Approx(0.05));
   CHECK(figures->resolution.low == Approx(0.098e-3));
 }
