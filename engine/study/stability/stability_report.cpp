@@ -93,10 +93,18 @@ class Report {
     const auto* const stable = verdict_.outside_known ? "stable" : "stable by itself";
     if (!verdict_.stable())
       return add("{} {}", verdict_.stability == Stability::Undecided ? "undecided" : "unstable", at);
-    if (critical_.regime == nullptr) return add("{} {}: no loop is closed", stable, at);
+    if (critical_.regime == nullptr)
+      return add("{} {}: no loop is closed{}", stable, at, may_close() ? " at rest" : "");
     add("{} {}: margin {:.1f} dB at {}", stable, at, amplitude_to_db(critical_.border),
         prefixed(critical_.stiff != nullptr ? critical_.stiff->border_hz : critical_.loop->margin.border_hz,
                  "Hz"));
+  }
+
+  /// Events or a contact close a loop that is open at rest.
+  bool may_close() const {
+    return std::ranges::any_of(verdict_.events, &EventPlace::on_loop) ||
+           std::ranges::any_of(verdict_.controls,
+                               [](const auto& control) { return control.border.has_value(); });
   }
 
   static std::string added(const HeldVerdict& held) {
