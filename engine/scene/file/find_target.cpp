@@ -31,7 +31,7 @@ bool is_scene_file(const fs::path& file) {
   return table && is_scene(*table);
 }
 
-/// What a user can name instead of a folder without a scene: its scenes, else its folders with a scene or an
+/// What a user can name instead of a folder without a scene: its scenes, else its folders with scenes or an
 /// instrument.
 std::vector<std::string> playable_in(const fs::path& folder) {
   std::vector<std::string> found;
@@ -39,7 +39,7 @@ std::vector<std::string> playable_in(const fs::path& folder) {
     if (is_scene_file(entry)) found.push_back(entry.generic_string());
   if (!found.empty()) return found;
   for (const auto& entry : entries_of(folder))
-    if (fs::exists(entry / kScene) || fs::exists(entry / kInstrument))
+    if (fs::exists(entry / kInstrument) || std::ranges::any_of(entries_of(entry), is_scene_file))
       found.push_back(entry.generic_string());
   return found;
 }
