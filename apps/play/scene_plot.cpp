@@ -168,14 +168,11 @@ class ScenePlotter {
   }
 
   static std::string quantity_name(const std::string& unit) {
-    static const std::map<std::string, std::string> kNames = {{"m", "position"},
-                                                              {"m/s", "velocity"},
-                                                              {"N", "force"},
-                                                              {"V", "voltage"},
-                                                              {"A", "current"},
-                                                              {"rad", "angle"},
-                                                              {"rad/s", "angular velocity"},
-                                                              {"N m", "torque"}};
+    static const std::map<std::string, std::string> kNames = {
+        {"m", "position"}, {"m/s", "velocity"}, {"m/s^2", "acceleration"},
+        {"N", "force"},    {"V", "voltage"},    {"A", "current"},
+        {"C", "charge"},   {"rad", "angle"},    {"rad/s", "angular velocity"},
+        {"N m", "torque"}};
     const auto it = kNames.find(unit);
     return it == kNames.end() ? unit : it->second;
   }

@@ -101,6 +101,14 @@ std::vector<Tick> note_ticks(const Scale& scale, int most) {
   return ticks;
 }
 
+/// The smallest of 1, 2 and 5 times a power of ten that is at least this.
+double nice_step(double least) {
+  const double power = std::pow(10.0, std::floor(std::log10(least)));
+  for (const double nice : {1.0, 2.0, 5.0})
+    if (nice * power >= least * (1 - 1e-9)) return nice * power;
+  return 10.0 * power;
+}
+
 }  // namespace
 
 Range range_of(const PlotAxis& axis, double low, double high, bool margin) {
@@ -138,11 +146,9 @@ std::vector<Tick> ticks_of(const Scale& scale, const PlotAxis& axis, const Prefi
       return ticks;
   const double low = scale.low / prefixed.factor;
   const double high = scale.high / prefixed.factor;
-  const double least_step = (high - low) / std::max(1, most);
-  const double power = std::pow(10.0, std::floor(std::log10(least_step)));
-  double step = 10.0 * power;
-  for (const double nice : {5.0, 2.0, 1.0})
-    if (nice * power >= least_step * (1 - 1e-9)) step = nice * power;
+  double step = nice_step((high - low) / std::max(1, most));
+  if (std::floor(high / step + 1e-9) <= std::ceil(low / step - 1e-9))
+    step = nice_step(step / 2.5);  // one tick gives no scale
   const int decimals = std::max(0, -static_cast<int>(std::floor(std::log10(step) + 1e-9)));
   const auto own_unit = scale.log && takes_prefix(axis.unit) ? " " + prefixed.text : std::string{};
   std::vector<Tick> ticks;

@@ -56,6 +56,11 @@ TEST_CASE("plot: ticks lie at 1, 2 or 5 times a power of ten and carry the prefi
         std::vector<std::string>{"0.10", "0.15", "0.20", "0.25", "0.30", "0.35"});
 }
 
+TEST_CASE("plot: one tick gives no scale, so that a finer step is taken", "[plot]") {
+  // At most 2 ticks of 0.96: a step of 0.5, of which only 0 lies within.
+  CHECK(linear_ticks(-0.48, 0.48, "V", 2) == std::vector<std::string>{"−400", "−200", "0", "200", "400"});
+}
+
 TEST_CASE("plot: log ticks are powers of ten, or 1-2-5 where few of those are in sight", "[plot]") {
   CHECK(log_ticks(10.0, 1e5, "Hz") ==
         std::vector<std::string>{"10 Hz", "100 Hz", "1 kHz", "10 kHz", "100 kHz"});
