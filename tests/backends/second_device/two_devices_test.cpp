@@ -39,12 +39,14 @@ class Probe final : public BlockProcessor {
 
 /// A card with two channels, channel 0 and 3 of the processor, and a gamepad with channels 1 and 2.
 struct Desk {
-  Desk() {
+  explicit Desk(std::vector<int> channels = {5, kSecondDevice + 2, kSecondDevice, 6})
+      : guarded{probe, std::vector<GuardedChannel>(
+                           channels.size(), {DriveGuard::Kind::Audio, {.ceiling = 1.0}, {false, false}})} {
     card_world.block = kBlock;
     request.device = "fake:card";
     request.second_device = "fake:pad";
-    request.in_channels = request.out_channels = 4;
-    request.in_map = request.out_map = {5, kSecondDevice + 2, kSecondDevice, 6};
+    request.in_channels = request.out_channels = static_cast<int>(channels.size());
+    request.in_map = request.out_map = std::move(channels);
     request.sample_rate = Hertz{kRate_hz};
     auto card_backend = std::make_unique<FakeBackend>(card_world);
     auto pad_backend = std::make_unique<FakeBackend>(pad_world);
@@ -81,8 +83,7 @@ struct Desk {
   FakeBackend *card = nullptr, *pad = nullptr;
   std::unique_ptr<Backend> both;
   Probe probe;
-  Guarded guarded{
-      probe, std::vector<GuardedChannel>(4, {DriveGuard::Kind::Audio, {.ceiling = 1.0}, {false, false}})};
+  Guarded guarded;
   StreamRequest request;
   std::unique_ptr<Stream> stream;
   std::vector<double> card_out;
@@ -158,8 +159,11 @@ TEST_CASE("two devices: when the first brings no blocks, outputs of the second c
   Desk desk;
   desk.probe.out = [](int channel, std::int64_t) { return channel == 1 ? 0.8 : 0.0; };
   desk.open();
-  for (int n = 0; n < 400; ++n, desk.seconds += kBlock / kRate_hz) desk.play();
-  double level = desk.poll(0, 0)[0];
+  double level = 0.0;
+  for (int n = 0; n < 400; ++n, desk.seconds += kBlock / kRate_hz) {
+    desk.play();
+    level = desk.poll(0, 0)[0];
+  }
   CHECK(level == Approx(0.8).margin(1e-6));
   int steps = 0;
   for (const double stopped = desk.seconds; level > 0; ++steps) {
@@ -186,9 +190,7 @@ TEST_CASE("two devices: the stream is lost with either, and says which") {
 }
 
 TEST_CASE("two devices: a stream without channels of the second is that of the first") {
-  Desk desk;
-  desk.request.in_map = desk.request.out_map = {0, 1};
-  desk.request.in_channels = desk.request.out_channels = 2;
+  Desk desk{{0, 1}};
   desk.open();
   CHECK_FALSE(desk.stream->granted().second);
   CHECK(desk.pad_world.requests.empty());
@@ -202,9 +204,7 @@ TEST_CASE("two devices: writers are told by the channel of the processor") {
 }
 
 TEST_CASE("two devices: a request without channels of the first is refused") {
-  Desk desk;
-  desk.request.in_map = desk.request.out_map = {kSecondDevice, kSecondDevice + 1};
-  desk.request.in_channels = desk.request.out_channels = 2;
+  Desk desk{{kSecondDevice, kSecondDevice + 1}};
   const auto opened = desk.both->open(desk.request, desk.guarded);
   REQUIRE_FALSE(opened);
   CHECK(opened.error().remedy == "make 'fake:pad' the output device");
