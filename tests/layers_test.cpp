@@ -68,7 +68,7 @@ const std::vector<ThirdParty> kThirdParty = {
     {"sndfile.h", {"engine/nodes/", "backends/wav_file.cpp"}},
     {"fmt/",
      {"engine/graph/", "engine/nodes/", "engine/runtime/", "engine/rig/", "engine/scene/", "engine/plot/",
-      "engine/study/", "backends/", "latency/", "remote/", "apps/", "python/"}},
+      "engine/study/", "export/", "backends/", "latency/", "remote/", "apps/", "python/"}},
     {"nlohmann/",
      {"engine/study/", "backends/json_fields.h", "backends/take/", "latency/", "remote/", "apps/"}},
     {"oscpack/", {"remote/osc/"}},

@@ -32,6 +32,7 @@ void add_new(CLI::App& app, int& exit_code);
 void add_render(CLI::App& app, int& exit_code);
 void add_check(CLI::App& app, int& exit_code);
 void add_explain(CLI::App& app, int& exit_code);
+void add_export(CLI::App& app, int& exit_code);
 void add_study(CLI::App& app, int& exit_code);
 void add_sweep(CLI::App& app, int& exit_code);
 void add_nodes(CLI::App& app, int& exit_code);

@@ -49,6 +49,8 @@ class Breakpoints {
     const auto curve = curve_.view();
     return tactus_curve_value(&curve, shape_, x);
   }
+  /// [realtime] Valid as long as this object.
+  tactus_curve view() const { return curve_.view(); }
   /// [realtime] d value / d x; at a point, that of the interval to its right.
   double slope(double x) const {
     const auto curve = curve_.view();

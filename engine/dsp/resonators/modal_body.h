@@ -108,6 +108,7 @@ class ModalBody {
   /// [any] Eight modes in each.
   struct alignas(64) Group : tactus_body_modes {};
   const std::vector<Group>& groups() const { return groups_; }
+  const tactus_modal_body& scalars() const { return body_; }
 
  private:
   void add(const BodyModeDesign& design, int place, Hertz sample_rate) {

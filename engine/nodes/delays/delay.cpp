@@ -4,6 +4,7 @@
 #include "engine/dsp/delays/delay_line.h"
 #include "engine/dsp/delays/taps.h"
 #include "engine/nodes/declare.h"
+#include "engine/nodes/delays/delay_setup.h"
 #include "engine/nodes/process.h"
 
 namespace tactus {
@@ -171,7 +172,9 @@ Result<std::optional<double>> time_of(const NodeSetup& setup, std::string_view n
   return quantity->si;
 }
 
-Result<tactus_delay> range_of(const NodeSetup& setup) {
+}  // namespace
+
+Result<tactus_delay> delay_range(const NodeSetup& setup) {
   const auto min = time_of(setup, "min");
   if (!min) return tl::unexpected(min.error());
   const auto max = time_of(setup, "max");
@@ -193,21 +196,33 @@ Result<tactus_delay> range_of(const NodeSetup& setup) {
   return range;
 }
 
+int delay_order(const NodeSetup& setup) {
+  const auto& word = setup.setting("interpolation").text;
+  return word == "none" ? 0 : word == "linear" ? 1 : word == "lagrange5" ? 5 : 3;
+}
+
+namespace {
+
 template <int Order>
 Result<std::unique_ptr<Node>> delay_of(const tactus_delay& range) {
   return std::make_unique<DelayNode<Order>>(std::array{range}, std::array{true});
 }
 
 Result<std::unique_ptr<Node>> make_delay(const NodeSetup& setup) {
-  const auto range = range_of(setup);
+  const auto range = delay_range(setup);
   if (!range) return tl::unexpected(range.error());
   const auto frames = static_cast<std::size_t>(std::ceil(range->high * setup.sample_rate.value));
   if (const auto fits = setup.take_memory(frames); !fits) return tl::unexpected(fits.error());
-  const auto& word = setup.setting("interpolation").text;
-  if (word == "none") return delay_of<0>(*range);
-  if (word == "linear") return delay_of<1>(*range);
-  if (word == "lagrange5") return delay_of<5>(*range);
-  return delay_of<3>(*range);
+  switch (delay_order(setup)) {
+    case 0:
+      return delay_of<0>(*range);
+    case 1:
+      return delay_of<1>(*range);
+    case 5:
+      return delay_of<5>(*range);
+    default:
+      return delay_of<3>(*range);
+  }
 }
 
 }  // namespace

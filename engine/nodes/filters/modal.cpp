@@ -1,7 +1,7 @@
 #include "engine/dsp/resonators/modal_bank.h"
 #include "engine/graph/plan/fingerprint.h"
 #include "engine/nodes/declare.h"
-#include "engine/nodes/filters/mode_table.h"
+#include "engine/nodes/filters/modal_setup.h"
 #include "engine/nodes/process.h"
 
 namespace tactus {
@@ -99,29 +99,35 @@ class ModalNode final : public Node {
 };
 
 Result<std::unique_ptr<Node>> make_modal(const NodeSetup& setup) {
+  auto modal = modal_setup(setup);
+  if (!modal) return tl::unexpected(modal.error());
+  if (const auto fits = setup.take_memory(8 * modal->table.size()); !fits)
+    return tl::unexpected(fits.error());
+  Fingerprint print;
+  for (const auto k : modal->modes) print.add(std::uint64_t{k});
+  if (modal->modes.size() < modal->table.size()) setup.variant = print.value();
+  return std::make_unique<ModalNode>(setup.sample_rate, std::move(modal->table), std::move(modal->gains),
+                                     std::move(modal->modes));
+}
+
+}  // namespace
+
+Result<ModalSetup> modal_setup(const NodeSetup& setup) {
   auto table = ModeTable::make(setup);
   if (!table) return tl::unexpected(table.error());
   auto gains = one_each(setup.setting("gains"), "gains", table->size(), 1);
   if (!gains) return tl::unexpected(gains.error());
-  if (const auto fits = setup.take_memory(8 * table->size()); !fits) return tl::unexpected(fits.error());
   const double slope = setup.setting("gain_slope").number;
   for (std::size_t k = 0; k < gains->size(); ++k) (*gains)[k] *= table->falling(k, slope);
   // Retuning changes no mode that is silent at the lowest frequency that may come.
   const auto frequency = static_cast<std::size_t>(setup.type->input_index("frequency"));
   const double lowest_hz = setup.inputs[frequency].constant.value_or(setup.inputs[frequency].range.low);
   std::vector<std::size_t> modes;
-  Fingerprint print;
-  for (std::size_t k = 0; k < table->size(); ++k) {
-    if ((*gains)[k] == 0 || table->frequency_hz(k, lowest_hz) >= setup.sample_rate.value / 2) continue;
-    modes.push_back(k);
-    print.add(std::uint64_t{k});
-  }
-  if (modes.size() < table->size()) setup.variant = print.value();
-  return std::make_unique<ModalNode>(setup.sample_rate, std::move(*table), std::move(*gains),
-                                     std::move(modes));
+  for (std::size_t k = 0; k < table->size(); ++k)
+    if ((*gains)[k] != 0 && table->frequency_hz(k, lowest_hz) < setup.sample_rate.value / 2)
+      modes.push_back(k);
+  return ModalSetup{std::move(*table), std::move(*gains), std::move(modes)};
 }
-
-}  // namespace
 
 NodeType modal_type() {
   return {

@@ -1,33 +1,31 @@
-#include "engine/dsp/curves/curve.h"
-
 #include <cmath>
 
 #include "engine/nodes/declare.h"
 #include "engine/nodes/generators/curve_run_kernel.h"
+#include "engine/nodes/generators/curve_setup.h"
 
 namespace tactus {
-namespace {
 
 Breakpoints::Shape curve_shape(const NodeSetup& setup) {
   const auto& name = setup.setting("curve").text;
   return name == "step" ? TACTUS_CURVE_STEP : name == "smooth" ? TACTUS_CURVE_CUBIC : TACTUS_CURVE_LINEAR;
 }
 
-/// Times become frames; those within a millionth of a frame of a whole one become whole, so that "3 ms" at 48
-/// kHz is frame 144 and not a rounding error later.
-Breakpoints::Points in_frames(Breakpoints::Points points, Hertz sample_rate) {
+Breakpoints::Points curve_points(const NodeSetup& setup) {
+  auto points = setup.setting("points").points;
   for (auto& [x, y] : points) {
-    x = frames_in(Seconds{x}, sample_rate);
+    x = frames_in(Seconds{x}, setup.sample_rate);
     if (std::abs(x - std::round(x)) < 1e-6) x = std::round(x);
   }
   return points;
 }
 
+namespace {
+
 class CurveNode final : public Node {
  public:
-  CurveNode(const NodeSetup& setup, const Breakpoints::Points& points)
-      : points_(in_frames(points, setup.sample_rate), curve_shape(setup)),
-        waits_(setup.input("trigger").connected) {}
+  explicit CurveNode(const NodeSetup& setup)
+      : points_(curve_points(setup), curve_shape(setup)), waits_(setup.input("trigger").connected) {}
 
   void process(const NodeBlock& block) noexcept override {
     const Signal* in = block.in;
@@ -53,11 +51,10 @@ Interval curve_range(int output, const NodeSetup& setup) {
 }
 
 Result<std::unique_ptr<Node>> make_curve(const NodeSetup& setup) {
-  const auto& points = setup.setting("points").points;
-  if (const char* error = Breakpoints::error_in(in_frames(points, setup.sample_rate), curve_shape(setup)))
+  if (const char* error = Breakpoints::error_in(curve_points(setup), curve_shape(setup)))
     return fail(Errc::BadArgument, {}, std::string{"'points' is not a curve: "} + error,
                 "write [[time, value], ...] with ascending times");
-  return std::make_unique<CurveNode>(setup, points);
+  return std::make_unique<CurveNode>(setup);
 }
 
 }  // namespace

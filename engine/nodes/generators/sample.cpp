@@ -6,17 +6,12 @@
 #include <memory>
 #include <system_error>
 
+#include "engine/nodes/generators/recording.h"
 #include "engine/nodes/generators/sample_kernel.h"
 #include "engine/nodes/kernel_node.h"
 
 namespace tactus {
 namespace {
-
-/// One channel of a recording, full scale = 1.
-struct Recording {
-  std::vector<double> samples;
-  Hertz sample_rate;
-};
 
 // 512 MB, which is what a whole graph may keep.
 constexpr std::size_t kSoundFileMostFrames = 64 << 20;
@@ -35,8 +30,8 @@ std::vector<double> read_channel(SNDFILE* file, int channels, int channel) {
   return samples;
 }
 
-/// [control] Reads channel number `channel` (1 is the first) of a sound file of any kind that libsndfile
-/// knows. Errors: BadFile (missing, not a sound file, not finite), OutOfRange (the file has fewer channels).
+}  // namespace
+
 Result<Recording> read_recording(const std::string& path, int channel) {
   std::error_code error;
   if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error))
@@ -62,6 +57,8 @@ Result<Recording> read_recording(const std::string& path, int channel) {
     return fail(Errc::BadFile, {}, "'" + path + "' contains non-finite values", "export the file again");
   return recording;
 }
+
+namespace {
 
 constexpr double kMaxSpeed = 1000;
 

@@ -1,9 +1,8 @@
-#include "engine/dsp/resonators/modal_body.h"
-
 #include <utility>
 
 #include "engine/nodes/declare.h"
 #include "engine/nodes/filters/mode_table.h"
+#include "engine/nodes/mechanics/modal_body_setup.h"
 #include "engine/nodes/process.h"
 
 namespace tactus {
@@ -90,21 +89,27 @@ Result<std::vector<double>> masses_of(const NodeSetup& setup, std::size_t modes)
 }
 
 Result<std::unique_ptr<Node>> make_modal_body(const NodeSetup& setup) {
+  auto body = body_setup(setup);
+  if (!body) return tl::unexpected(body.error());
+  if (const auto fits = setup.take_memory(12 * body->modes.size()); !fits)
+    return tl::unexpected(fits.error());
+  return std::make_unique<ModalBodyNode>(setup.sample_rate, body->impedance, std::move(body->modes));
+}
+
+}  // namespace
+
+Result<BodySetup> body_setup(const NodeSetup& setup) {
   const auto table = ModeTable::make(setup);
   if (!table) return tl::unexpected(table.error());
   const auto masses = masses_of(setup, table->size());
   if (!masses) return tl::unexpected(masses.error());
-  if (const auto fits = setup.take_memory(12 * table->size()); !fits) return tl::unexpected(fits.error());
-  std::vector<BodyMode> modes;
+  BodySetup body{fixed_value(setup, "impedance"), {}};
   for (std::size_t k = 0; k < table->size(); ++k)
-    modes.push_back({.frequency_hz = table->frequency_hz(k, fixed_value(setup, "frequency")),
-                     .decay_s = table->decay_s(k, fixed_value(setup, "decay")),
-                     .mass_kg = (*masses)[k]});
-  return std::make_unique<ModalBodyNode>(setup.sample_rate, fixed_value(setup, "impedance"),
-                                         std::move(modes));
+    body.modes.push_back({.frequency_hz = table->frequency_hz(k, fixed_value(setup, "frequency")),
+                          .decay_s = table->decay_s(k, fixed_value(setup, "decay")),
+                          .mass_kg = (*masses)[k]});
+  return body;
 }
-
-}  // namespace
 
 NodeType modal_body_type() {
   return {

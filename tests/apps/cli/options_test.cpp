@@ -15,7 +15,7 @@ namespace {
 struct Program {
   Program() {
     for (auto* add : {add_play, add_list, add_new, add_actuators, add_render, add_check, add_explain,
-                      add_study, add_sweep, add_nodes, add_devices, add_doctor, add_latency})
+                      add_export, add_study, add_sweep, add_nodes, add_devices, add_doctor, add_latency})
       add(app, exit_code);
     refuse_empty_texts(app);
   }

@@ -1,0 +1,89 @@
+#include "engine/dsp/curves/curve.h"
+#include "engine/dsp/resonators/modal_body.h"
+#include "engine/nodes/mechanics/actuator_inverse_kernel.h"
+#include "engine/nodes/mechanics/modal_body_setup.h"
+#include "engine/nodes/mechanics/terrain_kernel.h"
+#include "engine/nodes/mechanics/virtual_force_kernel.h"
+#include "export/nodes/curve_text.h"
+#include "export/nodes/table.h"
+
+namespace tactus {
+namespace {
+
+void write_terrain(NodeWriter& node) {
+  enum Input { kPosition, kWeight, kHeight, kLength };
+  const auto& profile = node.setting("profile");
+  std::string shape;
+  if (profile == "points") {
+    const auto curve = CubicCurve::spline(node.setup().setting("points").points);
+    shape = "tactus_cubic_at(&" + write_curve_table(node, curve.view()) + ", " + node.in(kPosition) + ")";
+  } else {
+    shape = std::string{profile == "sine" ? "tactus_terrain_sine(" : "tactus_terrain_detent("} +
+            node.in(kPosition) + ", tactus_max(0.0, " + node.in(kHeight) +
+            "), tactus_max(TACTUS_TERRAIN_SHORTEST, " + node.in(kLength) + "))";
+  }
+  const auto point = node.local("tactus_cubic_point", "shape", shape);
+  node.give(0, "tactus_terrain_force(" + node.in(kWeight) + ", " + point + ".slope)");
+  node.give(1, point + ".value");
+}
+
+void write_actuator_inverse(NodeWriter& node) {
+  const auto state = node.state<tactus_actuator_inverse>("tactus_actuator_inverse");
+  std::string values = node.in(1);
+  for (int i = 2; i <= 6; ++i) values += ", " + node.in(i);
+  const auto actuator = node.local("tactus_actuator", "actuator", "{" + values + "}");
+  node.call(0, "tactus_actuator_inverse_step(&" + state + ", " + node.in(0) + ", &" + actuator + ", " +
+                   node.in(7) + ", " + node.in(8) + ", " + node.rate() + ")");
+  node.give(1, state + ".smooth[2]");
+  node.give(2, state + ".position");
+}
+
+void write_modal_body(NodeWriter& node) {
+  const auto setup = *body_setup(node.setup());
+  const ModalBody body{setup.modes, setup.impedance, node.setup().sample_rate};
+  const auto groups = body.groups();
+  const int count = static_cast<int>(groups.size());
+  const auto state = node.state<tactus_modal_body>("tactus_modal_body");
+  const auto modes =
+      count > 0 ? node.state<tactus_body_modes>("tactus_body_modes", "modes", count) : std::string{"0"};
+  const auto copy = [&](const char* name, auto member) {
+    std::vector<double> numbers;
+    for (const auto& group : groups)
+      for (const double number : group.*member) numbers.push_back(number);
+    return modes + "[k / 8]." + name + "[k % 8] = " + node.table(name, numbers) + "[k];";
+  };
+  if (count > 0)
+    node.start("for (int k = 0; k < " + std::to_string(8 * count) + "; ++k) {\n    " +
+               copy("give", &tactus_body_modes::give) + "\n    " +
+               copy("mass_turn", &tactus_body_modes::mass_turn) + "\n    " +
+               copy("spring_turn", &tactus_body_modes::spring_turn) + "\n    " +
+               copy("per_spring", &tactus_body_modes::per_spring) + "\n  }");
+  const auto& scalars = body.scalars();
+  const auto set = [&](const char* name, double value) {
+    node.start(state + "." + name + " = " + NodeWriter::number(value) + ";");
+  };
+  set("impedance", scalars.impedance);
+  set("half_frame", scalars.half_frame);
+  set("by_wave", scalars.by_wave);
+  set("by_state", scalars.by_state);
+  const auto answer = node.local("tactus_body_answer", "answer",
+                                 "tactus_modal_body_step(&" + state + ", " + modes + ", " +
+                                     std::to_string(count) + ", " + node.in(0) + ")");
+  // What joins two ports pushes both apart; here up is up as for the mass on the other side.
+  node.give(0, answer + ".wave");
+  node.give(1, "-" + answer + ".velocity");
+  node.give(2, "-" + answer + ".position");
+  node.give(3, "-" + answer + ".force");
+}
+
+constexpr NodeExport kMechanics[] = {
+    {"spring", write_value, "tactus_spring_force"}, {"damper", write_value, "tactus_damper_force"},
+    {"wall", write_value, "tactus_wall_force"},     {"terrain", write_terrain},
+    {"actuator_inverse", write_actuator_inverse},   {"modal_body", write_modal_body},
+};
+
+}  // namespace
+
+std::span<const NodeExport> exported_mechanics() { return kMechanics; }
+
+}  // namespace tactus

@@ -1,0 +1,81 @@
+#include "export/nodes/node_writer.h"
+
+#include <algorithm>
+
+namespace tactus {
+namespace {
+
+bool is_name(const std::string& text) { return text.find_first_of(" (") == std::string::npos; }
+
+std::string named(const std::string& name, const std::string& suffix) {
+  return suffix.empty() ? name : name + "_" + suffix;
+}
+
+}  // namespace
+
+std::string NodeWriter::variable(int input) {
+  auto& value = inputs_[index(input)].value;
+  if (is_name(value.text) || inputs_[index(input)].constant) return operand(input);
+  value = {local("in", value.text)};
+  return value.text;
+}
+
+std::string NodeWriter::local(const std::string& type, const std::string& suffix, const std::string& value) {
+  auto name = make_name_(named(name_, suffix));
+  step("const " + type + " " + name + " = " + value + ";");
+  return name;
+}
+
+std::string NodeWriter::add_member(const std::string& type, const std::string& suffix, int count,
+                                   std::size_t bytes) {
+  const auto name = make_name_(named(name_, suffix));
+  const auto size = count > 0 ? "[" + std::to_string(count) + "]" : std::string{};
+  node_.members.push_back({type + " " + name + size, {}, bytes * index(std::max(1, count))});
+  return "s->" + name;
+}
+
+std::string NodeWriter::table(const std::string& type, const std::string& suffix, const std::string& text,
+                              std::size_t bytes) {
+  const auto name = make_name_("tactus_data_" + named(name_, suffix));
+  node_.tables.push_back("static const " + type + " " + name + (text.starts_with("[]") ? "[] = " : " = ") +
+                         (text.starts_with("[]") ? text.substr(2) : text) + ";");
+  node_.table_bytes += bytes;
+  return name;
+}
+
+std::string NodeWriter::table(const std::string& suffix, const std::vector<double>& values) {
+  std::string text = "[]{";
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (i > 0) text += i % 6 == 0 ? ",\n    " : ", ";
+    text += number(values[i]);
+  }
+  return table("tactus_real", suffix, text + "}", 8 * values.size());
+}
+
+void NodeWriter::when_changed(const std::vector<int>& inputs, const WithInputs& statement,
+                              const std::string& condition) {
+  std::vector<int> moving;
+  for (const int input : inputs)
+    if (pace(input) != Pace::Constant) moving.push_back(input);
+  std::vector<std::string> names;
+  if (moving.empty()) {
+    for (const int input : inputs) names.push_back(in(input));
+    return start(statement(names));
+  }
+  const auto at = state<double>("tactus_real", "at", static_cast<int>(moving.size()));
+  std::string changed;
+  for (const int input : inputs) {
+    const auto found = std::ranges::find(moving, input);
+    if (found == moving.end()) {
+      names.push_back(in(input));
+      continue;
+    }
+    names.push_back(at + "[" + std::to_string(found - moving.begin()) + "]");
+    start(names.back() + " = NAN;");
+    changed += (changed.empty() ? "" : " | ") + ("tactus_changed(&" + names.back() + ", " + in(input) + ")");
+  }
+  const bool bracketed = moving.size() > 1 && !condition.empty();
+  step("if (" + condition + (bracketed ? "(" + changed + ")" : changed) + ")\n  " + statement(names));
+}
+
+}  // namespace tactus

@@ -1,0 +1,385 @@
+#include "export/targets/c_text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "export/kernel_texts.h"
+
+namespace tactus {
+namespace {
+
+constexpr std::size_t kWidth = 110;
+
+std::string upper(std::string text) {
+  std::ranges::transform(text, text.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  return text;
+}
+
+std::string literal(double value) { return c_number(value, *find_number_type("double")); }
+
+/// Lines of statements, indented.
+std::string indented(const std::string& statement, int spaces) {
+  std::string text, line;
+  const auto add = [&] { text += wrapped(std::string(static_cast<std::size_t>(spaces), ' ') + line) + "\n"; };
+  for (const char c : statement) {
+    if (c == '\n') {
+      add();
+      line.clear();
+    } else {
+      line += c;
+    }
+  }
+  add();
+  return text;
+}
+
+std::string bodies(const std::vector<std::string>& statements, int spaces) {
+  std::string text;
+  for (const auto& statement : statements) text += indented(statement, spaces);
+  return text;
+}
+
+bool mentions(const std::vector<Statement>& statements, const std::string& name) {
+  return std::ranges::any_of(statements,
+                             [&](const Statement& s) { return identifiers_of(s.text).contains(name); });
+}
+
+std::string limits_comment(const CProgram& program) {
+  if (!program.guard) return "Outputs are not limited: this program was exported without a guard.";
+  std::string text = "Limits of the outputs, full scale = 1 (" + program.limits_from + "):";
+  for (const auto& output : program.outputs) {
+    const auto& limits = output.limits->limits;
+    text += fmt::format("\n   {}: ceiling {:g}", output.name, limits.ceiling);
+    if (output.limits->kind == DriveGuard::Kind::Drive)
+      text += fmt::format(", slew {:g} per second", limits.slew_per_second);
+    text +=
+        fmt::format(", soft start {:g} s, fade-out {:g} s", limits.soft_start.value, limits.fade_out.value);
+  }
+  return text + "\n   All outputs fade out unless tactus_alive was called within the last 500 ms of frames.";
+}
+
+std::string ports_comment(const char* what, const std::vector<ProgramPort>& ports) {
+  std::string text;
+  for (std::size_t i = 0; i < ports.size(); ++i) {
+    text += fmt::format("   {}[{}] {}", what, i, ports[i].name);
+    if (!ports[i].unit.empty()) text += " [" + ports[i].unit + "]";
+    if (!ports[i].about.empty()) text += ": " + ports[i].about;
+    text += '\n';
+  }
+  return text;
+}
+
+std::string controls_struct(const CProgram& program) {
+  std::string text =
+      "/* What the caller sets, in SI units; each moves there smoothly. */\ntypedef struct tactus_controls "
+      "{\n";
+  for (const auto& control : program.controls)
+    text += fmt::format("  tactus_real {}; /* {} */\n", control.name, control.about);
+  if (program.controls.empty()) text += "  unsigned char none; /* there are no controls */\n";
+  return text + "} tactus_controls;\n\n";
+}
+
+std::string ramps_struct(const CProgram& program) {
+  if (program.controls.empty()) return {};
+  std::string text = "/* Where the controls are on their way. */\ntypedef struct tactus_ramps {\n";
+  for (const auto& control : program.controls) text += "  tactus_control " + control.name + ";\n";
+  return text + "} tactus_ramps;\n\n";
+}
+
+std::string nodes_struct(const CProgram& program) {
+  std::string text =
+      "/* State of the nodes, and values that depend on controls alone. */\ntypedef struct tactus_nodes {\n";
+  for (const auto& member : program.members) {
+    text += "  " + member.declaration + ";";
+    if (!member.about.empty()) text += " /* " + member.about + " */";
+    text += '\n';
+  }
+  if (program.members.empty()) text += "  unsigned char none;\n";
+  return text + "} tactus_nodes;\n\n";
+}
+
+std::string program_struct(const CProgram& program) {
+  std::string text = "/* The whole program. */\ntypedef struct tactus {\n  tactus_controls controls;\n";
+  if (!program.controls.empty()) text += "  tactus_ramps ramps;\n";
+  text += "  tactus_nodes nodes;\n";
+  if (program.guard)
+    text += fmt::format("  tactus_guard guards[{}];\n  tactus_switch alive;\n",
+                        std::max<std::size_t>(1, program.outputs.size()));
+  if (program.needs_frame_number()) text += "  unsigned long long frame; /* since the start */\n";
+  text +=
+      "  unsigned char cell;    /* frame number modulo 64 */\n"
+      "  unsigned char silent;  /* frames left of the silence after a fault */\n";
+  return text + "} tactus;\n\n";
+}
+
+/// Everything that is in the header's structs.
+std::string structs(const CProgram& program) {
+  return controls_struct(program) + ramps_struct(program) + nodes_struct(program) + program_struct(program);
+}
+
+KernelChoice choice_of(const CProgram& program) {
+  const std::string plain = "export/kernels/plain_filter_kernel.h";
+  return program.recurrence == RecurrenceForm::Plain ? KernelChoice{{plain}, {}} : KernelChoice{{}, {plain}};
+}
+
+/// The number type is defined by the program's own header.
+std::vector<KernelItem> kernels_for(const std::string& text, const CProgram& program) {
+  auto items = needed_kernel_items(identifiers_of(text), choice_of(program));
+  std::erase_if(items, [](const KernelItem& item) { return item.names.front() == "tactus_real"; });
+  return items;
+}
+
+std::string text_of(const std::vector<KernelItem>& items) {
+  std::string text;
+  for (const auto& item : items) text += item.text + "\n" + (item.text.starts_with("#define") ? "" : "\n");
+  return text;
+}
+
+std::string limits_table(const CProgram& program) {
+  if (!program.guard || program.outputs.empty()) return {};
+  std::string text =
+      "/* Ceiling, largest step, and frames of soft start and fade-out of each output. */\n"
+      "static const tactus_limits tactus_output_limits[TACTUS_OUTPUTS] = {\n";
+  const double rate = program.sample_rate.value;
+  for (const auto& output : program.outputs) {
+    const auto& limits = output.limits->limits;
+    const bool drive = output.limits->kind == DriveGuard::Kind::Drive;
+    text += fmt::format("    {{{}, {}, {}, {}}}, /* {} */\n", literal(limits.ceiling),
+                        drive ? literal(limits.slew_per_second / rate) : "HUGE_VAL",
+                        std::llround(limits.soft_start.value * rate),
+                        std::llround(limits.fade_out.value * rate), output.name);
+  }
+  return text + "};\n\n";
+}
+
+std::string follow_function(const CProgram& program) {
+  if (program.follow.empty()) return {};
+  return "/* What depends on controls alone. */\nstatic void tactus_follow(tactus* self) {\n"
+         "  tactus_nodes* const s = &self->nodes;\n  const tactus_ramps* const c = &self->ramps;\n" +
+         bodies(program.follow, 2) + "}\n\n";
+}
+
+std::string reset_function(const CProgram& program) {
+  std::string text = "/* All nodes as they were at the start. */\nstatic void tactus_reset(tactus* self) {\n";
+  if (!program.start.empty()) text += "  tactus_nodes* const s = &self->nodes;\n";
+  text += "  memset(&self->nodes, 0, sizeof self->nodes);\n" + bodies(program.start, 2);
+  if (!program.follow.empty()) text += "  tactus_follow(self);\n";
+  return text + "}\n\n";
+}
+
+/// Frames of parts with a rate of their own.
+std::string divided_names(const CProgram& program) {
+  std::set<int> divisors;
+  for (const auto& statement : program.frame)
+    if (statement.divisor > 1) divisors.insert(statement.divisor);
+  std::string text;
+  for (const int divisor : divisors) {
+    const auto number = fmt::format("frame_number_{}", divisor),
+               position = fmt::format("group_position_{}", divisor);
+    const bool placed = mentions(program.frame, position);
+    if (placed || mentions(program.frame, number))
+      text += fmt::format("  const unsigned long long {} = frame_number / {};\n", number, divisor);
+    if (placed) text += fmt::format("  const int {} = (int)({} % 8);\n", position, number);
+  }
+  return text;
+}
+
+std::string frame_statements(const CProgram& program) {
+  std::string text;
+  int divisor = 1;
+  for (const auto& statement : program.frame) {
+    if (statement.divisor != divisor) {
+      if (divisor > 1) text += "  }\n";
+      if (statement.divisor > 1) text += fmt::format("  if (frame_number % {} == 0) {{\n", statement.divisor);
+      divisor = statement.divisor;
+    }
+    text += indented(statement.text, divisor > 1 ? 4 : 2);
+  }
+  return text + (divisor > 1 ? "  }\n" : "");
+}
+
+/// The statements of one frame; whether all that matters stayed finite.
+std::string frame_function(const CProgram& program) {
+  std::string body = frame_statements(program), check;
+  for (std::size_t i = 0; i < program.outputs.size(); ++i)
+    body += indented(fmt::format("out[{}] = {};", i, program.outputs[i].value), 2);
+  for (const auto& value : program.checked) check += (check.empty() ? "0 * " : " + 0 * ") + value;
+  for (std::size_t i = 0; i < program.outputs.size(); ++i)
+    check += (check.empty() ? "0 * " : " + 0 * ") + fmt::format("out[{}]", i);
+  body += indented("return " + (check.empty() ? "1" : check + " == 0") + ";", 2);
+
+  const auto names = identifiers_of(body);
+  std::string text =
+      "/* One frame of all nodes. 0: something is not finite. */\n"
+      "static int tactus_frame(tactus* self, const tactus_real* in, tactus_real* out) {\n";
+  if (names.contains("s")) text += "  tactus_nodes* const s = &self->nodes;\n";
+  if (names.contains("c")) text += "  const tactus_ramps* const c = &self->ramps;\n";
+  if (names.contains("group_position")) text += "  const int group_position = self->cell % 8;\n";
+  if (program.needs_frame_number()) text += "  const unsigned long long frame_number = self->frame;\n";
+  text += divided_names(program) + bodies(program.variables, 2);
+  if (program.read_inputs.empty()) text += "  (void)in;\n";
+  if (program.outputs.empty()) text += "  (void)out;\n";
+  if (!names.contains("s") && !names.contains("c") && !names.contains("group_position") &&
+      !program.needs_frame_number())
+    text += "  (void)self;\n";
+  return text + body + "}\n\n";
+}
+
+std::string init_function(const CProgram& program) {
+  std::string text = "void tactus_init(tactus* self) {\n  memset(self, 0, sizeof *self);\n";
+  for (const auto& control : program.controls)
+    text += fmt::format("  self->controls.{0} = {1};\n  tactus_control_start(&self->ramps.{0}, {1});\n",
+                        control.name, literal(control.value));
+  return text + "  tactus_reset(self);\n}\n\n";
+}
+
+std::string alive_function(const CProgram& program) {
+  return std::string{"void tactus_alive(tactus* self) {"} +
+         (program.guard ? " tactus_switch_refresh(&self->alive); }\n\n" : " (void)self; }\n\n");
+}
+
+std::string control_steps(const CProgram& program) {
+  std::string text;
+  for (const auto& control : program.controls)
+    text += indented(
+        fmt::format("moved |= tactus_control_{}step(&self->ramps.{}, self->controls.{}, {}, {}, {});",
+                    control.decibel ? "decibel_" : "", control.name, control.name, literal(control.low),
+                    literal(control.high), control.smooth_frames),
+        2);
+  return text;
+}
+
+std::string step_function(const CProgram& program) {
+  const bool follows = !program.follow.empty();
+  std::string text = "void tactus_step(tactus* self, const tactus_real* in, tactus_real* out) {\n";
+  auto moves = control_steps(program);
+  if (!follows)
+    for (auto at = moves.find("moved |= "); at != std::string::npos; at = moves.find("moved |= "))
+      moves.erase(at, 9);
+  if (program.guard)
+    text += fmt::format("  const int open = tactus_switch_step(&self->alive, {});\n",
+                        std::llround(0.5 * program.sample_rate.value));
+  if (follows) text += "  int moved = 0;\n";
+  text += moves;
+  if (follows) text += "  if (moved) tactus_follow(self);\n";
+  text +=
+      "  if (self->silent == 0 && !tactus_frame(self, in, out)) {\n"
+      "    tactus_reset(self);\n"
+      "    self->silent = (unsigned char)(64 - self->cell);\n"
+      "  }\n"
+      "  if (self->silent > 0) {\n"
+      "    --self->silent;\n";
+  if (!program.outputs.empty()) text += "    memset(out, 0, TACTUS_OUTPUTS * sizeof *out);\n";
+  text += "  }\n";
+  if (program.guard && !program.outputs.empty())
+    text +=
+        "  for (int k = 0; k < TACTUS_OUTPUTS; ++k)\n"
+        "    out[k] = tactus_guard_step(&self->guards[k], &tactus_output_limits[k], open, out[k]);\n";
+  if (program.guard && program.outputs.empty()) text += "  (void)open;\n";
+  if (program.needs_frame_number()) text += "  ++self->frame;\n";
+  return text + "  self->cell = (unsigned char)((self->cell + 1) % 64);\n}\n";
+}
+
+std::string functions(const CProgram& program) {
+  std::string text;
+  for (const auto& table : program.tables) text += wrapped(table) + "\n";
+  if (!program.tables.empty()) text += "\n";
+  return text + limits_table(program) + follow_function(program) + reset_function(program) +
+         frame_function(program) + init_function(program) + alive_function(program) + step_function(program);
+}
+
+}  // namespace
+
+std::string wrapped(const std::string& line) {
+  if (line.size() <= kWidth || line.find('\n') != std::string::npos) return line;
+  const auto indent = line.find_first_not_of(' ');
+  std::string text, rest = line;
+  std::string further(indent + 4, ' ');
+  while (rest.size() > kWidth) {
+    auto at = rest.rfind(' ', kWidth);
+    if (at == std::string::npos || at <= rest.find_first_not_of(' ')) break;
+    text += rest.substr(0, at) + "\n";
+    rest = further + rest.substr(at + 1);
+  }
+  return text + rest;
+}
+
+std::string as_of_program(const std::string& text, const CProgram& program) {
+  const auto converted = with_numbers(text, *program.number);
+  const auto capitals = upper(program.name);
+  std::string result;
+  for (std::size_t at = 0; at < converted.size();) {
+    if (!is_identifier_start(converted[at]) || (at > 0 && is_identifier_part(converted[at - 1]))) {
+      result += converted[at++];
+      continue;
+    }
+    std::size_t end = at;
+    while (end < converted.size() && is_identifier_part(converted[end])) ++end;
+    const auto word = converted.substr(at, end - at);
+    if (word == "tactus" || word == "TACTUS_H")
+      result += word == "tactus" ? program.name : capitals + "_H";
+    else if (word == "tactus_real")
+      result += program.name + "_number";
+    else if (word.starts_with("tactus_"))
+      result += program.name + word.substr(6);
+    else if (word.starts_with("TACTUS_"))
+      result += capitals + word.substr(6);
+    else
+      result += word;
+    at = end;
+  }
+  return result;
+}
+
+std::size_t state_bytes(const CProgram& program) {
+  std::size_t bytes = 16 + 56 * program.controls.size();
+  if (program.guard) bytes += 64 * program.outputs.size();
+  for (const auto& member : program.members) bytes += member.bytes;
+  return bytes * static_cast<std::size_t>(program.number->bytes) / 8;
+}
+
+std::string c_header(const CProgram& program) {
+  const auto text = structs(program);
+  std::string types;
+  for (const auto& item : kernels_for(text, program))
+    if (item.is_type) types += item.text + "\n" + (item.text.starts_with("#define") ? "" : "\n");
+  const auto head = fmt::format(
+      "/* {}{}{}\n   Exported by Tactus from {} for {:g} Hz; system delay {:g} s; recurrences {}.\n\n{}{}\n  "
+      " {}\n*/\n",
+      program.title, program.about.empty() ? "" : ": " + program.about,
+      program.source.empty() ? "" : "\n   Source: " + program.source, program.file, program.sample_rate.value,
+      program.system_delay.value,
+      program.recurrence == RecurrenceForm::Grid ? "on a grid of eight frames" : "frame by frame",
+      ports_comment("in", program.inputs), ports_comment("out", program.outputs), limits_comment(program));
+  return as_of_program(
+      head + "#ifndef TACTUS_H\n#define TACTUS_H\n\n#ifdef __cplusplus\nextern \"C\" {\n#endif\n\n" +
+          "#define TACTUS_RATE " + literal(program.sample_rate.value) + "\n" +
+          fmt::format("enum {{ TACTUS_INPUTS = {}, TACTUS_OUTPUTS = {}, TACTUS_CONTROLS = {} }};\n\n",
+                      program.inputs.size(), program.outputs.size(), program.controls.size()) +
+          "typedef " + program.number->c_type + " tactus_real;\n\n" + types + text +
+          "void tactus_init(tactus* self);\n"
+          "/* The caller is alive: refreshes the dead man's switch. */\n"
+          "void tactus_alive(tactus* self);\n"
+          "/* One frame. Inputs and outputs in the order of the file, lanes one after the other. */\n"
+          "void tactus_step(tactus* self, const tactus_real* in, tactus_real* out);\n\n"
+          "#ifdef __cplusplus\n}\n#endif\n#endif\n",
+      program);
+}
+
+std::string c_source(const CProgram& program) {
+  const auto own = functions(program), declared = structs(program);
+  std::set<std::string> in_header;
+  for (const auto& item : kernels_for(declared, program))
+    if (item.is_type) in_header.insert(item.names.front());
+  auto items = kernels_for(own + declared, program);
+  std::erase_if(items, [&](const KernelItem& item) { return in_header.contains(item.names.front()); });
+  return as_of_program("/* " + program.title + ": see " + program.name + ".h. */\n#include \"" +
+                           program.name + ".h\"\n\n#include <math.h>\n#include <string.h>\n\n" +
+                           text_of(items) + own,
+                       program);
+}
+
+}  // namespace tactus

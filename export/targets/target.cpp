@@ -1,0 +1,28 @@
+#include "export/targets/target.h"
+
+#include <algorithm>
+#include <array>
+
+namespace tactus {
+namespace {
+
+constexpr std::array kTargets = {
+    ExportTarget{"c", "C99 for any processor", RecurrenceForm::Grid, "double", c_files},
+    ExportTarget{"library", "the same as a library that CMake builds and installs", RecurrenceForm::Grid,
+                 "double", library_files},
+};
+
+}  // namespace
+
+const ExportTarget* find_export_target(std::string_view name) {
+  const auto found = std::ranges::find(kTargets, name, &ExportTarget::name);
+  return found == kTargets.end() ? nullptr : &*found;
+}
+
+std::vector<std::string> export_target_names() {
+  std::vector<std::string> names;
+  for (const auto& target : kTargets) names.emplace_back(target.name);
+  return names;
+}
+
+}  // namespace tactus
