@@ -69,6 +69,10 @@ static_assert(std::ranges::all_of(kOperators, [](const Operator& type) {
 
 }  // namespace
 
+CExpression c_quotient(const CExpression& a, const CExpression& b) {
+  return {a.within(Product) + " / " + b.within(Sign), Product};
+}
+
 bool has_domain(Op op) { return written(op).domain; }
 
 CExpression c_operation(Op op, std::span<const CExpression> operands, const NumberType& number) {

@@ -22,6 +22,8 @@ struct CExpression {
 
 /// An operator of expressions applied to its operands; not finite outside its domain.
 CExpression c_operation(Expression::Op op, std::span<const CExpression> operands, const NumberType& number);
+/// a / b where b is not 0.
+CExpression c_quotient(const CExpression& a, const CExpression& b);
 /// Whether the result must be made finite: an operator with a domain. Sums and products that overflow count
 /// as faults of the program.
 bool has_domain(Expression::Op op);

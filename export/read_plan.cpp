@@ -133,20 +133,25 @@ class PlanReader {
 
   // Names.
 
-  std::string unique(std::string_view wanted) {
+  std::string unique(std::string_view wanted, std::set<std::string>& names) const {
     auto name = c_identifier(wanted);
     // Not as what is defined outside of functions.
     if (name.starts_with(program_.name + "_")) name = "node_" + name;
     auto candidate = name;
-    for (int i = 2; names_.contains(candidate) || std::ranges::find(kTaken, candidate) != kTaken.end(); ++i)
+    for (int i = 2; candidate == program_.name || names.contains(candidate) ||
+                    std::ranges::find(kTaken, candidate) != kTaken.end();
+         ++i)
       candidate = name + "_" + std::to_string(i);
-    names_.insert(candidate);
+    names.insert(candidate);
     return candidate;
   }
 
-  std::string name_of(const Vertex& vertex, int port) {
+  std::string name_of(const Vertex& vertex, int port, std::set<std::string>& names) const {
     const bool node = vertex.type != nullptr && port > 0;
-    return unique(node ? vertex.path + "_" + vertex.type->outputs[index(port)].name : vertex.path);
+    return unique(node ? vertex.path + "_" + vertex.type->outputs[index(port)].name : vertex.path, names);
+  }
+  NodeWriter::MakeName make_name() {
+    return [this](const std::string& wanted, bool member) { return unique(wanted, member ? members_ : variables_); };
   }
 
   // What comes from outside.
@@ -168,7 +173,7 @@ class PlanReader {
         about += fmt::format("; as a factor: {:g} to {:g}, {:g}", control.range.low, control.range.high,
                              control.value);
       if (!control.about.empty()) about += "; " + control.about;
-      control_names_.push_back(unique(control.name));
+      control_names_.push_back(unique(control.name, controls_));
       program_.controls.push_back({control_names_.back(), about, control.value, control.range.low,
                                    control.range.high, smooth, control.unit.decibel});
     }
@@ -179,7 +184,7 @@ class PlanReader {
     for (std::size_t v = 0; v < plan_.vertices.size(); ++v) {
       const auto& vertex = plan_.vertices[v];
       if (vertex.kind != Kind::Input || readers_[v] == 0) continue;
-      const auto name = unique(vertex.path.empty() ? plan_.input_names[index(vertex.index)] : vertex.path);
+      const auto name = unique(vertex.path.empty() ? plan_.input_names[index(vertex.index)] : vertex.path, variables_);
       program_.read_inputs.push_back(vertex.index);
       program_.frame.push_back(
           {fmt::format("const tactus_real {} = tactus_sample_in(in[{}]);", name, vertex.index)});
@@ -290,8 +295,9 @@ class PlanReader {
   /// frame.
   void name_value(int v, int port, const CExpression& value, std::vector<std::string>& statements) {
     const auto& vertex = at(v);
-    const auto name = name_of(vertex, port);
-    if (paces_[index(v)] == Pace::Control) {
+    const bool member = paces_[index(v)] == Pace::Control;
+    const auto name = name_of(vertex, port, member ? members_ : variables_);
+    if (member) {
       program_.members.push_back({"tactus_real " + name, {}, sizeof(double)});
       statements.push_back("s->" + name + " = " + value.text + ";");
       values_[{v, port}] = {"s->" + name};
@@ -342,7 +348,8 @@ class PlanReader {
     if (paces_[index(v)] == Pace::Constant) return;
     std::vector<CExpression> operands;
     for (const auto& wire : vertex.in) operands.push_back(value_of(wire));
-    auto value = c_operation(vertex.op, operands, *program_.number);
+    const bool divides = vertex.op == Expression::Op::Divide && constant(vertex.in[1]).value_or(0) != 0;
+    auto value = divides ? c_quotient(operands[0], operands[1]) : c_operation(vertex.op, operands, *program_.number);
     if (has_domain(vertex.op)) value = {"tactus_finite(" + value.text + ")"};
     const bool once = readers_[index(v)] == 1 && value.text.size() < kLongestInline;
     const bool of_controls = paces_[index(v)] == Pace::Control;
@@ -380,7 +387,7 @@ class PlanReader {
             ports_[index(step.vertex)],
             step.kind == Step::Kind::Emit,
             vertex.divisor,
-            [this](const std::string& wanted) { return unique(wanted); }};
+            make_name()};
   }
 
   /// A node on a loop comes twice: its second half is kept until then.
@@ -468,7 +475,7 @@ class PlanReader {
                       {true},
                       false,
                       vertex.divisor,
-                      [this](const std::string& wanted) { return unique(wanted); }};
+                      make_name()};
     const auto phase = writer.state<double>("tactus_real", "");
     writer.when_changed(all, [&](const std::vector<std::string>& values) {
       return phase + " = tactus_phase_delay(" +
@@ -489,7 +496,7 @@ class PlanReader {
     using How = RateConversion::How;
     CExpression value{in};
     if (!into || how.how != How::Last) {
-      const auto state = unique(vertex.path + "_rate");
+      const auto state = unique(vertex.path + "_rate", members_);
       program_.members.push_back({std::string{into ? "tactus_gather " : "tactus_spread "} + state, {}, 24});
       const char* name = into ? (how.how == How::Smooth ? "gather_mean" : "gather_trigger")
                               : (how.how == How::Smooth ? "spread_line"
@@ -507,7 +514,7 @@ class PlanReader {
 
   /// What goes into a part is worked out in frames outside, and what comes out of it is read there.
   void convert(int v, const CExpression& value, std::vector<std::string>& statements) {
-    const auto name = name_of(at(v), 0);
+    const auto name = name_of(at(v), 0, variables_);
     if (at(v).divisor == 1) {
       statements.push_back("const tactus_real " + name + " = " + value.text + ";");
     } else {
@@ -521,7 +528,7 @@ class PlanReader {
   const Plan& plan_;
   const RecordedNodes& nodes_;
   std::vector<Error> errors_;
-  std::set<std::string> names_;
+  std::set<std::string> controls_, members_, variables_;  ///< names that are taken
   std::vector<std::string> control_names_;             ///< [control]
   std::vector<Pace> paces_;                            ///< [vertex]
   std::vector<int> readers_, fast_readers_;            ///< [vertex]; those that run in each frame

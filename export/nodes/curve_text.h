@@ -23,13 +23,11 @@ inline std::string curve_shape_name(tactus_curve_shape shape) {
   }
 }
 
-/// A curve as a constant; returns its name. Slopes are written where one of them is not 0.
-inline std::string write_curve_table(NodeWriter& node, const tactus_curve& curve) {
+/// A curve as a constant; returns its name. Only cubics have slopes.
+inline std::string write_curve_table(NodeWriter& node, const tactus_curve& curve, bool cubic) {
   const auto count = index(curve.count);
   const auto x = node.table("x", {curve.x, curve.x + count}), y = node.table("y", {curve.y, curve.y + count});
-  bool sloped = false;
-  for (std::size_t i = 0; i < count; ++i) sloped = sloped || curve.slope[i] != 0;
-  const auto slope = sloped ? node.table("slope", {curve.slope, curve.slope + count}) : std::string{"0"};
+  const auto slope = cubic ? node.table("slope", {curve.slope, curve.slope + count}) : std::string{"0"};
   return node.table("tactus_curve", "points",
                     "{" + std::to_string(curve.count) + ", " + x + ", " + y + ", " + slope + "}",
                     sizeof(tactus_curve));

@@ -40,7 +40,7 @@ void write_curve(NodeWriter& node) {
   const auto shape = curve_shape(node.setup());
   const Breakpoints points{curve_points(node.setup()), shape};
   const auto run = node.state<tactus_curve_run>("tactus_curve_run");
-  const auto curve = write_curve_table(node, points.view());
+  const auto curve = write_curve_table(node, points.view(), shape == TACTUS_CURVE_CUBIC);
   const auto waits = node.setup().input("trigger").connected ? "1" : "0";
   const auto place = node.local("place", "tactus_curve_run_step(&" + run + ", " + node.in(0) + ", " +
                                              node.in(1) + ", " + node.in(2) + ", " + waits + ")");

@@ -21,14 +21,14 @@ std::string NodeWriter::variable(int input) {
 }
 
 std::string NodeWriter::local(const std::string& type, const std::string& suffix, const std::string& value) {
-  auto name = make_name_(named(name_, suffix));
+  auto name = make_name_(named(name_, suffix), false);
   step("const " + type + " " + name + " = " + value + ";");
   return name;
 }
 
 std::string NodeWriter::add_member(const std::string& type, const std::string& suffix, int count,
                                    std::size_t bytes) {
-  const auto name = make_name_(named(name_, suffix));
+  const auto name = make_name_(named(name_, suffix), true);
   const auto size = count > 0 ? "[" + std::to_string(count) + "]" : std::string{};
   node_.members.push_back({type + " " + name + size, {}, bytes * index(std::max(1, count))});
   return "s->" + name;
@@ -36,7 +36,7 @@ std::string NodeWriter::add_member(const std::string& type, const std::string& s
 
 std::string NodeWriter::table(const std::string& type, const std::string& suffix, const std::string& text,
                               std::size_t bytes) {
-  const auto name = make_name_("tactus_data_" + named(name_, suffix));
+  const auto name = make_name_("tactus_data_" + named(name_, suffix), false);
   node_.tables.push_back("static const " + type + " " + name + (text.starts_with("[]") ? "[] = " : " = ") +
                          (text.starts_with("[]") ? text.substr(2) : text) + ";");
   node_.table_bytes += bytes;

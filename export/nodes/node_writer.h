@@ -45,7 +45,7 @@ struct WrittenNode {
 class NodeWriter {
  public:
   /// Makes names of members and tables, which no other node has.
-  using MakeName = std::function<std::string(const std::string& wanted)>;
+  using MakeName = std::function<std::string(const std::string& wanted, bool member)>;
   using WithInputs = std::function<std::string(const std::vector<std::string>& inputs)>;
 
   NodeWriter(const NodeSetup& setup, std::string kernel, std::string state, std::string name,

@@ -25,7 +25,7 @@ void write_shaper(NodeWriter& node) {
 void write_map(NodeWriter& node) {
   const auto shape = node.setting("curve") == "exponential" ? TACTUS_CURVE_EXPONENTIAL : TACTUS_CURVE_LINEAR;
   const Breakpoints points{node.setup().setting("points").points, shape};
-  node.give(0, "tactus_curve_value(&" + write_curve_table(node, points.view()) + ", " +
+  node.give(0, "tactus_curve_value(&" + write_curve_table(node, points.view(), false) + ", " +
                    curve_shape_name(shape) + ", " + node.in(0) + ")");
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <map>
 
 #include "export/kernel_texts.h"
 
@@ -47,6 +48,14 @@ bool mentions(const std::vector<Statement>& statements, const std::string& name)
                              [&](const Statement& s) { return identifiers_of(s.text).contains(name); });
 }
 
+/// A declaration with a comment behind it, or above it where that would be too long.
+std::string commented(const std::string& declaration, const std::string& comment) {
+  if (comment.empty()) return declaration + "\n";
+  const auto text = "/* " + comment + " */";
+  const bool behind = declaration.size() + 2 + text.size() <= kWidth;
+  return behind ? declaration + "  " + text + "\n" : wrapped("  " + text) + "\n" + declaration + "\n";
+}
+
 std::string limits_comment(const CProgram& program) {
   if (!program.guard) return "Outputs are not limited: this program was exported without a guard.";
   std::string text = "Limits of the outputs, full scale = 1 (" + program.limits_from + "):";
@@ -77,7 +86,7 @@ std::string controls_struct(const CProgram& program) {
       "/* What the caller sets, in SI units; each moves there smoothly. */\ntypedef struct tactus_controls "
       "{\n";
   for (const auto& control : program.controls)
-    text += fmt::format("  tactus_real {}; /* {} */\n", control.name, control.about);
+    text += commented("  tactus_real " + control.name + ";", control.about);
   if (program.controls.empty()) text += "  unsigned char none; /* there are no controls */\n";
   return text + "} tactus_controls;\n\n";
 }
@@ -93,9 +102,7 @@ std::string nodes_struct(const CProgram& program) {
   std::string text =
       "/* State of the nodes, and values that depend on controls alone. */\ntypedef struct tactus_nodes {\n";
   for (const auto& member : program.members) {
-    text += "  " + member.declaration + ";";
-    if (!member.about.empty()) text += " /* " + member.about + " */";
-    text += '\n';
+    text += commented("  " + member.declaration + ";", member.about);
   }
   if (program.members.empty()) text += "  unsigned char none;\n";
   return text + "} tactus_nodes;\n\n";
@@ -187,10 +194,34 @@ std::string divided_names(const CProgram& program) {
   return text;
 }
 
+/// The variable that a statement begins with declaring; "": none.
+std::string declared_variable(const std::string& statement) {
+  const std::string constant = "const tactus_real ";
+  if (!statement.starts_with(constant)) return {};
+  return statement.substr(constant.size(), statement.find(' ', constant.size()) - constant.size());
+}
+
+/// Without variables that nothing reads: a node may ignore an input. What changes a state stays.
+std::vector<Statement> without_unused(const CProgram& program) {
+  std::map<std::string, int> mentions;
+  const auto count = [&](const std::string& text) {
+    for_each_identifier(text, [&](std::string_view name) { ++mentions[std::string{name}]; });
+  };
+  for (const auto& statement : program.frame) count(statement.text);
+  for (const auto& output : program.outputs) count(output.value);
+  for (const auto& value : program.checked) count(value);
+  auto statements = program.frame;
+  for (auto& statement : statements)
+    if (const auto name = declared_variable(statement.text); !name.empty() && mentions[name] < 2)
+      statement.text = statement.text.find("&s->") == std::string::npos ? "" : statement.text + "\n(void)" + name + ";";
+  std::erase_if(statements, [](const Statement& statement) { return statement.text.empty(); });
+  return statements;
+}
+
 std::string frame_statements(const CProgram& program) {
   std::string text;
   int divisor = 1;
-  for (const auto& statement : program.frame) {
+  for (const auto& statement : without_unused(program)) {
     if (statement.divisor != divisor) {
       if (divisor > 1) text += "  }\n";
       if (statement.divisor > 1) text += fmt::format("  if (frame_number % {} == 0) {{\n", statement.divisor);
@@ -220,7 +251,7 @@ std::string frame_function(const CProgram& program) {
   if (names.contains("group_position")) text += "  const int group_position = self->cell % 8;\n";
   if (program.needs_frame_number()) text += "  const unsigned long long frame_number = self->frame;\n";
   text += divided_names(program) + bodies(program.variables, 2);
-  if (program.read_inputs.empty()) text += "  (void)in;\n";
+  if (!names.contains("in")) text += "  (void)in;\n";
   if (program.outputs.empty()) text += "  (void)out;\n";
   if (!names.contains("s") && !names.contains("c") && !names.contains("group_position") &&
       !program.needs_frame_number())

@@ -1,0 +1,199 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+#include <set>
+
+#include "engine/graph/semantics/operators.h"
+#include "tests/conformance/node_cases.h"
+#include "tests/conformance/random_graph.h"
+#include "tests/export/compiled_programs.h"
+
+// Every type of node, operator and random graph: exported, compiled as C99 and run, with the bits of the engine.
+
+using namespace tactus;
+using namespace tactus::test;
+
+namespace {
+
+constexpr int kFrames = 6000;  // `stroke` detects nothing in its first 100 ms
+
+/// To the last bit.
+std::string exactly(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.17g", value);
+  return text;
+}
+
+/// All cases of a type as one graph; every port of each that is a signal is an input.
+struct CaseGraph {
+  std::string text;
+  Channels inputs;
+};
+
+std::string unit_text(const InputPort& port) {
+  if (port.unit == "=in/s") return " Hz";
+  return port.unit.empty() || port.unit == "any" || port.unit[0] == '=' ? "" : " " + port.unit;
+}
+
+std::string port_text(const InputPort& port, const InputValue& value, const std::string& input, CaseGraph& graph,
+                      std::string& declared) {
+  const auto unit = unit_text(port);
+  if (const auto* constant = std::get_if<double>(&value)) return "\"" + exactly(*constant) + unit + "\"";
+  const auto range = typical_range(port);
+  declared += input + " = {}\n";
+  graph.inputs.push_back(std::get<Samples>(value));
+  const auto limited = "max(" + exactly(range.low) + ", min(" + exactly(range.high) + ", " + input + "))";
+  return "\"" + limited + (unit.empty() ? "" : " * 1" + unit) + "\"";
+}
+
+CaseGraph graph_of(const NodeType& type) {
+  CaseGraph graph;
+  std::string declared, nodes, outputs;
+  int number = 0;
+  for (const auto& one : ordinary_cases(type, kFrames, 2)) {
+    const auto name = "c" + std::to_string(number++);
+    nodes += name + " = { type = \"" + type.name + "\"";
+    for (const auto& port : type.inputs)
+      nodes += ", " + port.name + " = " +
+               port_text(port, one.inputs.at(port.name), name + "_" + port.name, graph, declared);
+    for (const auto& setting : type.settings)
+      if (const auto given = one.settings.find(setting.name); given != one.settings.end())
+        nodes += ", " + setting.name + " = " + as_written(setting, given->second);
+    nodes += " }\n";
+    for (const auto& output : type.outputs)
+      outputs += name + "_" + output.name + " = { from = \"" + plain_signal(name + "." + output.name, output.unit) + "\" }\n";
+  }
+  graph.text = "format = 1\nname = \"node " + type.name + "\"\n[inputs]\n" + declared + "[nodes]\n" + nodes +
+               "[outputs]\n" + outputs;
+  return graph;
+}
+
+/// Of all outputs of both: the largest difference, as a share of the largest value.
+double relative_error(const Channels& a, const Channels& b) {
+  double worst = 0;
+  for (std::size_t c = 0; c < a.size(); ++c) {
+    double size = 0, error = 0;
+    for (std::size_t n = 0; n < a[c].size(); ++n) {
+      size = std::max(size, std::abs(a[c][n]));
+      error = std::max(error, std::abs(a[c][n] - b[c][n]));
+    }
+    if (error > 0) worst = std::max(worst, error / size);
+  }
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("export: every type of node gives the bits of the engine", "[export]") {
+  const TemporaryFolder folder;
+  copy_files(folder);
+  const auto file = (folder.path() / "test.toml").string();
+  CompiledPrograms programs;
+  std::map<std::string, CaseGraph> graphs;
+  for (const auto* type : standard_nodes().types) {
+    INFO(type->name);
+    graphs[type->name] = graph_of(*type);
+    REQUIRE(programs.add(graphs[type->name].text, exact_options(), file) == "");
+  }
+  programs.compile();
+  for (const auto* type : standard_nodes().types) {
+    INFO(type->name);
+    const auto& graph = graphs[type->name];
+    auto engine = engine_for(parse_graph_leniently(graph.text, file), exact_options());
+    const auto expected = run(engine, graph.inputs, kFrames, {64});
+    CHECK(first_difference(programs.run("node_" + type->name, graph.inputs, kFrames), expected) == "");
+    CHECK(std::any_of(expected.begin(), expected.end(), [](const Samples& channel) {
+      return std::any_of(channel.begin(), channel.end(), [](double x) { return x != 0; });
+    }));
+  }
+}
+
+TEST_CASE("export: every operator gives the bits of the engine, and 0 outside its domain", "[export]") {
+  std::string outputs;
+  int number = 0;
+  const auto add = [&](const std::string& expression) {
+    outputs += "y" + std::to_string(number++) + " = { from = \"" + expression + "\" }\n";
+  };
+  for (const char* sign : {"+", "-", "*", "/", "<", "<=", ">", ">=", "==", "!="}) add(std::string{"x "} + sign + " y");
+  for (const auto& type : kOperators)
+    if (type.is_function()) add(std::string{type.name} + (type.operands == 1 ? "(x)" : type.operands == 2 ? "(x, y)" : "(x, y, z)"));
+  add("-x");
+  add("x - (y - z)");
+  add("x / 3 / (y * z)");
+  add("-(x + y) * -z");
+  const auto text = "format = 1\nname = \"operators\"\n[inputs]\nx = {}\ny = {}\nz = {}\n[outputs]\n" + outputs;
+  Channels in{noise(kFrames, 1, -30, 30), noise(kFrames, 2, -3, 3), noise(kFrames, 3, -1, 1)};
+  // Where operators change: whole numbers, equal numbers, zeros of both signs.
+  for (std::size_t n = 0; n < in[0].size(); n += 3) in[0][n] = std::round(in[0][n] / 10);
+  for (std::size_t n = 0; n < in[1].size(); n += 5) in[1][n] = std::round(in[1][n]);
+  for (std::size_t n = 0; n < in[2].size(); n += 7) in[2][n] = n % 2 == 0 ? 0.0 : -0.0;
+  CompiledPrograms programs;
+  REQUIRE(programs.add(text, exact_options()) == "");
+  programs.compile();
+  auto engine = engine_for(parse_graph_leniently(text, "test.toml"), exact_options());
+  CHECK(first_difference(programs.run("operators", in, kFrames), run(engine, in, kFrames, {64})) == "");
+}
+
+TEST_CASE("export: random graphs give the bits of the engine while controls move", "[export]") {
+  const TemporaryFolder folder;
+  copy_files(folder);
+  const auto file = (folder.path() / "test.toml").string();
+  CompiledPrograms programs;
+  std::map<unsigned, std::string> texts;
+  for (unsigned seed = 1; texts.size() < 25; ++seed) {
+    const int lanes = 2 + static_cast<int>(seed % 3);
+    folder.write("part.toml", RandomGraph{1000000, 2}.text(true));
+    const auto text = "name = \"random " + std::to_string(seed) + "\"\n" + RandomGraph{seed, lanes}.text(false);
+    if (text.find("[networks") != text.npos) continue;  // not exported
+    INFO(text);
+    REQUIRE(programs.add(text, exact_options(), file) == "");
+    texts[seed] = text;
+  }
+  programs.compile();
+  for (const auto& [seed, text] : texts) {
+    INFO(text);
+    const Channels in{noise(kFrames, seed), noise(kFrames, seed + 1)};
+    auto engine = engine_for(parse_graph_leniently(text, file), exact_options());
+    std::mt19937 bits(seed);
+    std::vector<JournalEntry> journal;
+    std::vector<CompiledPrograms::Move> moves;
+    const auto& controls = engine.plan().controls;
+    for (int m = 0; !controls.empty() && m < 20; ++m) {
+      const auto control = bits() % controls.size();
+      // Each ramp ends before the next move, which may have the same target.
+      const int frame = static_cast<int>(300 * m + static_cast<int>(bits() % 200));
+      const double value = static_cast<double>(bits()) / 1500000000.0 - 1.4;  // now and then outside of the range
+      journal.push_back({.frame = frame, .kind = JournalEntry::Kind::ControlChange, .index = static_cast<int>(control), .value = value});
+      moves.push_back({frame, controls[control].control.name, value});
+    }
+    engine.set_journal(journal);
+    CHECK(first_difference(programs.run("random_" + std::to_string(seed), in, kFrames, moves), run(engine, in, kFrames, {64})) == "");
+  }
+}
+
+TEST_CASE("export: measured errors", "[.measure]") {
+  const TemporaryFolder folder;
+  copy_files(folder);
+  const auto file = (folder.path() / "test.toml").string();
+  auto plain = exact_options(), single = exact_options();
+  plain.recurrence = RecurrenceForm::Plain;
+  single.recurrence = RecurrenceForm::Plain;
+  single.number = find_number_type("float");
+  CompiledPrograms plains, singles;
+  std::map<std::string, CaseGraph> graphs;
+  for (const auto* type : standard_nodes().types) {
+    graphs[type->name] = graph_of(*type);
+    REQUIRE(plains.add(graphs[type->name].text, plain, file) == "");
+    REQUIRE(singles.add(graphs[type->name].text, single, file) == "");
+  }
+  plains.compile();
+  singles.compile();
+  for (const auto* type : standard_nodes().types) {
+    const auto& graph = graphs[type->name];
+    auto engine = engine_for(parse_graph_leniently(graph.text, file), exact_options());
+    const auto expected = run(engine, graph.inputs, kFrames, {64});
+    const auto p = plains.run("node_" + type->name, graph.inputs, kFrames);
+    const auto f = singles.run("node_" + type->name, graph.inputs, kFrames);
+    std::printf("%-18s %s %10.2g %10.2g\n", type->name.c_str(), first_difference(p, expected) == "" ? "equal " : "differs", relative_error(expected, p), relative_error(expected, f));
+  }
+}
