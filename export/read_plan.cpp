@@ -151,7 +151,9 @@ class PlanReader {
     return unique(node ? vertex.path + "_" + vertex.type->outputs[index(port)].name : vertex.path, names);
   }
   NodeWriter::MakeName make_name() {
-    return [this](const std::string& wanted, bool member) { return unique(wanted, member ? members_ : variables_); };
+    return [this](const std::string& wanted, bool member) {
+      return unique(wanted, member ? members_ : variables_);
+    };
   }
 
   // What comes from outside.
@@ -184,7 +186,8 @@ class PlanReader {
     for (std::size_t v = 0; v < plan_.vertices.size(); ++v) {
       const auto& vertex = plan_.vertices[v];
       if (vertex.kind != Kind::Input || readers_[v] == 0) continue;
-      const auto name = unique(vertex.path.empty() ? plan_.input_names[index(vertex.index)] : vertex.path, variables_);
+      const auto name =
+          unique(vertex.path.empty() ? plan_.input_names[index(vertex.index)] : vertex.path, variables_);
       program_.read_inputs.push_back(vertex.index);
       program_.frame.push_back(
           {fmt::format("const tactus_real {} = tactus_sample_in(in[{}]);", name, vertex.index)});
@@ -303,13 +306,17 @@ class PlanReader {
       values_[{v, port}] = {"s->" + name};
       return;
     }
-    if (vertex.divisor == 1) {
-      statements.push_back("const tactus_real " + name + " = " + value.text + ";");
+    declare(v, name, value.text, statements);
+    values_[{v, port}] = {name};
+  }
+  void declare(int v, const std::string& name, const std::string& value,
+               std::vector<std::string>& statements) {
+    if (at(v).divisor == 1) {
+      statements.push_back("const tactus_real " + name + " = " + value + ";");
     } else {
       program_.variables.push_back("tactus_real " + name + " = 0;");
-      statements.push_back(name + " = " + value.text + ";");
+      statements.push_back(name + " = " + value + ";");
     }
-    values_[{v, port}] = {name};
   }
 
   void add_statements(int v, std::vector<std::string> statements) {
@@ -349,7 +356,8 @@ class PlanReader {
     std::vector<CExpression> operands;
     for (const auto& wire : vertex.in) operands.push_back(value_of(wire));
     const bool divides = vertex.op == Expression::Op::Divide && constant(vertex.in[1]).value_or(0) != 0;
-    auto value = divides ? c_quotient(operands[0], operands[1]) : c_operation(vertex.op, operands, *program_.number);
+    auto value =
+        divides ? c_quotient(operands[0], operands[1]) : c_operation(vertex.op, operands, *program_.number);
     if (has_domain(vertex.op)) value = {"tactus_finite(" + value.text + ")"};
     const bool once = readers_[index(v)] == 1 && value.text.size() < kLongestInline;
     const bool of_controls = paces_[index(v)] == Pace::Control;
@@ -436,16 +444,33 @@ class PlanReader {
     return !vertex.type->stateless && output.kind == OutputKind::Signal && !output.range.bounded();
   }
 
-  /// Late inputs are known only now.
+  /// Late inputs are known only now. What goes once around a loop is checked here, where it begins anew.
   void absorb(int v) {
-    auto& texts = late_[v];
-    for (auto& text : texts)
-      for (std::size_t i = 0; i < at(v).in.size(); ++i) {
-        const auto placeholder = late_input(v, static_cast<int>(i));
-        for (auto where = text.find(placeholder); where != std::string::npos; where = text.find(placeholder))
-          text.replace(where, placeholder.size(), value_of(at(v).in[i]).text);
-      }
-    add_statements(v, std::move(texts));
+    auto texts = std::move(late_[v]);
+    std::vector<std::string> statements;
+    for (std::size_t i = 0; i < at(v).in.size(); ++i) {
+      const auto placeholder = late_input(v, static_cast<int>(i));
+      if (std::ranges::none_of(texts,
+                               [&](const std::string& text) { return text.find(placeholder) != text.npos; }))
+        continue;
+      const auto value = late_value(v, at(v).in[i], statements);
+      for (auto& text : texts)
+        for (auto where = text.find(placeholder); where != text.npos; where = text.find(placeholder))
+          text.replace(where, placeholder.size(), value);
+    }
+    std::ranges::move(texts, std::back_inserter(statements));
+    add_statements(v, std::move(statements));
+  }
+  std::string late_value(int v, const Wire& wire, std::vector<std::string>& statements) {
+    auto text = value_of(wire).text;
+    if (paces_[index(wire.vertex)] != Pace::Frame) return text;
+    if (text.find_first_of(" (") != text.npos) {
+      const auto name = unique(at(v).path + "_in", variables_);
+      declare(v, name, text, statements);
+      text = name;
+    }
+    if (std::ranges::find(program_.checked, text) == program_.checked.end()) program_.checked.push_back(text);
+    return text;
   }
   static std::string late_input(int v, int input) { return fmt::format("late_{}_{}__", v, input); }
 
@@ -515,12 +540,7 @@ class PlanReader {
   /// What goes into a part is worked out in frames outside, and what comes out of it is read there.
   void convert(int v, const CExpression& value, std::vector<std::string>& statements) {
     const auto name = name_of(at(v), 0, variables_);
-    if (at(v).divisor == 1) {
-      statements.push_back("const tactus_real " + name + " = " + value.text + ";");
-    } else {
-      program_.variables.push_back("tactus_real " + name + " = 0;");
-      statements.push_back(name + " = " + value.text + ";");
-    }
+    declare(v, name, value.text, statements);
     values_[{v, 0}] = {name};
   }
 
@@ -529,11 +549,11 @@ class PlanReader {
   const RecordedNodes& nodes_;
   std::vector<Error> errors_;
   std::set<std::string> controls_, members_, variables_;  ///< names that are taken
-  std::vector<std::string> control_names_;             ///< [control]
-  std::vector<Pace> paces_;                            ///< [vertex]
-  std::vector<int> readers_, fast_readers_;            ///< [vertex]; those that run in each frame
-  std::vector<std::vector<bool>> ports_;               ///< [vertex] which outputs are read
-  std::map<std::pair<int, int>, CExpression> values_;  ///< [vertex, port]
+  std::vector<std::string> control_names_;                ///< [control]
+  std::vector<Pace> paces_;                               ///< [vertex]
+  std::vector<int> readers_, fast_readers_;               ///< [vertex]; those that run in each frame
+  std::vector<std::vector<bool>> ports_;                  ///< [vertex] which outputs are read
+  std::map<std::pair<int, int>, CExpression> values_;     ///< [vertex, port]
   std::map<int, std::string> node_names_;
   std::map<int, std::vector<std::string>> late_;  ///< [vertex] its second half
   int divisor_ = 1;

@@ -16,7 +16,8 @@ void write_terrain(NodeWriter& node) {
   std::string shape;
   if (profile == "points") {
     const auto curve = CubicCurve::spline(node.setup().setting("points").points);
-    shape = "tactus_cubic_at(&" + write_curve_table(node, curve.view(), true) + ", " + node.in(kPosition) + ")";
+    shape =
+        "tactus_cubic_at(&" + write_curve_table(node, curve.view(), true) + ", " + node.in(kPosition) + ")";
   } else {
     shape = std::string{profile == "sine" ? "tactus_terrain_sine(" : "tactus_terrain_detent("} +
             node.in(kPosition) + ", tactus_max(0.0, " + node.in(kHeight) +

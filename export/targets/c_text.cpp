@@ -213,7 +213,8 @@ std::vector<Statement> without_unused(const CProgram& program) {
   auto statements = program.frame;
   for (auto& statement : statements)
     if (const auto name = declared_variable(statement.text); !name.empty() && mentions[name] < 2)
-      statement.text = statement.text.find("&s->") == std::string::npos ? "" : statement.text + "\n(void)" + name + ";";
+      statement.text =
+          statement.text.find("&s->") == std::string::npos ? "" : statement.text + "\n(void)" + name + ";";
   std::erase_if(statements, [](const Statement& statement) { return statement.text.empty(); });
   return statements;
 }

@@ -40,7 +40,8 @@ class CompiledPrograms {
   CompiledPrograms& operator=(const CompiledPrograms&) = delete;
 
   /// "" or why it cannot be exported. `file`: what paths in the text start from.
-  std::string add(const std::string& text, const ExportOptions& options, const std::string& file = "test.toml") {
+  std::string add(const std::string& text, const ExportOptions& options,
+                  const std::string& file = "test.toml") {
     return add(parse_graph_leniently(text, file), options);
   }
   std::string add(const LoadedGraph& graph, const ExportOptions& options) {
@@ -58,8 +59,9 @@ class CompiledPrograms {
   /// Compiles all that were added.
   void compile(const std::string& flags = "-O1") {
     if (std::system(TACTUS_C_COMPILER " --version > /dev/null 2>&1") != 0) skip("there is no C compiler");
-    const auto command = "cd " + folder_.path().string() + " && " TACTUS_C_COMPILER " -std=c99 -pedantic -Wall -Wextra " +
-                         flags + " -ffp-contract=off " TACTUS_MARCH_FLAG " -shared -fPIC" + sources_ +
+    const auto command = "cd " + folder_.path().string() +
+                         " && " TACTUS_C_COMPILER " -std=c99 -pedantic -Wall -Wextra " + flags +
+                         " -ffp-contract=off " TACTUS_MARCH_FLAG " -shared -fPIC" + sources_ +
                          " -lm -o programs.so > messages 2>&1";
     const bool compiled = std::system(command.c_str()) == 0;
     if (const auto text = read("messages"); !compiled || !text.empty()) throw std::runtime_error(text);
@@ -99,7 +101,8 @@ class CompiledPrograms {
     std::string control;
     double value;
   };
-  Channels run(const std::string& name, const Channels& inputs, int frames, const std::vector<Move>& moves = {}) const {
+  Channels run(const std::string& name, const Channels& inputs, int frames,
+               const std::vector<Move>& moves = {}) const {
     const auto& program = programs_.at(name);
     const auto running = start(name);
     Channels out(program.outputs.size(), std::vector<double>(static_cast<std::size_t>(frames)));
@@ -148,7 +151,8 @@ void NAME_test_step(const double* in, double* out) {
     std::string capitals = name;
     for (auto& c : capitals) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
     const auto replace = [&](const std::string& from, const std::string& to) {
-      for (auto at = text.find(from); at != text.npos; at = text.find(from, at + to.size())) text.replace(at, from.size(), to);
+      for (auto at = text.find(from); at != text.npos; at = text.find(from, at + to.size()))
+        text.replace(at, from.size(), to);
     };
     replace("UPPER", capitals);
     replace("NAME", name);

@@ -8,7 +8,8 @@
 #include "tests/conformance/random_graph.h"
 #include "tests/export/compiled_programs.h"
 
-// Every type of node, operator and random graph: exported, compiled as C99 and run, with the bits of the engine.
+// Every type of node, operator and random graph: exported, compiled as C99 and run, with the bits of the
+// engine.
 
 using namespace tactus;
 using namespace tactus::test;
@@ -35,8 +36,8 @@ std::string unit_text(const InputPort& port) {
   return port.unit.empty() || port.unit == "any" || port.unit[0] == '=' ? "" : " " + port.unit;
 }
 
-std::string port_text(const InputPort& port, const InputValue& value, const std::string& input, CaseGraph& graph,
-                      std::string& declared) {
+std::string port_text(const InputPort& port, const InputValue& value, const std::string& input,
+                      CaseGraph& graph, std::string& declared) {
   const auto unit = unit_text(port);
   if (const auto* constant = std::get_if<double>(&value)) return "\"" + exactly(*constant) + unit + "\"";
   const auto range = typical_range(port);
@@ -61,7 +62,8 @@ CaseGraph graph_of(const NodeType& type) {
         nodes += ", " + setting.name + " = " + as_written(setting, given->second);
     nodes += " }\n";
     for (const auto& output : type.outputs)
-      outputs += name + "_" + output.name + " = { from = \"" + plain_signal(name + "." + output.name, output.unit) + "\" }\n";
+      outputs += name + "_" + output.name + " = { from = \"" +
+                 plain_signal(name + "." + output.name, output.unit) + "\" }\n";
   }
   graph.text = "format = 1\nname = \"node " + type.name + "\"\n[inputs]\n" + declared + "[nodes]\n" + nodes +
                "[outputs]\n" + outputs;
@@ -114,14 +116,19 @@ TEST_CASE("export: every operator gives the bits of the engine, and 0 outside it
   const auto add = [&](const std::string& expression) {
     outputs += "y" + std::to_string(number++) + " = { from = \"" + expression + "\" }\n";
   };
-  for (const char* sign : {"+", "-", "*", "/", "<", "<=", ">", ">=", "==", "!="}) add(std::string{"x "} + sign + " y");
+  for (const char* sign : {"+", "-", "*", "/", "<", "<=", ">", ">=", "==", "!="})
+    add(std::string{"x "} + sign + " y");
   for (const auto& type : kOperators)
-    if (type.is_function()) add(std::string{type.name} + (type.operands == 1 ? "(x)" : type.operands == 2 ? "(x, y)" : "(x, y, z)"));
+    if (type.is_function())
+      add(std::string{type.name} + (type.operands == 1   ? "(x)"
+                                    : type.operands == 2 ? "(x, y)"
+                                                         : "(x, y, z)"));
   add("-x");
   add("x - (y - z)");
   add("x / 3 / (y * z)");
   add("-(x + y) * -z");
-  const auto text = "format = 1\nname = \"operators\"\n[inputs]\nx = {}\ny = {}\nz = {}\n[outputs]\n" + outputs;
+  const auto text =
+      "format = 1\nname = \"operators\"\n[inputs]\nx = {}\ny = {}\nz = {}\n[outputs]\n" + outputs;
   Channels in{noise(kFrames, 1, -30, 30), noise(kFrames, 2, -3, 3), noise(kFrames, 3, -1, 1)};
   // Where operators change: whole numbers, equal numbers, zeros of both signs.
   for (std::size_t n = 0; n < in[0].size(); n += 3) in[0][n] = std::round(in[0][n] / 10);
@@ -143,7 +150,8 @@ TEST_CASE("export: random graphs give the bits of the engine while controls move
   for (unsigned seed = 1; texts.size() < 25; ++seed) {
     const int lanes = 2 + static_cast<int>(seed % 3);
     folder.write("part.toml", RandomGraph{1000000, 2}.text(true));
-    const auto text = "name = \"random " + std::to_string(seed) + "\"\n" + RandomGraph{seed, lanes}.text(false);
+    const auto text =
+        "name = \"random " + std::to_string(seed) + "\"\n" + RandomGraph{seed, lanes}.text(false);
     if (text.find("[networks") != text.npos) continue;  // not exported
     INFO(text);
     REQUIRE(programs.add(text, exact_options(), file) == "");
@@ -162,12 +170,17 @@ TEST_CASE("export: random graphs give the bits of the engine while controls move
       const auto control = bits() % controls.size();
       // Each ramp ends before the next move, which may have the same target.
       const int frame = static_cast<int>(300 * m + static_cast<int>(bits() % 200));
-      const double value = static_cast<double>(bits()) / 1500000000.0 - 1.4;  // now and then outside of the range
-      journal.push_back({.frame = frame, .kind = JournalEntry::Kind::ControlChange, .index = static_cast<int>(control), .value = value});
+      const double value =
+          static_cast<double>(bits()) / 1500000000.0 - 1.4;  // now and then outside of the range
+      journal.push_back({.frame = frame,
+                         .kind = JournalEntry::Kind::ControlChange,
+                         .index = static_cast<int>(control),
+                         .value = value});
       moves.push_back({frame, controls[control].control.name, value});
     }
     engine.set_journal(journal);
-    CHECK(first_difference(programs.run("random_" + std::to_string(seed), in, kFrames, moves), run(engine, in, kFrames, {64})) == "");
+    CHECK(first_difference(programs.run("random_" + std::to_string(seed), in, kFrames, moves),
+                           run(engine, in, kFrames, {64})) == "");
   }
 }
 
@@ -194,6 +207,8 @@ TEST_CASE("export: measured errors", "[.measure]") {
     const auto expected = run(engine, graph.inputs, kFrames, {64});
     const auto p = plains.run("node_" + type->name, graph.inputs, kFrames);
     const auto f = singles.run("node_" + type->name, graph.inputs, kFrames);
-    std::printf("%-18s %s %10.2g %10.2g\n", type->name.c_str(), first_difference(p, expected) == "" ? "equal " : "differs", relative_error(expected, p), relative_error(expected, f));
+    std::printf("%-18s %s %10.2g %10.2g\n", type->name.c_str(),
+                first_difference(p, expected) == "" ? "equal " : "differs", relative_error(expected, p),
+                relative_error(expected, f));
   }
 }

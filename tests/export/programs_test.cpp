@@ -1,0 +1,177 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+
+#include "engine/guard/drive_guard.h"
+#include "tests/export/compiled_programs.h"
+#include "tests/support/graphs/node_runner.h"
+
+using namespace tactus;
+using namespace tactus::test;
+
+namespace {
+
+constexpr double kRate = 48000;
+
+const std::string kWire = "format = 1\nname = \"wire\"\n[inputs]\nx = {}\n[outputs]\ny = { from = \"x\" }\n";
+
+/// The limits of a drive without those stages that are not exported.
+DriveLimits exported_limits() {
+  auto limits = conservative_limits();
+  limits.dc = {};
+  return limits;
+}
+
+ExportOptions guarded_options(DriveGuard::Kind kind) {
+  auto options = exact_options();
+  options.limits = [kind](const OutputChannel&) { return GuardedChannel{kind, exported_limits()}; };
+  return options;
+}
+
+/// Hits of noise that decay, each 0.1 s.
+Channels hits(std::size_t channels, int frames) {
+  Channels in;
+  for (std::size_t c = 0; c < channels; ++c) {
+    in.push_back(noise(frames, static_cast<unsigned>(c + 1)));
+    for (int n = 0; n < frames; ++n) in[c][static_cast<std::size_t>(n)] *= std::exp(-(n % 4800) / 400.0);
+  }
+  return in;
+}
+
+LoadedGraph shipped(const std::string& instrument) {
+  const std::filesystem::path root = std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments";
+  return load_graph_leniently(root / instrument / "instrument.toml", root);
+}
+
+bool all_finite_and_below(const Samples& samples, double ceiling) {
+  return std::ranges::all_of(samples, [&](double x) { return std::abs(x) <= ceiling; });
+}
+
+}  // namespace
+
+TEST_CASE("export: shipped instruments give the bits of the engine", "[export]") {
+  constexpr int kFrames = 48000;
+  CompiledPrograms programs;
+  for (const char* name : {"wall", "haptic_drum", "cellomobo"})
+    REQUIRE(programs.add(shipped(name), exact_options()) == "");
+  programs.compile("-O2");
+  for (const char* name : {"wall", "haptic_drum", "cellomobo"}) {
+    INFO(name);
+    auto engine = engine_for(shipped(name), exact_options());
+    const auto in = hits(engine.plan().input_names.size(), kFrames);
+    const auto expected = run(engine, in, kFrames, {64});
+    CHECK(first_difference(programs.run(name, in, kFrames), expected) == "");
+    for (const auto& channel : expected) CHECK(std::ranges::any_of(channel, [](double x) { return x != 0; }));
+  }
+}
+
+TEST_CASE("export: the guard gives the bits of the engine's: ceiling, soft start and slew",
+          "[export][guard]") {
+  constexpr int kFrames = 48000;
+  const auto kind = GENERATE(DriveGuard::Kind::Drive, DriveGuard::Kind::Audio);
+  CompiledPrograms programs;
+  REQUIRE(programs.add(kWire, guarded_options(kind)) == "");
+  programs.compile();
+  Samples in = noise(kFrames, 1, -2, 2);
+  in[30000] = std::numeric_limits<double>::quiet_NaN();
+  in[30001] = std::numeric_limits<double>::infinity();
+  const auto running = programs.start("wire");
+  Samples out(kFrames);
+  for (std::size_t n = 0; n < out.size(); ++n) {
+    running.alive();
+    running.step(&in[n], &out[n]);
+  }
+  DriveGuard guard{kind, exported_limits(), Hertz{kRate}, {false, false}};
+  guard.set_open(true, 0);
+  auto expected = in;
+  expected[30000] = expected[30001] = 0;  // the input of the program is finite
+  guard.process(expected.data(), kFrames, 0);
+  CHECK(first_difference({out}, {expected}) == "");
+  CHECK(all_finite_and_below(out, exported_limits().ceiling));
+  if (kind == DriveGuard::Kind::Audio) return;
+  // The wave is steeper than the limit, so that the steepest step is the limit but for rounding.
+  double steepest = 0;
+  for (std::size_t n = 1; n < out.size(); ++n) steepest = std::max(steepest, std::abs(out[n] - out[n - 1]));
+  CHECK(steepest == Approx(exported_limits().slew_per_second / kRate).epsilon(1e-12));
+}
+
+TEST_CASE("export: outputs fade out 500 ms after the last sign of life, and come back softly",
+          "[export][guard]") {
+  CompiledPrograms programs;
+  REQUIRE(programs.add(kWire, guarded_options(DriveGuard::Kind::Drive)) == "");
+  programs.compile();
+  const auto running = programs.start("wire");
+  const double level = 0.25, soft_start = 0.5 * kRate, fade_out = 0.01 * kRate;
+  const auto at = [&](int frames) {
+    double out = 0;
+    for (int n = 0; n < frames; ++n) running.step(&level, &out);
+    return out;
+  };
+  for (int n = 0; n < 24001; n += 1000) {
+    running.alive();
+    at(1000);
+  }
+  running.alive();
+  CHECK(at(24000) == level);  // frames 0 to 23999 since the sign
+  CHECK(at(1) == level);      // the ramp begins
+  CHECK(at(static_cast<int>(fade_out / 2)) == Approx(level / 2));
+  CHECK(at(static_cast<int>(fade_out / 2)) == 0);
+  CHECK(at(100000) == 0);
+  running.alive();
+  CHECK(at(1) == 0);
+  CHECK(at(static_cast<int>(soft_start / 4)) == Approx(level / 4));
+}
+
+TEST_CASE("export: a loop that explodes starts anew, and no output is ever non-finite", "[export]") {
+  const std::string text =
+      "format = 1\nname = \"explosion\"\n[inputs]\nx = {}\n[nodes]\n"
+      "y = { type = \"delay\", in = \"x + 3 * y\", time = \"1 / system.rate\", interpolation = \"none\" }\n"
+      "[outputs]\ny = { from = \"y\" }\n";
+  constexpr int kFrames = 6400;
+  CompiledPrograms programs;
+  REQUIRE(programs.add(text, exact_options()) == "");
+  programs.compile();
+  const Channels in{Samples(kFrames, 1.0)};
+  const auto out = programs.run("explosion", in, kFrames)[0];
+  CHECK(all_finite_and_below(out, std::numeric_limits<double>::max()));
+  // y[n] = (3^n - 1) / 2 exceeds the largest double, 1.8e308 = 3^646.5 / 2, at n = 647, which frame 646 works
+  // out: silent from there to frame 704.
+  CHECK(out[645] > 1e307);
+  for (std::size_t n = 646; n < 704; ++n) CHECK(out[n] == 0);
+  for (std::size_t n = 0; n < 640; ++n) CHECK(out[704 + n] == out[n]);
+  // The engine resets the loop, which is all that there is here.
+  auto engine = engine_for(parse_graph_leniently(text, "test.toml"), exact_options());
+  CHECK(first_difference({out}, run(engine, in, kFrames, {64})) == "");
+}
+
+TEST_CASE("export: what cannot be exported is reported all at once, with its place and what to change",
+          "[export]") {
+  const std::string text =
+      "format = 1\n[inputs]\nx = { unit = \"N\" }\n[networks.one]\n"
+      "m = { type = \"mass\", mass = \"1 kg\" }\npush = { type = \"force\", on = \"m\", force = \"x\" }\n"
+      "[networks.two]\nm = { type = \"mass\", mass = \"2 kg\" }\npush = { type = \"force\", on = \"m\", "
+      "force = \"x\" }\n"
+      "[outputs]\ny = { from = \"(one.m.position + two.m.position) / 1 m\" }\n";
+  const auto program =
+      write_program(parse_graph_leniently(text, "test.toml"), standard_nodes(), exact_options());
+  REQUIRE(!program);
+  REQUIRE(program.error().size() == 2);
+  CHECK(program.error()[0].where == "test.toml:4:11");
+  CHECK(program.error()[1].where == "test.toml:7:11");
+  for (const auto& error : program.error()) {
+    CHECK(error.code == Errc::BadArgument);
+    CHECK(error.remedy != "");
+  }
+}
+
+TEST_CASE("export: a program holds nothing that its graph does not use", "[export]") {
+  const auto program =
+      write_program(parse_graph_leniently(kWire, "test.toml"), standard_nodes(), exact_options());
+  REQUIRE(program);
+  CHECK(program->members.empty());
+  const auto files = exact_options().target->files(*program);
+  const auto& source = files[1].text;
+  CHECK(source.find("filter") == std::string::npos);
+  CHECK(source.find("guard") == std::string::npos);
+  CHECK(std::ranges::count(source, '\n') < 60);
+}
