@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "export/read_plan.h"
+#include "export/targets/memory.h"
 
 namespace tactus {
 namespace {
@@ -37,6 +38,23 @@ void describe(std::vector<ProgramPort>& ports, const std::vector<PortSpec>& spec
   }
 }
 
+/// What takes an eighth of the allowed memory or more, where all of it is too much.
+std::vector<Error> too_large(const CProgram& program, const ExportOptions& options) {
+  const auto& machine = machine_types()[index(options.target->machine)];
+  const auto bytes = state_bytes(program, machine), most = *options.most_bytes;
+  if (bytes <= most) return {};
+  std::vector<Error> errors{{Errc::OutOfRange, program.file,
+                             "its state takes " + std::to_string(bytes) + " bytes, and at most " +
+                                 std::to_string(most) + " are allowed",
+                             "choose --number float, a lower --rate, or fewer and shorter nodes"}};
+  for (const auto& member : program.members)
+    if (const auto own = member.bytes * static_cast<std::size_t>(program.number->bytes) / 8; 8 * own >= most)
+      errors.push_back({Errc::OutOfRange, member.where,
+                        member.about + " takes " + std::to_string(own) + " bytes",
+                        "shorten it: a smaller longest time, a higher lowest pitch, fewer modes"});
+  return errors;
+}
+
 }  // namespace
 
 Checked<CProgram> write_program(const LoadedGraph& graph, const NodeTable& nodes,
@@ -64,6 +82,8 @@ Checked<std::vector<ExportedFile>> export_graph(const LoadedGraph& graph, const 
                                                 const ExportOptions& options) {
   const auto program = write_program(graph, nodes, options);
   if (!program) return tl::unexpected(program.error());
+  if (options.most_bytes)
+    if (auto errors = too_large(*program, options); !errors.empty()) return tl::unexpected(std::move(errors));
   return options.target->files(*program);
 }
 

@@ -26,6 +26,7 @@ struct ExportOptions {
   /// The limits of an output; empty: the program has no guard.
   std::function<GuardedChannel(const OutputChannel&)> limits = {};
   std::string limits_from = {};                       ///< for people
+  std::optional<std::size_t> most_bytes = {};         ///< of the state
   std::map<std::string, ControlValue> controls = {};  ///< start values in place of those of the file
 };
 

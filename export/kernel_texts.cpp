@@ -35,6 +35,7 @@ std::size_t end_of_declaration(std::string_view text, std::size_t at) {
   int depth = 0;
   for (; at < text.size(); ++at) {
     if (text.substr(at).starts_with("//")) at = end_of_line(text, at);
+    if (text.substr(at).starts_with("/*")) at = text.find("*/", at) + 1;
     depth += text[at] == '{' ? 1 : text[at] == '}' ? -1 : 0;
     if (depth == 0 && (text[at] == ';' || (function && text[at] == '}'))) return at + 1;
   }
@@ -65,8 +66,12 @@ std::vector<std::string> declared_names(std::string_view code) {
 KernelItem item_of(const KernelFile& file, std::string_view comment, std::string_view declaration) {
   const std::string code = code_of(declaration);
   const auto bare = trimmed(code);
-  KernelItem item{file.path, std::string{comment} + std::string{declaration}, declared_names(bare),
-                  identifiers_of(declaration), bare.starts_with("typedef") || bare.starts_with("#define")};
+  KernelItem item{file.path,
+                  std::string{comment} + std::string{declaration},
+                  std::string{bare},
+                  declared_names(bare),
+                  identifiers_of(declaration),
+                  bare.starts_with("typedef") || bare.starts_with("#define")};
   return item;
 }
 
@@ -123,8 +128,11 @@ std::vector<KernelItem> kernel_items(const KernelFile& file) {
       continue;
     }
     const auto rest = text.substr(at);
-    const bool is_comment = rest.starts_with("//"), directive = rest[0] == '#';
-    const auto end = is_comment || directive ? end_of_line(text, at) : end_of_declaration(text, at);
+    const bool block = rest.starts_with("/*"), is_comment = block || rest.starts_with("//"),
+               directive = rest[0] == '#';
+    const auto end = block                     ? text.find("*/", at) + 2
+                     : is_comment || directive ? end_of_line(text, at)
+                                               : end_of_declaration(text, at);
     const auto part = text.substr(at, end - at);
     at = end;
     if (part.starts_with("#pragma") || part.starts_with("#include") || part.starts_with("// Thread:") ||

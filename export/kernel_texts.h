@@ -20,6 +20,7 @@ std::span<const KernelFile> kernel_files();
 struct KernelItem {
   std::string_view path;           ///< of its file
   std::string text;                ///< with the comment above it
+  std::string code;                ///< without comments
   std::vector<std::string> names;  ///< that it declares
   std::set<std::string> uses;      ///< identifiers that it mentions
   bool is_type = false;  ///< a type or a macro, which headers may contain; else a function or a constant

@@ -42,7 +42,8 @@ struct ProgramControl {
 struct ProgramMember {
   std::string declaration;
   std::string about;
-  std::size_t bytes = 0;
+  std::size_t bytes = 0;   ///< with numbers of 8 bytes
+  std::string where = {};  ///< in the file
 };
 
 /// Statements, each a line or several.

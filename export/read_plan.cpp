@@ -283,6 +283,17 @@ class PlanReader {
     return std::isfinite(value) ? value : 0.0;
   }
 
+  /// The program knows the system delay, which for the engine is anything up to seconds.
+  Interval range_of_wire(const Wire& wire) const {
+    if (const auto value = constant(wire)) return Interval::exactly(*value);
+    const auto& vertex = plan_.vertex_of(wire);
+    if (vertex.kind == Kind::Control) return plan_.controls[index(vertex.index)].control.range;
+    if (vertex.kind != Kind::Operation || paces_[index(wire.vertex)] == Pace::Frame) return {};
+    OperandRanges ranges{};
+    for (std::size_t i = 0; i < vertex.in.size(); ++i) ranges[i] = range_of_wire(vertex.in[i]);
+    return range_of(operator_of(vertex.op), ranges);
+  }
+
   CExpression value_of(const Wire& wire) const {
     if (const auto value = constant(wire)) return literal(*value);
     const auto& vertex = plan_.vertex_of(wire);
@@ -385,7 +396,7 @@ class PlanReader {
       const auto& wire = vertex.in[i];
       const bool later = step.kind == Step::Kind::Emit && vertex.type->inputs[i].late;
       inputs.push_back({later ? CExpression{late_input(step.vertex, static_cast<int>(i))} : value_of(wire),
-                        paces_[index(wire.vertex)], constant(wire)});
+                        paces_[index(wire.vertex)], constant(wire), range_of_wire(wire)});
     }
     return {setup,
             entry.kernel,
@@ -418,6 +429,7 @@ class PlanReader {
     if (node.refusal) return refuse(vertex, node.refusal->reason, node.refusal->remedy);
     for (auto& member : node.members) {
       member.about = vertex.path + ": " + vertex.description();
+      member.where = vertex.at.text();
       program_.members.push_back(std::move(member));
     }
     std::ranges::move(node.tables, std::back_inserter(program_.tables));
@@ -490,7 +502,8 @@ class PlanReader {
     for (std::size_t i = 1; i < vertex.in.size(); ++i) {
       if (i == 2) continue;  // the signal that the filter filters
       all.push_back(static_cast<int>(inputs.size()));
-      inputs.push_back({value_of(vertex.in[i]), paces_[index(vertex.in[i].vertex)], constant(vertex.in[i])});
+      inputs.push_back(
+          {value_of(vertex.in[i]), paces_[index(vertex.in[i].vertex)], constant(vertex.in[i]), {}});
     }
     NodeWriter writer{*setup,
                       {},

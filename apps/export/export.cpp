@@ -21,6 +21,7 @@ struct ExportCommandOptions {
   std::string target, kind = "c", number, recurrence, rate = "48 kHz", delay, rig, folder;
   std::vector<std::string> set;
   bool no_guard = false;
+  std::optional<std::size_t> ram;
 };
 
 const std::vector<std::string> kRecurrences = {"grid", "plain"};  // in the order of RecurrenceForm
@@ -64,6 +65,7 @@ ExportOptions options_of(const ExportCommandOptions& from, const LoadedGraph& gr
   options.sample_rate = parse_rate(from.rate);
   if (!from.delay.empty()) options.system_delay = parse_delay(from.delay);
   options.controls = parse_settings(from.set);
+  options.most_bytes = from.ram;
   take_rig(from, graph, options);
   return options;
 }
@@ -112,6 +114,8 @@ void add_export(CLI::App& app, int& exit_code) {
                      "rig file; limits of its outputs, its controls and its measured delay");
   command.add_option("--set", options.set, "NAME=VALUE: sets a control");
   command.add_option("-o,--out", options.folder, "folder for the files; default: NAME_export");
+  command.add_option("--ram", options.ram,
+                     "bytes that the state may take; more is an error that names what is large");
   command.add_flag("--no-guard", options.no_guard,
                    "leave out the guard: for comparisons, never for an actuator");
   command.footer(

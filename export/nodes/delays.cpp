@@ -16,7 +16,10 @@ void write_delay(NodeWriter& node) {
   enum Input { kIn, kTime };
   const int order = delay_order(node.setup());
   const auto range = *delay_range(node.setup());
-  const auto line = write_line(node, tactus_delay_most(&range, order) + order + 1, order + 1);
+  // What matters is how long it can get here; places of taps follow from the range of the engine.
+  auto reach = range;
+  reach.high = std::max(range.low, std::min(range.high, node.range(kTime).high));
+  const auto line = write_line(node, tactus_delay_most(&reach, order) + order + 1, order + 1);
   const auto order_text = std::to_string(order), written = std::string{node.halves() ? "0" : "1"};
   const auto range_text =
       node.table("tactus_delay", "range",

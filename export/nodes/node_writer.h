@@ -19,6 +19,7 @@ struct WrittenInput {
   CExpression value;
   Pace pace = Pace::Frame;
   std::optional<double> constant = {};
+  Interval range = {};  ///< as far as numbers, controls and the system delay decide it
 };
 
 /// Why a node cannot be exported as its file has it.
@@ -87,6 +88,7 @@ class NodeWriter {
   const std::string& in(int input) const { return inputs_[index(input)].value.text; }
   std::string operand(int input) const { return inputs_[index(input)].value.within(CExpression::Operand); }
   Pace pace(int input) const { return inputs_[index(input)].pace; }
+  Interval range(int input) const { return inputs_[index(input)].range; }
   /// The same where it is read several times.
   std::string variable(int input);
 

@@ -4,6 +4,7 @@
 #include <cctype>
 
 #include "export/targets/c_text.h"
+#include "export/targets/memory.h"
 #include "export/targets/target.h"
 
 namespace tactus {
@@ -76,6 +77,14 @@ std::string fixed_section(const CProgram& program) {
   return text;
 }
 
+std::string memory_rows(const CProgram& program) {
+  std::string text;
+  for (const auto& machine : machine_types())
+    text += fmt::format("| state, `sizeof({})`, {} | {} |\n", program.name, machine.name,
+                        state_bytes(program, machine));
+  return text;
+}
+
 std::string readme(const CProgram& program) {
   std::string name = program.name;
   return fmt::format(
@@ -91,7 +100,7 @@ std::string readme(const CProgram& program) {
       "out\n```\n\n"
       "## Inputs and outputs\n\n| | name | unit | |\n|---|---|---|---|\n{inputs}{outputs}\n"
       "## Controls\n\n{controls}{fixed}\n## Guard\n\n{guard}\n"
-      "## Memory\n\n| | bytes |\n|---|---|\n| state (`sizeof({name})`, 64-bit machine, about) | {state} |\n"
+      "## Memory\n\n| | bytes |\n|---|---|\n{state}"
       "| tables of constants | {tables} |\n\nCode: `cc -Os -ffp-contract=off -c {name}.c && size "
       "{name}.o`\n\n"
       "## Faults\n\nInputs that are not finite count as 0, and so do results of functions outside of their "
@@ -108,7 +117,7 @@ std::string readme(const CProgram& program) {
       fmt::arg("type", program.number->c_type), fmt::arg("inputs", port_rows("in", program.inputs)),
       fmt::arg("outputs", port_rows("out", program.outputs)), fmt::arg("controls", control_rows(program)),
       fmt::arg("fixed", fixed_section(program)), fmt::arg("guard", guard_section(program)),
-      fmt::arg("state", state_bytes(program)),
+      fmt::arg("state", memory_rows(program)),
       fmt::arg("tables", program.table_bytes * static_cast<std::size_t>(program.number->bytes) / 8));
 }
 

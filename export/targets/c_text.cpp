@@ -366,11 +366,14 @@ std::string as_of_program(const std::string& text, const CProgram& program) {
   return result;
 }
 
-std::size_t state_bytes(const CProgram& program) {
-  std::size_t bytes = 16 + 56 * program.controls.size();
-  if (program.guard) bytes += 64 * program.outputs.size();
-  for (const auto& member : program.members) bytes += member.bytes;
-  return bytes * static_cast<std::size_t>(program.number->bytes) / 8;
+std::vector<std::string> type_declarations(const CProgram& program) {
+  const auto text = structs(program);
+  auto items = kernels_for(text, program);
+  std::erase_if(items, [](const KernelItem& item) { return !item.is_type; });
+  for (auto& item : kernel_items({"", text})) items.push_back(std::move(item));
+  std::vector<std::string> declarations;
+  for (const auto& item : items) declarations.push_back(item.code);
+  return declarations;
 }
 
 std::string c_header(const CProgram& program) {

@@ -3,6 +3,7 @@
 // Thread: [control].
 
 #include <string>
+#include <vector>
 
 #include "export/program.h"
 
@@ -18,7 +19,8 @@ std::string as_of_program(const std::string& text, const CProgram& program);
 /// A line that is too long, broken at spaces; further lines are indented by four more.
 std::string wrapped(const std::string& line);
 
-/// Bytes of the state and of constants, as on a machine of 64 bits.
-std::size_t state_bytes(const CProgram& program);
+/// The types of the header, each declaration without comments, behind those that it uses; the last one is the
+/// whole program, "tactus".
+std::vector<std::string> type_declarations(const CProgram& program);
 
 }  // namespace tactus

@@ -7,9 +7,9 @@ namespace tactus {
 namespace {
 
 constexpr std::array kTargets = {
-    ExportTarget{"c", "C99 for any processor", RecurrenceForm::Grid, "double", c_files},
+    ExportTarget{"c", "C99 for any processor", RecurrenceForm::Grid, "double", 0, c_files},
     ExportTarget{"library", "the same as a library that CMake builds and installs", RecurrenceForm::Grid,
-                 "double", library_files},
+                 "double", 0, library_files},
 };
 
 }  // namespace

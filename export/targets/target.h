@@ -20,6 +20,7 @@ struct ExportTarget {
   const char* about;
   RecurrenceForm recurrence;  ///< by default
   const char* number;         ///< by default
+  int machine;                ///< in `machine_types`
   std::vector<ExportedFile> (*files)(const CProgram& program);
 };
 

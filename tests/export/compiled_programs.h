@@ -75,11 +75,13 @@ class CompiledPrograms {
     Running(void* library, const std::string& name)
         : set_(function<void(int, double)>(library, name + "_test_set")),
           alive_(function<void()>(library, name + "_test_alive")),
+          size_(function<int()>(library, name + "_test_size")),
           step_(function<void(const double*, double*)>(library, name + "_test_step")) {
       function<void()>(library, name + "_test_init")();
     }
     void set(int control, double value) const { set_(control, value); }
     void alive() const { alive_(); }
+    std::size_t size() const { return static_cast<std::size_t>(size_()); }
     void step(const double* in, double* out) const { step_(in, out); }
 
    private:
@@ -91,6 +93,7 @@ class CompiledPrograms {
     }
     void (*set_)(int, double);
     void (*alive_)();
+    int (*size_)();
     void (*step_)(const double*, double*);
   };
   Running start(const std::string& name) const { return {library_, name}; }
@@ -135,11 +138,13 @@ class CompiledPrograms {
     std::string text = R"(#include "NAME.h"
 void NAME_test_init(void);
 void NAME_test_alive(void);
+int NAME_test_size(void);
 void NAME_test_set(int control, double value);
 void NAME_test_step(const double* in, double* out);
 static NAME program;
 void NAME_test_init(void) { NAME_init(&program); }
 void NAME_test_alive(void) { NAME_alive(&program); }
+int NAME_test_size(void) { return (int)sizeof program; }
 void NAME_test_set(int control, double value) { ((NAME_number*)&program.controls)[control] = (NAME_number)value; }
 void NAME_test_step(const double* in, double* out) {
   NAME_number i[(sizeof(NAME_number) + 4) * 400], o[4000];

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "engine/guard/drive_guard.h"
+#include "export/targets/memory.h"
 #include "tests/export/compiled_programs.h"
 #include "tests/support/graphs/node_runner.h"
 
@@ -174,4 +175,25 @@ TEST_CASE("export: a program holds nothing that its graph does not use", "[expor
   CHECK(source.find("filter") == std::string::npos);
   CHECK(source.find("guard") == std::string::npos);
   CHECK(std::ranges::count(source, '\n') < 60);
+}
+
+TEST_CASE("export: the size of the state is what the compiler makes of it, and what is too large is named",
+          "[export]") {
+  CompiledPrograms programs;
+  REQUIRE(programs.add(shipped("cellomobo"), exact_options()) == "");
+  programs.compile("-O0");
+  CHECK(state_bytes(programs.program("cellomobo"), machine_types()[0]) == programs.start("cellomobo").size());
+  auto options = exact_options();
+  options.most_bytes = 100;
+  const auto files = export_graph(
+      parse_graph_leniently(
+          "format = 1\n[inputs]\nx = {}\n[nodes]\necho = { type = \"delay\", in = \"x\", time = \"10 ms\" "
+          "}\n[outputs]\ny = { from = \"echo\" }\n",
+          "test.toml"),
+      standard_nodes(), options);
+  REQUIRE(!files);
+  REQUIRE(files.error().size() >= 2);
+  CHECK(files.error()[1].where == "test.toml:5:1");
+  // 480 frames and four taps: 512 and four mirrored.
+  CHECK(files.error()[1].what == "echo: delay takes 4128 bytes");
 }
