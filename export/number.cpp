@@ -44,7 +44,7 @@ std::string converted_literal(std::string_view literal, const NumberType& type) 
 }
 
 std::string converted_word(std::string_view word, const NumberType& type) {
-  if (word == "HUGE_VAL" && type.literal_suffix[0] != '\0') return "HUGE_VALF";
+  if (word == "HUGE_VAL") return "INFINITY";  // of every type, also where C libraries lack HUGE_VALF
   const bool function = std::ranges::find(kFunctions, word) != kFunctions.end();
   return std::string{word} + (function ? type.function_suffix : "");
 }
@@ -66,8 +66,7 @@ std::string c_number(double value, const NumberType& type) {
   const bool narrow = type.literal_suffix[0] != '\0';
   if (narrow && value != 0 && std::abs(value) < kLeastFloat) value = std::copysign(kLeastFloat, value);
   if (!std::isfinite(value) || (narrow && std::abs(value) > kMostFloat))
-    return std::isnan(value) ? "NAN"
-                             : std::string{value < 0 ? "-" : ""} + (narrow ? "HUGE_VALF" : "HUGE_VAL");
+    return std::isnan(value) ? "NAN" : std::string{value < 0 ? "-" : ""} + "INFINITY";
   std::array<char, 64> text;
   const auto end = narrow
                        ? std::to_chars(text.data(), text.data() + text.size(), static_cast<float>(value)).ptr

@@ -22,7 +22,7 @@ struct NumberType {
 const NumberType* find_number_type(std::string_view name);
 std::vector<std::string> number_type_names();
 
-/// The shortest text that reads back as this number: "0.5", "-1e-09f", "HUGE_VAL".
+/// The shortest text that reads back as this number: "0.5", "-1e-09f", "INFINITY".
 std::string c_number(double value, const NumberType& type);
 
 /// C text for doubles as text for this type: its literals and functions of math.h get the suffixes.

@@ -59,9 +59,9 @@ ExportOptions options_of(const ExportCommandOptions& from, const LoadedGraph& gr
   ExportOptions options;
   options.target = find_export_target(from.kind);
   options.number = find_number_type(from.number.empty() ? options.target->number : from.number);
-  options.recurrence = from.recurrence.empty()     ? options.target->recurrence
-                       : from.recurrence == "grid" ? RecurrenceForm::Grid
-                                                   : RecurrenceForm::Plain;
+  const auto form = std::ranges::find(kRecurrences, from.recurrence);
+  options.recurrence = from.recurrence.empty() ? options.target->recurrence
+                                               : static_cast<RecurrenceForm>(form - kRecurrences.begin());
   options.sample_rate = parse_rate(from.rate);
   if (!from.delay.empty()) options.system_delay = parse_delay(from.delay);
   options.controls = parse_settings(from.set);

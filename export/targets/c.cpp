@@ -60,10 +60,11 @@ std::string guard_section(const CProgram& program) {
       program.limits_from, program.name);
   for (const auto& output : program.outputs) {
     const auto& limits = output.limits->limits;
-    const bool drive = output.limits->kind == DriveGuard::Kind::Drive;
-    text += fmt::format("| {} | {:g} | {} | {:g} s | {:g} s |\n", output.name, limits.ceiling,
-                        drive ? fmt::format("{:g}", limits.slew_per_second) : "no limit",
-                        limits.soft_start.value, limits.fade_out.value);
+
+    text +=
+        fmt::format("| {} | {:g} | {} | {:g} s | {:g} s |\n", output.name, limits.ceiling,
+                    has_slew_limit(*output.limits) ? fmt::format("{:g}", limits.slew_per_second) : "no limit",
+                    limits.soft_start.value, limits.fade_out.value);
   }
   return text +
          "\nThe engine's limits of heat, excursion and DC and its feedback detector are not part of the "

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <map>
 
 #include "export/kernel_texts.h"
@@ -62,8 +63,7 @@ std::string limits_comment(const CProgram& program) {
   for (const auto& output : program.outputs) {
     const auto& limits = output.limits->limits;
     text += fmt::format("\n   {}: ceiling {:g}", output.name, limits.ceiling);
-    if (output.limits->kind == DriveGuard::Kind::Drive)
-      text += fmt::format(", slew {:g} per second", limits.slew_per_second);
+    if (has_slew_limit(*output.limits)) text += fmt::format(", slew {:g} per second", limits.slew_per_second);
     text +=
         fmt::format(", soft start {:g} s, fade-out {:g} s", limits.soft_start.value, limits.fade_out.value);
   }
@@ -153,9 +153,8 @@ std::string limits_table(const CProgram& program) {
   const double rate = program.sample_rate.value;
   for (const auto& output : program.outputs) {
     const auto& limits = output.limits->limits;
-    const bool drive = output.limits->kind == DriveGuard::Kind::Drive;
     text += fmt::format("    {{{}, {}, {}, {}}}, /* {} */\n", literal(limits.ceiling),
-                        drive ? literal(limits.slew_per_second / rate) : "HUGE_VAL",
+                        has_slew_limit(*output.limits) ? literal(limits.slew_per_second / rate) : "INFINITY",
                         std::llround(limits.soft_start.value * rate),
                         std::llround(limits.fade_out.value * rate), output.name);
   }
@@ -324,6 +323,10 @@ std::string functions(const CProgram& program) {
 }
 
 }  // namespace
+
+bool has_slew_limit(const GuardedChannel& channel) {
+  return channel.kind == DriveGuard::Kind::Drive && std::isfinite(channel.limits.slew_per_second);
+}
 
 std::string wrapped(const std::string& line) {
   if (line.size() <= kWidth || line.find('\n') != std::string::npos) return line;

@@ -19,6 +19,9 @@ std::string as_of_program(const std::string& text, const CProgram& program);
 /// A line that is too long, broken at spaces; further lines are indented by four more.
 std::string wrapped(const std::string& line);
 
+/// Of an output.
+bool has_slew_limit(const GuardedChannel& channel);
+
 /// The types of the header, each declaration without comments, behind those that it uses; the last one is the
 /// whole program, "tactus".
 std::vector<std::string> type_declarations(const CProgram& program);
