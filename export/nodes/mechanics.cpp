@@ -77,10 +77,19 @@ void write_modal_body(NodeWriter& node) {
   node.give(3, "-" + answer + ".force");
 }
 
+void refuse_network(NodeWriter& node) {
+  node.refuse("solvers of networks are not exported",
+              "use 'modal', 'modal_body', 'string' or 'waveguide' instead, or export the graph without it");
+}
+
 constexpr NodeExport kMechanics[] = {
-    {"spring", write_value, "tactus_spring_force"}, {"damper", write_value, "tactus_damper_force"},
-    {"wall", write_value, "tactus_wall_force"},     {"terrain", write_terrain},
-    {"actuator_inverse", write_actuator_inverse},   {"modal_body", write_modal_body},
+    {"spring", write_value, "tactus_spring_force"},
+    {"damper", write_value, "tactus_damper_force"},
+    {"wall", write_value, "tactus_wall_force"},
+    {"terrain", write_terrain},
+    {"actuator_inverse", write_actuator_inverse},
+    {"modal_body", write_modal_body},
+    {"network", refuse_network},
 };
 
 }  // namespace
