@@ -393,8 +393,23 @@ TEST_CASE("effects: friction does not creep under a load that swings, and gives 
   const Controls controls{{"strength", 1.0}, {"stiffness", 2000.0}};
   const auto held = forces("friction.toml", controls, swinging);
   for (std::size_t n = 0; n < held.size(); n += 97)
-    REQUIRE(held[n] == Approx(-2000 * swinging[n]).epsilon(0).margin(1e-12));  // the anchor is still at 0
+    REQUIRE(held[n] == Approx(-2000 * (swinging[n] - swinging[0])).epsilon(0).margin(1e-12));
   CHECK(given(forces("friction.toml", controls, wandering), wandering) <= 1.01 * 1.0 / (2 * 2000));
+}
+
+TEST_CASE("effects: friction begins without a force, wherever the device is", "[instruments]") {
+  const Controls controls{{"strength", 1.0}, {"stiffness", 2000.0}};
+  for (const double place : {-0.3, 0.012, 0.05})
+    for (const double force : forces("friction.toml", controls, Values(100, place))) REQUIRE(force == 0.0);
+  // Each of two repetitions of 2 ms, 96 frames, begins at its own place.
+  Values sliding(192);
+  for (std::size_t n = 0; n < sliding.size(); ++n) sliding[n] = 1e-5 * static_cast<double>(n);
+  auto twice = controls;
+  twice.insert({{"duration", 0.002}, {"repeat", 2.0}});
+  const auto force = forces("friction.toml", twice, sliding);
+  for (const std::size_t start : {0u, 96u})
+    for (std::size_t n = 0; n < 40; ++n)  // before it slides, after 0.5 mm
+      CHECK(force[start + n] == Approx(-2000 * 1e-5 * static_cast<double>(n)).epsilon(0).margin(1e-12));
 }
 
 TEST_CASE("effects: passive effects give no more than they store, and friction holds an arm",
