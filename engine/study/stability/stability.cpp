@@ -266,6 +266,7 @@ class Analysis {
     for (std::size_t i = 0; i < std::min(regimes.size(), kAllWithMargins); ++i)
       find_open_gains(*world, regimes[i]);
     hold_places(*world);
+    hold_near_rest(*world);
     hold_inputs(*world);
     keep_nearest_places();
     find_borders(world->instrument().controls);
@@ -423,6 +424,32 @@ class Analysis {
         report_progress();
       }
     }
+  }
+
+  /// Corners that lie one behind the other at rest, as those of a dead band of no width: displaced each by
+  /// itself they may cancel where a signal that moves passes them all. So each input is held a little to both
+  /// sides, where every signal is where it then is.
+  void hold_near_rest(const RestingWorld& world) {
+    const auto at_rest = world.closed({}).graph;
+    if (!at_rest.has_touched) return;
+    constexpr std::size_t kMostInputs = 4;
+    std::vector<std::vector<std::complex<double>>> known;
+    for (const auto& regime : world.regimes(options_.push))
+      known.push_back(loop_gains(world.closed(regime).graph));
+    const auto moved = world.moved_inputs();
+    for (std::size_t i = 0; i < std::min(moved.size(), kMostInputs); ++i)
+      for (const double level : {1e-6, -1e-6, 1e-5, -1e-5, 1e-4, -1e-4, 1e-3, -1e-3}) {
+        const HeldInput held{moved[i], level, false};
+        const auto then = RestingWorld::make(subject_, options_.world, {held});
+        if (!then) continue;
+        find_open_gains(*then, {});
+        if (!add_gains(*then, known)) continue;
+        const auto found = at_place(*then, {});
+        places_.push_back({held, 0, found.grows ? 0 : found.border});
+        verdict_.held.push_back({world.instrument().input_names[index(moved[i])], level, false, {}, {},
+                                 found.grows ? Stability::Unstable : Stability::Stable});
+        report_progress();
+      }
   }
 
   /// False: its loops have gains that are known.
