@@ -98,7 +98,9 @@ void add_export(CLI::App& app, int& exit_code) {
   auto [command, options] =
       add_command(app, "export", "Write an instrument as C with static memory", exit_code, run_export);
   command.add_option("GRAPH", options.target, "instrument file, its folder, or its name")->required();
-  command.add_option("--target", options.kind, "what it is for: c, or library (with a CMake file)")
+  command
+      .add_option("--target", options.kind,
+                  "what it is for: c, library (with a CMake file), or pd (Pure Data)")
       ->check(CLI::IsMember(export_target_names()))
       ->capture_default_str();
   command.add_option("--number", options.number, "type of all numbers; default: that of the target")

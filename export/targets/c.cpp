@@ -49,33 +49,13 @@ std::string port_rows(const char* what, const std::vector<ProgramPort>& ports) {
 }
 
 std::string guard_section(const CProgram& program) {
-  if (!program.guard)
-    return "None: the program was exported with `--no-guard`. Never connect an actuator to it directly.\n";
-  std::string text = fmt::format(
-      "Limits: {}. Each output passes: not finite becomes 0; ceiling; soft start and fade-out; slew limit. "
-      "All outputs "
-      "fade out when `{}_alive` was not called for 500 ms of frames, and start softly when it is called "
-      "again.\n\n"
-      "| output | ceiling | slew per second | soft start | fade-out |\n|---|---|---|---|---|\n",
-      program.limits_from, program.name);
-  for (const auto& output : program.outputs) {
-    const auto& limits = output.limits->limits;
-
-    text +=
-        fmt::format("| {} | {:g} | {} | {:g} s | {:g} s |\n", output.name, limits.ceiling,
-                    has_slew_limit(*output.limits) ? fmt::format("{:g}", limits.slew_per_second) : "no limit",
-                    limits.soft_start.value, limits.fade_out.value);
-  }
-  return text +
-         "\nThe engine's limits of heat, excursion and DC and its feedback detector are not part of the "
-         "program.\n";
-}
-
-std::string fixed_section(const CProgram& program) {
-  if (program.fixed_controls.empty()) return {};
-  std::string text = "\nFixed when the program was exported (`--set NAME=VALUE` gives other values):\n";
-  for (const auto& control : program.fixed_controls) text += "- " + control + "\n";
-  return text;
+  if (!program.guard) return limits_section(program);
+  return fmt::format(
+             "Each output passes: not finite becomes 0; ceiling; soft start and fade-out; slew limit. All "
+             "outputs fade out when `{}_alive` was not called for 500 ms of frames, and start softly when it "
+             "is called again.\n\n",
+             program.name) +
+         limits_section(program);
 }
 
 std::string memory_rows(const CProgram& program) {
@@ -123,6 +103,31 @@ std::string readme(const CProgram& program) {
 }
 
 }  // namespace
+
+std::string limits_section(const CProgram& program) {
+  if (!program.guard)
+    return "None: the program was exported with `--no-guard`. Never connect an actuator to it directly.\n";
+  std::string text = "Limits: " + program.limits_from +
+                     ".\n\n| output | ceiling | slew per second | soft start | fade-out |\n"
+                     "|---|---|---|---|---|\n";
+  for (const auto& output : program.outputs) {
+    const auto& limits = output.limits->limits;
+    text +=
+        fmt::format("| {} | {:g} | {} | {:g} s | {:g} s |\n", output.name, limits.ceiling,
+                    has_slew_limit(*output.limits) ? fmt::format("{:g}", limits.slew_per_second) : "no limit",
+                    limits.soft_start.value, limits.fade_out.value);
+  }
+  return text +
+         "\nThe engine's limits of heat, excursion and DC and its feedback detector are not part of the "
+         "program.\n";
+}
+
+std::string fixed_section(const CProgram& program) {
+  if (program.fixed_controls.empty()) return {};
+  std::string text = "\nFixed when the program was exported (`--set NAME=VALUE` gives other values):\n";
+  for (const auto& control : program.fixed_controls) text += "- " + control + "\n";
+  return text;
+}
 
 std::vector<ExportedFile> c_files(const CProgram& program) {
   return {{program.name + ".h", c_header(program)},

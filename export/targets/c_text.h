@@ -26,4 +26,8 @@ bool has_slew_limit(const GuardedChannel& channel);
 /// whole program, "tactus".
 std::vector<std::string> type_declarations(const CProgram& program);
 
+/// For people: the limits of the outputs, and what can no longer be set. Markdown.
+std::string limits_section(const CProgram& program);
+std::string fixed_section(const CProgram& program);
+
 }  // namespace tactus

@@ -10,6 +10,7 @@ constexpr std::array kTargets = {
     ExportTarget{"c", "C99 for any processor", RecurrenceForm::Grid, "double", 0, c_files},
     ExportTarget{"library", "the same as a library that CMake builds and installs", RecurrenceForm::Grid,
                  "double", 0, library_files},
+    ExportTarget{"pd", "a signal object of Pure Data", RecurrenceForm::Grid, "double", 0, pd_files},
 };
 
 }  // namespace

@@ -31,5 +31,6 @@ std::vector<std::string> export_target_names();
 // One function for each, in the file of its name.
 std::vector<ExportedFile> c_files(const CProgram& program);
 std::vector<ExportedFile> library_files(const CProgram& program);
+std::vector<ExportedFile> pd_files(const CProgram& program);
 
 }  // namespace tactus
