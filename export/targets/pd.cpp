@@ -7,7 +7,7 @@ namespace tactus {
 namespace {
 
 /// Text as a literal of C.
-std::string quoted(const std::string& text) {
+std::string c_string(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') result += '\\';
@@ -16,18 +16,20 @@ std::string quoted(const std::string& text) {
   return result + "\"";
 }
 
-std::string number(double value) { return c_number(value, *find_number_type("double")); }
+std::string double_text(double value) { return c_number(value, *find_number_type("double")); }
 
-std::string control_table(const CProgram& program) {
+std::string pd_control_table(const CProgram& program) {
   if (program.controls.empty()) return "    {0, 0, 0, 0, 0}, /* there are no controls */\n";
   std::string text;
   for (const auto& control : program.controls)
-    text += fmt::format("    {{\"{0}\", offsetof(tactus_controls, {0}), {1}, {2},\n     {3}}},\n",
-                        control.name, number(control.low), number(control.high), quoted(control.about));
+    text +=
+        fmt::format("    {{\"{0}\", offsetof(tactus_controls, {0}), {1}, {2},\n     {3}}},\n", control.name,
+                    double_text(control.low), double_text(control.high), c_string(control.about));
   return text;
 }
 
-constexpr const char* kObject = R"(#include <stddef.h>
+constexpr const char* kPdObject = R"(#include <math.h>
+#include <stddef.h>
 
 #include "m_pd.h"
 #include "tactus.h"
@@ -85,12 +87,12 @@ static tactus_real* tactus_tilde_value(tactus_tilde* x, const tactus_tilde_contr
   return (tactus_real*)((char*)&x->program.controls + control->offset);
 }
 
-/* All nodes as they were at the start; controls stay. */
+@disarm/* All nodes as they were at the start; controls stay. */
 static void tactus_tilde_restart(tactus_tilde* x) {
   const tactus_controls controls = x->program.controls;
   tactus_init(&x->program);
   x->program.controls = controls;
-}
+@restarted}
 
 /* Whether the last block is longer ago than one: DSP, or a switch~ around the object, is or was off. */
 static int tactus_tilde_paused(const tactus_tilde* x) {
@@ -102,9 +104,7 @@ static t_int* tactus_tilde_perform(t_int* w) {
   tactus_tilde* x = (tactus_tilde*)w[1];
   const int frames = (int)w[2];
   const tactus_tilde_mode mode = tactus_tilde_flush();
-  if (tactus_tilde_paused(x)) {
-    tactus_tilde_restart(x);
-@paused  }
+  if (tactus_tilde_paused(x)) tactus_tilde_restart(x);
   x->last_block = clock_getlogicaltime();
 @alive  /* Outputs may share their samples with inputs: a frame is read before it is written. */
   for (int n = 0; n < frames; ++n) {
@@ -133,7 +133,7 @@ static void tactus_tilde_dsp(tactus_tilde* x, t_signal** signals) {
   dsp_addv(tactus_tilde_perform, 2 + TACTUS_INPUTS + TACTUS_OUTPUTS, words);
 }
 
-@messagesstatic void tactus_tilde_set(tactus_tilde* x, int index, double value) {
+@armstatic void tactus_tilde_set(tactus_tilde* x, int index, double value) {
   const tactus_tilde_control* control = &tactus_tilde_controls[index];
   const double inside = value < control->low ? control->low : value > control->high ? control->high : value;
   if (value != value) {
@@ -169,6 +169,7 @@ static void tactus_tilde_print(tactus_tilde* x) {
 static void* tactus_tilde_new(void) {
   tactus_tilde* x = (tactus_tilde*)pd_new(tactus_tilde_class);
   tactus_init(&x->program);
+  x->last_block = -HUGE_VAL;
   for (int k = 1; k < TACTUS_INPUTS; ++k) inlet_new(&x->object, &x->object.ob_pd, &s_signal, &s_signal);
   for (int k = 0; k < TACTUS_OUTPUTS; ++k) outlet_new(&x->object, &s_signal);
   return x;
@@ -181,61 +182,65 @@ void tactus_tilde_setup(void) {
   tactus_tilde_class = class_new(gensym("tactus~"), (t_newmethod)tactus_tilde_new, 0, sizeof(tactus_tilde),
                                  CLASS_DEFAULT, A_NULL);
 @main_inlet  class_addmethod(tactus_tilde_class, (t_method)tactus_tilde_dsp, gensym("dsp"), A_CANT, A_NULL);
-@arm_methods  class_addmethod(tactus_tilde_class, (t_method)tactus_tilde_print, gensym("print"), A_NULL);
+@methods  class_addmethod(tactus_tilde_class, (t_method)tactus_tilde_print, gensym("print"), A_NULL);
   class_addanything(tactus_tilde_class, (t_method)tactus_tilde_anything);
 }
 )";
 
 /// What a program with a guard has: it starts disarmed, and a disarmed one fades out.
-constexpr const char* kArming = R"(static void tactus_tilde_arm(tactus_tilde* x) {
-  x->armed = !tactus_tilde_paused(x);
-  if (!x->armed) pd_error(x, "tactus~: not armed: no block was computed; switch DSP on first");
-}
-/* The fade-out begins at once, not when the dead man's switch has run out. */
+constexpr const char* kPdDisarm =
+    R"(/* The fade-out begins at once, not when the dead man's switch has run out. */
 static void tactus_tilde_disarm(tactus_tilde* x) {
   x->armed = 0;
   x->program.alive.age = (long)TACTUS_RATE;
 }
 
 )";
+constexpr const char* kPdArm = R"(static void tactus_tilde_arm(tactus_tilde* x) {
+  x->armed = !tactus_tilde_paused(x);
+  if (!x->armed) pd_error(x, "tactus~: not armed: no block was computed; switch DSP on first");
+}
 
-std::string filled(std::string text, const std::string& name, const std::string& with) {
+)";
+
+std::string with_part(std::string text, const std::string& name, const std::string& with) {
   const auto at = text.find("@" + name);
   return text.replace(at, name.size() + 1, with);
 }
 
-std::string object(const CProgram& program) {
+std::string pd_object(const CProgram& program) {
   const bool guard = program.guard;
   auto text = fmt::format("/* {}: the object tactus~ of Pure Data. README.md says how it is used. */\n",
                           program.title) +
-              kObject;
-  text = filled(text, "state", guard ? "  int armed, said;   /* said: that it is not armed */\n" : "");
-  text = filled(text, "paused", guard ? "    x->armed = 0;\n" : "");
-  text = filled(text, "alive", guard ? "  if (x->armed) tactus_alive(&x->program);\n" : "");
-  text = filled(text, "unarmed",
-                guard ? "  if (!x->armed && !x->said)\n"
-                        "    post(\"tactus~: the outputs are 0 until the message 'arm'\");\n"
-                        "  x->said = 1;\n"
-                      : "");
-  text = filled(text, "messages", guard ? kArming : "");
-  text = filled(text, "printed",
-                guard ? "  post(\"tactus~: %s\", x->armed ? \"armed\" : \"not armed\");\n" : "");
-  text = filled(
+              kPdObject;
+  text = with_part(text, "state", guard ? "  int armed, said;   /* said: that it is not armed */\n" : "");
+  text = with_part(text, "disarm", guard ? kPdDisarm : "");
+  text = with_part(text, "restarted", guard ? "  tactus_tilde_disarm(x);\n" : "");
+  text = with_part(text, "alive", guard ? "  if (x->armed) tactus_alive(&x->program);\n" : "");
+  text = with_part(text, "unarmed",
+                   guard ? "  if (!x->armed && !x->said)\n"
+                           "    post(\"tactus~: the outputs are 0 until the message 'arm'\");\n"
+                           "  x->said = 1;\n"
+                         : "");
+  text = with_part(text, "arm", guard ? kPdArm : "");
+  text = with_part(text, "printed",
+                   guard ? "  post(\"tactus~: %s\", x->armed ? \"armed\" : \"not armed\");\n" : "");
+  text = with_part(
       text, "main_inlet",
       program.inputs.empty() ? "" : "  CLASS_MAINSIGNALIN(tactus_tilde_class, tactus_tilde, first);\n");
-  text = filled(
-      text, "arm_methods",
+  text = with_part(
+      text, "methods",
       guard ? "  class_addmethod(tactus_tilde_class, (t_method)tactus_tilde_arm, gensym(\"arm\"), A_NULL);\n"
               "  class_addmethod(tactus_tilde_class, (t_method)tactus_tilde_disarm, gensym(\"disarm\"), "
               "A_NULL);\n"
             : "");
-  text = filled(text, "controls", control_table(program));
+  text = with_part(text, "controls", pd_control_table(program));
   auto doubles = program;  // Pd's side calculates in doubles, whatever the program does
   doubles.number = find_number_type("double");
   return as_of_program(text, doubles);
 }
 
-std::string makefile(const CProgram& program) {
+std::string pd_makefile(const CProgram& program) {
   return fmt::format(
       R"(# Builds {0}~ for Pure Data. `make PDINCLUDE=FOLDER` where m_pd.h is not in the compiler's own folders;
 # `make install` copies it to where Pd looks for externals. On Windows (MSYS2) PDBIN is the folder of pd.dll.
@@ -276,7 +281,7 @@ clean:
 }
 
 /// A patch: objects below each other, and lines between them.
-class HelpPatch {
+class PdHelpPatch {
  public:
   /// Returns the number of the object.
   int add(const char* kind, int x, const std::string& text) {
@@ -324,8 +329,8 @@ class HelpPatch {
   int count_ = 0, y_ = 20;
 };
 
-std::string help_patch(const CProgram& program) {
-  HelpPatch patch;
+std::string pd_help_patch(const CProgram& program) {
+  PdHelpPatch patch;
   patch.comment(20, program.name + "~: " + (program.about.empty() ? program.title : program.about));
   patch.comment(20, fmt::format("For {:g} Hz only: at another rate it is silent and reports an error.",
                                 program.sample_rate.value));
@@ -355,7 +360,7 @@ std::string help_patch(const CProgram& program) {
   return patch.text();
 }
 
-std::string port_rows(const char* what, const std::vector<ProgramPort>& ports) {
+std::string pd_port_rows(const char* what, const std::vector<ProgramPort>& ports) {
   std::string text;
   for (std::size_t k = 0; k < ports.size(); ++k)
     text +=
@@ -363,14 +368,14 @@ std::string port_rows(const char* what, const std::vector<ProgramPort>& ports) {
   return text;
 }
 
-std::string message_rows(const CProgram& program) {
+std::string pd_message_rows(const CProgram& program) {
   std::string text;
   for (const auto& control : program.controls)
     text += fmt::format("| `{} {:.9g}` | {} |\n", control.name, control.value, control.about);
   return text;
 }
 
-std::string stopping(const CProgram& program) {
+std::string pd_stopping(const CProgram& program) {
   if (!program.guard) return "## Limits\n\n" + limits_section(program);
   return fmt::format(R"(## Safe start and stop
 
@@ -385,7 +390,7 @@ and is not armed; its controls stay. Editing a patch while DSP runs changes noth
                      limits_section(program));
 }
 
-std::string readme(const CProgram& program) {
+std::string pd_readme(const CProgram& program) {
   return fmt::format(
       "# {0}~\n\n{1}\n\nA signal object for Pure Data, exported by Tactus from `{2}` for {3:g} Hz. At "
       "another "
@@ -403,16 +408,17 @@ std::string readme(const CProgram& program) {
       "An output differs "
       "from that of Tactus by the rounding to a sample.\n",
       program.name, program.about.empty() ? program.title : program.about, program.file,
-      program.sample_rate.value, port_rows("inlet", program.inputs), port_rows("outlet", program.outputs),
-      message_rows(program), fixed_section(program), stopping(program), program.number->c_type);
+      program.sample_rate.value, pd_port_rows("inlet", program.inputs),
+      pd_port_rows("outlet", program.outputs), pd_message_rows(program), fixed_section(program),
+      pd_stopping(program), program.number->c_type);
 }
 
 }  // namespace
 
 std::vector<ExportedFile> pd_files(const CProgram& program) {
-  return {{program.name + ".h", c_header(program)}, {program.name + ".c", c_source(program)},
-          {program.name + "~.c", object(program)},  {program.name + "~-help.pd", help_patch(program)},
-          {"Makefile", makefile(program)},          {"README.md", readme(program)}};
+  return {{program.name + ".h", c_header(program)},   {program.name + ".c", c_source(program)},
+          {program.name + "~.c", pd_object(program)}, {program.name + "~-help.pd", pd_help_patch(program)},
+          {"Makefile", pd_makefile(program)},         {"README.md", pd_readme(program)}};
 }
 
 }  // namespace tactus
