@@ -7,6 +7,7 @@
 #include "engine/guard/guarded.h"
 #include "engine/nodes/table.h"
 #include "engine/runtime/player.h"
+#include "tests/benchmarks/exported_program.h"
 #include "tests/benchmarks/faust_build.h"
 #include "tests/benchmarks/works.h"
 
@@ -56,12 +57,15 @@ class ProcessorPeer : public Peer {
   Tape<double> tape_;
 };
 
+inline LoadedGraph loaded(const Work& work) {
+  return work.graph.empty() ? parse_graph_leniently(work.text, work.name)
+                            : load_graph_leniently(std::string(TACTUS_GRAPHS "/") + work.graph);
+}
+
 inline std::unique_ptr<Plan> compiled(const Work& work) {
-  const auto graph = work.graph.empty() ? parse_graph_leniently(work.text, work.name)
-                                        : load_graph_leniently(std::string(TACTUS_GRAPHS "/") + work.graph);
   CompileOptions options;
   options.sample_rate = Hertz{kRate};
-  auto schedule = compile(graph, standard_nodes(), options);
+  auto schedule = compile(loaded(work), standard_nodes(), options);
   if (!schedule) throw std::runtime_error(to_string(schedule.error()));
   return std::move(*schedule);
 }
@@ -114,6 +118,22 @@ class HandPeer : public Peer {
  private:
   std::unique_ptr<HandWritten<Number>> loop_;
   Tape<Number> tape_;
+};
+
+class ExportedPeer : public Peer {
+ public:
+  ExportedPeer(ExportedProgram& program, const Work& work, const Channels& in)
+      : program_(program), tape_(in, work.outputs) {
+    program_.start();
+  }
+  void run(int frame, int frames) override {
+    tape_.seek(frame);
+    program_.process(tape_.in(), tape_.out(), frames);
+  }
+
+ private:
+  ExportedProgram& program_;
+  Tape<double> tape_;
 };
 
 class FaustPeer : public Peer {

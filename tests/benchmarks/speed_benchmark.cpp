@@ -1,6 +1,7 @@
 #include "tests/benchmarks/speed_benchmark.h"
 
 #include <benchmark/benchmark.h>
+#include <fmt/format.h>
 
 #include <functional>
 #include <vector>
@@ -38,6 +39,18 @@ MakePeer maker() {
   return [](const Work& work, const Channels& in) { return std::make_unique<SomePeer>(work, in); };
 }
 
+/// A work that cannot be exported has no row; why is printed.
+void add_exported(const Work& work) {
+  try {
+    const auto program = std::make_shared<ExportedProgram>(loaded(work));
+    add(work, "exported C", [program](const Work& w, const Channels& in) {
+      return std::make_unique<ExportedPeer>(*program, w, in);
+    });
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}: not exported: {}\n", work.name, error.what());
+  }
+}
+
 void add_loading(const Work& work) {
   benchmark::RegisterBenchmark(("load, check and compile " + work.name).c_str(),
                                [=](benchmark::State& state) {
@@ -57,6 +70,7 @@ void add_speed_benchmarks() {
     add(work, "plain C++ float", [](const Work& w, const Channels& in) {
       return std::make_unique<HandPeer<float>>(hand_written_float(w), w, in);
     });
+    add_exported(work);
     for (auto* build : FaustBuild::all())
       if (build->work == work.faust)
         add(work, "Faust, " + build->name, [build](const Work& w, const Channels& in) {

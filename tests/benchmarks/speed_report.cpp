@@ -84,10 +84,11 @@ void SpeedReport::print_table(const std::string& work, const Table& table) const
     return row->second.at(block);
   };
   for (const auto& who : table.order) line(who, [&](int block) { return value(who, block); });
-  for (const auto* who : {"plain C++ double", "best Faust"})
-    if (table.rows.contains(who) && table.rows.contains("graph"))
-      line(fmt::format("graph / {}", who), [&](int block) -> std::optional<double> {
-        const auto a = value("graph", block), b = value(who, block);
+  for (const auto& [who, other] : {std::pair{"graph", "plain C++ double"}, std::pair{"graph", "best Faust"},
+                                   std::pair{"exported C", "best Faust"}})
+    if (table.rows.contains(who) && table.rows.contains(other))
+      line(fmt::format("{} / {}", who, other), [&](int block) -> std::optional<double> {
+        const auto a = value(who, block), b = value(other, block);
         return a && b ? std::optional{*a / *b} : std::nullopt;
       });
 }
