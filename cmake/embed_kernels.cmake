@@ -1,5 +1,10 @@
 # Writes OUTPUT, a C++ file with the text of FILES (paths below ROOT, separated by "|"): export/kernel_texts.h declares them.
 #   cmake -DOUTPUT=… -DROOT=… -DFILES=… -P embed_kernels.cmake
+# FUNCTION and HEADER: what returns them, and where it is declared (default: kernel_files, export/kernel_texts.h).
+if(NOT FUNCTION)
+  set(FUNCTION kernel_files)
+  set(HEADER export/kernel_texts.h)
+endif()
 set(arrays "")
 set(table "")
 string(REPLACE "|" ";" files "${FILES}")
@@ -13,7 +18,7 @@ foreach(file ${files})
   math(EXPR number "${number} + 1")
 endforeach()
 file(WRITE ${OUTPUT} "// Written by cmake/embed_kernels.cmake.
-#include \"export/kernel_texts.h\"
+#include \"${HEADER}\"
 
 namespace tactus {
 namespace {
@@ -26,7 +31,7 @@ std::string_view text(const unsigned char (&bytes)[Size]) {
 
 }  // namespace
 
-std::span<const KernelFile> kernel_files() {
+std::span<const KernelFile> ${FUNCTION}() {
   static const KernelFile kFiles[] = {
 ${table}  };
   return kFiles;

@@ -1,7 +1,10 @@
 #include "export/export.h"
 
+#include <algorithm>
 #include <filesystem>
 
+#include "engine/graph/file/read_graph.h"
+#include "export/fixed/fixed_program.h"
 #include "export/read_plan.h"
 #include "export/targets/memory.h"
 
@@ -25,11 +28,14 @@ CProgram program_of(const GraphSpec& spec, const ExportOptions& options) {
   return program;
 }
 
-/// Unit and description of ports; a lane of "strings" is called "strings[2]".
-void describe(std::vector<ProgramPort>& ports, const std::vector<PortSpec>& specs) {
+/// The name in the file of a lane of it: "strings" of "strings[2]".
+std::string file_name(const std::string& port) { return port.substr(0, port.find('[')); }
+
+/// Unit and description of ports.
+template <class Port>
+void describe(std::vector<Port>& ports, const std::vector<PortSpec>& specs) {
   for (auto& port : ports) {
-    const auto name = port.name.substr(0, port.name.find('['));
-    const auto* spec = find_named(specs, name);
+    const auto* spec = find_named(specs, file_name(port.name));
     if (spec == nullptr) continue;
     if (const auto* unit = find(spec->fields, "unit"); unit != nullptr && unit->text())
       port.unit = *unit->text();
@@ -38,15 +44,29 @@ void describe(std::vector<ProgramPort>& ports, const std::vector<PortSpec>& spec
   }
 }
 
+template <class Program>
+void describe(Program& program, const Plan& plan, const GraphSpec& spec, const ExportOptions& options) {
+  describe(program.inputs, spec.inputs);
+  describe(program.outputs, spec.outputs);
+  std::size_t output = 0;
+  for (const auto& channel : plan.channels)
+    if (channel.use != OutputUse::Tap && options.limits)
+      program.outputs[output++].limits = options.limits(channel);
+}
+
+Error too_large(const CProgram& program, std::size_t bytes, std::size_t most) {
+  return {Errc::OutOfRange, program.file,
+          "its state takes " + std::to_string(bytes) + " bytes, and at most " + std::to_string(most) +
+              " are allowed",
+          "choose numbers with fewer bytes (--number), a lower --rate, or fewer and shorter nodes"};
+}
+
 /// What takes an eighth of the allowed memory or more, where all of it is too much.
 std::vector<Error> too_large(const CProgram& program, const ExportOptions& options) {
   const auto& machine = machine_types()[index(options.target->machine)];
   const auto bytes = state_bytes(program, machine), most = *options.most_bytes;
   if (bytes <= most) return {};
-  std::vector<Error> errors{{Errc::OutOfRange, program.file,
-                             "its state takes " + std::to_string(bytes) + " bytes, and at most " +
-                                 std::to_string(most) + " are allowed",
-                             "choose --number float, a lower --rate, or fewer and shorter nodes"}};
+  std::vector<Error> errors{too_large(program, bytes, most)};
   for (const auto& member : program.members)
     if (const auto own = member.bytes * static_cast<std::size_t>(program.number->bytes) / 8; 8 * own >= most)
       errors.push_back({Errc::OutOfRange, member.where,
@@ -55,36 +75,113 @@ std::vector<Error> too_large(const CProgram& program, const ExportOptions& optio
   return errors;
 }
 
-}  // namespace
-
-Checked<CProgram> write_program(const LoadedGraph& graph, const NodeTable& nodes,
-                                const ExportOptions& options) {
-  const RecordedNodes recorded{nodes};
+CompileOptions compiling(const ExportOptions& options) {
   CompileOptions compiling;
   compiling.sample_rate = options.sample_rate;
   compiling.system_delay = options.system_delay;
   compiling.controls = options.controls;
   compiling.vectorise = false;
-  const auto plan = compile(graph, recorded.table(), compiling);
+  return compiling;
+}
+
+InputRanges input_ranges(const Plan& plan, const GraphSpec& spec) {
+  InputRanges ranges;
+  for (const auto& name : plan.input_names) {
+    const auto* input = find_named(spec.inputs, file_name(name));
+    ranges.push_back(input == nullptr ? std::nullopt : declared_range(*input));
+  }
+  return ranges;
+}
+
+/// Files of a board, behind those of the program that it runs.
+Checked<std::vector<ExportedFile>> with_board(std::vector<ExportedFile> files, const BoardProgram& program,
+                                              const ExportOptions& options, const GraphSpec& spec) {
+  if (options.target->board == nullptr) return files;
+  std::vector<Error> errors;
+  for (const auto& input : program.inputs)
+    if (options.target->converts && !input.range.bounded())
+      errors.push_back({Errc::BadArgument, find_named(spec.inputs, file_name(input.name))->at.text(),
+                        "input '" + input.name + "' has no range, so that the converter has no scale",
+                        "give it one in [inputs], as in range = [\"-50 mm\", \"50 mm\"]"});
+  if (!errors.empty()) return tl::unexpected(std::move(errors));
+  // A board has a main of its own.
+  std::erase_if(files, [](const ExportedFile& file) { return file.name == "example.c"; });
+  for (auto& file : options.target->board(program)) {
+    const auto same = std::ranges::find(files, file.name, &ExportedFile::name);
+    if (same == files.end())
+      files.push_back(std::move(file));
+    else
+      same->text += file.text;
+  }
+  return files;
+}
+
+Checked<FixedProgram> fixed_program(const Plan& plan, const RecordedNodes& recorded, const GraphSpec& spec,
+                                    const ExportOptions& options) {
+  auto program =
+      read_fixed(program_of(spec, options), options.number->bits, plan, recorded, input_ranges(plan, spec));
+  if (program) describe(*program, plan, spec, options);
+  return program;
+}
+
+Checked<std::vector<ExportedFile>> fixed_files(const FixedProgram& program, const GraphSpec& spec,
+                                               const ExportOptions& options) {
+  const auto& name = program.heading.name;
+  BoardProgram board{&program.heading, {}, {}};
+  for (const auto& port : program.inputs)
+    board.inputs.push_back({port.name, port.value.range, port.value.exponent});
+  for (const auto& port : program.outputs)
+    board.outputs.push_back({port.name, port.value.range, port.value.exponent});
+  return with_board({{name + ".h", fixed_header(program)},
+                     {name + "_numbers.h", fixed_numbers(program)},
+                     {name + ".c", fixed_source(program)},
+                     {"README.md", fixed_readme(program)}},
+                    board, options, spec);
+}
+
+}  // namespace
+
+Checked<CProgram> write_program(const LoadedGraph& graph, const NodeTable& nodes,
+                                const ExportOptions& options) {
+  const RecordedNodes recorded{nodes};
+  const auto plan = compile(graph, recorded.table(), compiling(options));
   if (!plan) return tl::unexpected(plan.error());
   auto program = read_plan(program_of(*graph.spec, options), **plan, recorded);
-  if (!program) return program;
-  describe(program->inputs, graph.spec->inputs);
-  describe(program->outputs, graph.spec->outputs);
-  std::size_t output = 0;
-  for (const auto& channel : (*plan)->channels)
-    if (channel.use != OutputUse::Tap && options.limits)
-      program->outputs[output++].limits = options.limits(channel);
+  if (program) describe(*program, **plan, *graph.spec, options);
   return program;
+}
+
+Checked<FixedProgram> write_fixed_program(const LoadedGraph& graph, const NodeTable& nodes,
+                                          const ExportOptions& options) {
+  const RecordedNodes recorded{nodes};
+  const auto plan = compile(graph, recorded.table(), compiling(options));
+  if (!plan) return tl::unexpected(plan.error());
+  return fixed_program(**plan, recorded, *graph.spec, options);
 }
 
 Checked<std::vector<ExportedFile>> export_graph(const LoadedGraph& graph, const NodeTable& nodes,
                                                 const ExportOptions& options) {
-  const auto program = write_program(graph, nodes, options);
+  const RecordedNodes recorded{nodes};
+  const auto plan = compile(graph, recorded.table(), compiling(options));
+  if (!plan) return tl::unexpected(plan.error());
+  if (options.number->bits > 0) {
+    const auto program = fixed_program(**plan, recorded, *graph.spec, options);
+    if (!program) return tl::unexpected(program.error());
+    if (const auto bytes = state_bytes(*program); options.most_bytes && bytes > *options.most_bytes)
+      return tl::unexpected(std::vector{too_large(program->heading, bytes, *options.most_bytes)});
+    return fixed_files(*program, *graph.spec, options);
+  }
+  auto program = read_plan(program_of(*graph.spec, options), **plan, recorded);
   if (!program) return tl::unexpected(program.error());
+  describe(*program, **plan, *graph.spec, options);
   if (options.most_bytes)
     if (auto errors = too_large(*program, options); !errors.empty()) return tl::unexpected(std::move(errors));
-  return options.target->files(*program);
+  BoardProgram board{&*program, {}, {}};
+  const auto ranges = input_ranges(**plan, *graph.spec);
+  for (std::size_t i = 0; i < program->inputs.size(); ++i)
+    board.inputs.push_back({program->inputs[i].name, ranges[i].value_or(Interval{}), 0});
+  for (const auto& output : program->outputs) board.outputs.push_back({output.name, {}, 0});
+  return with_board(options.target->files(*program), board, options, *graph.spec);
 }
 
 }  // namespace tactus

@@ -12,6 +12,7 @@
 #include "engine/graph/node_type.h"
 #include "engine/graph/plan/compile.h"
 #include "engine/guard/guarded.h"
+#include "export/fixed/fixed_program.h"
 #include "export/program.h"
 #include "export/targets/target.h"
 
@@ -33,6 +34,10 @@ struct ExportOptions {
 /// A graph as C. Errors: those of `compile`; BadArgument for each node that cannot be exported, all at once.
 Checked<CProgram> write_program(const LoadedGraph& graph, const NodeTable& nodes,
                                 const ExportOptions& options);
+
+/// A graph as C in integers. Errors: those of `compile` and of `read_fixed`.
+Checked<FixedProgram> write_fixed_program(const LoadedGraph& graph, const NodeTable& nodes,
+                                          const ExportOptions& options);
 
 /// The files that a target makes of it.
 Checked<std::vector<ExportedFile>> export_graph(const LoadedGraph& graph, const NodeTable& nodes,

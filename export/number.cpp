@@ -10,8 +10,9 @@
 namespace tactus {
 namespace {
 
-constexpr std::array kTypes = {NumberType{"double", "double", "", "", true, 8},
-                               NumberType{"float", "float", "f", "f", false, 4}};
+constexpr std::array kTypes = {
+    NumberType{"double", "double", "", "", true, 8}, NumberType{"float", "float", "f", "f", false, 4},
+    NumberType{"q31", "int32_t", "", "", false, 4, 32}, NumberType{"q16", "int16_t", "", "", false, 2, 16}};
 
 /// Those of math.h that kernels call and that have a form for each type of number.
 constexpr std::array<std::string_view, 29> kFunctions = {

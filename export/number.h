@@ -16,6 +16,7 @@ struct NumberType {
   const char* literal_suffix;
   bool exact_functions;  ///< functions of expressions give the bits of the engine; else those of math.h
   int bytes;
+  int bits = 0;  ///< of an integer; 0: floating point
 };
 
 /// The entry of that name, or nullptr.

@@ -100,7 +100,7 @@ void add_export(CLI::App& app, int& exit_code) {
   command.add_option("GRAPH", options.target, "instrument file, its folder, or its name")->required();
   command
       .add_option("--target", options.kind,
-                  "what it is for: c, library (with a CMake file), or pd (Pure Data)")
+                  "what it is for: c, library (with a CMake file), pd (Pure Data), or a microcontroller")
       ->check(CLI::IsMember(export_target_names()))
       ->capture_default_str();
   command.add_option("--number", options.number, "type of all numbers; default: that of the target")

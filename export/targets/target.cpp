@@ -11,6 +11,12 @@ constexpr std::array kTargets = {
     ExportTarget{"library", "the same as a library that CMake builds and installs", RecurrenceForm::Grid,
                  "double", 0, library_files},
     ExportTarget{"pd", "a signal object of Pure Data", RecurrenceForm::Grid, "double", 0, pd_files},
+    ExportTarget{"cortex-m", "a program for a Cortex-M4F, which qemu runs", RecurrenceForm::Plain, "float", 1,
+                 c_files, cortex_m_files},
+    ExportTarget{"avr", "a program for an ATmega328P or ATmega2560, which simavr runs", RecurrenceForm::Plain,
+                 "q16", 2, c_files, avr_files, true},
+    ExportTarget{"arduino", "a sketch for an Arduino with such a processor", RecurrenceForm::Plain, "q16", 2,
+                 c_files, arduino_files, true},
 };
 
 }  // namespace

@@ -6,12 +6,24 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/graph/semantics/interval.h"
 #include "export/program.h"
 
 namespace tactus {
 
 struct ExportedFile {
   std::string name, text;
+};
+
+/// What the code of a board needs to know of a program.
+struct BoardProgram {
+  struct Port {
+    std::string name;
+    Interval range = {};
+    int exponent = 0;  ///< of an integer
+  };
+  const CProgram* heading = nullptr;
+  std::vector<Port> inputs, outputs;
 };
 
 /// What a program is exported for.
@@ -22,6 +34,9 @@ struct ExportTarget {
   const char* number;         ///< by default
   int machine;                ///< in `machine_types`
   std::vector<ExportedFile> (*files)(const CProgram& program);
+  /// Further files, for a board; nullptr: none.
+  std::vector<ExportedFile> (*board)(const BoardProgram& program) = nullptr;
+  bool converts = false;  ///< the board samples inputs with a converter, whose scale their ranges give
 };
 
 /// The entry of that name, or nullptr.
@@ -32,5 +47,8 @@ std::vector<std::string> export_target_names();
 std::vector<ExportedFile> c_files(const CProgram& program);
 std::vector<ExportedFile> library_files(const CProgram& program);
 std::vector<ExportedFile> pd_files(const CProgram& program);
+std::vector<ExportedFile> avr_files(const BoardProgram& program);
+std::vector<ExportedFile> arduino_files(const BoardProgram& program);
+std::vector<ExportedFile> cortex_m_files(const BoardProgram& program);
 
 }  // namespace tactus

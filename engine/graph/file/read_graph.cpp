@@ -128,7 +128,10 @@ FieldType unit_field() {
 }
 const SectionType& input_fields() {
   static const SectionType section{
-      "an input", {unit_field(), about_field(), whole_field("lanes", 1, 1024, "number of lanes", "1")}};
+      "an input",
+      {unit_field(), about_field(), whole_field("lanes", 1, 1024, "number of lanes", "1"),
+       field("range", FieldType::Kind::Range,
+             "what the sensor can give; programs in integers need it (tactus export)")}};
   return section;
 }
 
@@ -161,16 +164,17 @@ std::string owner_of(const char* kind, const EntrySpec& entry) {
   return std::string{kind} + " '" + entry.name + "'";
 }
 
-void set_unit(PortSpec& port, FieldReader& fields) {
+std::optional<Unit> set_unit(PortSpec& port, FieldReader& fields) {
   const auto unit = fields.unit("unit");
   port.unit_known = unit.has_value();
   if (unit) port.dimension = unit->dimension;
+  return unit;
 }
 
 PortSpec read_input(EntrySpec entry, ErrorList& errors) {
   PortSpec input{std::move(entry)};
   FieldReader fields{input.fields, input_fields(), errors, owner_of("input", input)};
-  set_unit(input, fields);
+  if (const auto unit = set_unit(input, fields)) fields.range("range", *unit);
   input.lanes = static_cast<int>(fields.number("lanes").value_or(1));
   return input;
 }
@@ -232,6 +236,16 @@ ControlSpec read_control(EntrySpec entry, ErrorList& errors) {
 }
 
 }  // namespace
+
+std::optional<Interval> declared_range(const PortSpec& input) {
+  ErrorList errors;
+  FieldReader fields{input.fields, input_fields(), errors, owner_of("input", input)};
+  const auto unit = fields.unit("unit");
+  const auto range = unit ? fields.range("range", *unit) : std::nullopt;
+  const auto* name = find(input.fields, "unit");
+  const bool full_scale = name != nullptr && name->text() != nullptr && *name->text() == "full scale";
+  return range || !full_scale ? range : Interval{-1, 1};
+}
 
 std::vector<FieldType> heading_fields() {
   using Kind = FieldType::Kind;
