@@ -34,7 +34,7 @@ static inline tactus_real tactus_guard_step(tactus_guard* s, const tactus_limits
 typedef struct tactus_switch {
   volatile unsigned char refreshes;
   unsigned char seen;
-  long age;  ///< frames since the last refresh, at most `patience`
+  long left;  ///< frames for which the last refresh still counts; none before the first one
 } tactus_switch;
 
 static inline void tactus_switch_refresh(tactus_switch* s) {
@@ -45,9 +45,9 @@ static inline void tactus_switch_refresh(tactus_switch* s) {
 static inline int tactus_switch_step(tactus_switch* s, long patience) {
   const unsigned char refreshes = s->refreshes;
   int open;
-  if (refreshes != s->seen) s->age = 0;
+  if (refreshes != s->seen) s->left = patience;
   s->seen = refreshes;
-  open = s->age < patience;
-  if (open) ++s->age;
+  open = s->left > 0;
+  if (open) --s->left;
   return open;
 }

@@ -192,7 +192,7 @@ constexpr const char* kPdDisarm =
     R"(/* The fade-out begins at once, not when the dead man's switch has run out. */
 static void tactus_tilde_disarm(tactus_tilde* x) {
   x->armed = 0;
-  x->program.alive.age = (long)TACTUS_RATE;
+  x->program.alive.left = 0;
 }
 
 )";

@@ -108,6 +108,7 @@ TEST_CASE("export: outputs fade out 500 ms after the last sign of life, and come
     for (int n = 0; n < frames; ++n) running.step(&level, &out);
     return out;
   };
+  CHECK(at(100) == 0);  // no sign of life yet
   for (int n = 0; n < 24001; n += 1000) {
     running.alive();
     at(1000);
