@@ -115,7 +115,7 @@ void add_export(CLI::App& app, int& exit_code) {
   command.add_option("--rig", options.rig,
                      "rig file; limits of its outputs, its controls and its measured delay");
   command.add_option("--set", options.set, "NAME=VALUE: sets a control");
-  command.add_option("-o,--out", options.folder, "folder for the files; default: NAME_export");
+  command.add_option("-o,--folder", options.folder, "folder for the files; default: NAME_export");
   command.add_option("--ram", options.ram,
                      "bytes that the state may take; more is an error that names what is large");
   command.add_flag("--no-guard", options.no_guard,
