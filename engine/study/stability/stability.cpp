@@ -446,7 +446,11 @@ class Analysis {
         if (!add_gains(*then, known)) continue;
         const auto found = at_place(*then, {});
         places_.push_back({held, 0, found.grows ? 0 : found.border});
-        verdict_.held.push_back({world.instrument().input_names[index(moved[i])], level, false, {}, {},
+        verdict_.held.push_back({world.instrument().input_names[index(moved[i])],
+                                 level,
+                                 false,
+                                 {},
+                                 {},
                                  found.grows ? Stability::Unstable : Stability::Stable});
         report_progress();
       }

@@ -256,6 +256,28 @@ TEST_CASE("stability: an absolute value is analysed on both sides of its corner"
   CHECK_FALSE(pushed_by("-3 N/m * place - 5 N/m * abs(place)"));
 }
 
+TEST_CASE("stability: a spring behind a dead band of no width has the border of a spring", "[analysis]") {
+  // Each corner by itself cancels what passes it: q - clamp(q, 0, 0) has slope 0 while q is between both.
+  const auto text = [](double stiffness) {
+    return fmt::format(R"toml(
+format = 1
+[inputs]
+place = {{ unit = "m" }}
+[nodes]
+outside = "place - clamp(place, 0 m, 0 m)"
+wanted  = "{} N/m * (max(outside, 0 m) + min(outside, 0 m))"
+[outputs]
+push = {{ from = "-clamp(wanted, -1 N, 1 N)", unit = "N" }}
+)toml",
+                       stiffness);
+  };
+  const Conditions conditions;
+  const double border = conditions.damping / (conditions.delay_s + 0.5 / conditions.rate);  // nearly
+  CHECK(analysed(text(0.9 * border), conditions).stability == Stability::Stable);
+  CHECK(analysed(text(1.1 * border), conditions).stability == Stability::Unstable);
+  CHECK(analysed(text(1000 * border), conditions).stability == Stability::Unstable);
+}
+
 TEST_CASE("stability: a spring far beyond its border is refused although the drive saturates", "[analysis]") {
   const auto stiffness = GENERATE(200.0, 2e4, 1e9);
   CHECK_FALSE(analysed(fmt::format(R"(
