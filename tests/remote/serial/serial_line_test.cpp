@@ -104,7 +104,8 @@ TEST_CASE("serial clock: lines that come in lumps keep the distances of their se
     const double lump = 100.0 + 0.020 * (line / 5 + 1) - 0.004;  // made when its last line is
     if (line % 5 == 0) late = 0.001 + 0.002 * static_cast<double>(random() % 1000) / 1000.0;
     const double arrival = lump + late;
-    const auto micros = static_cast<std::uint32_t>(4'294'000'000.0 + 1e6 * 1.0002 * (made - 100.0));
+    const auto micros = static_cast<std::uint32_t>(
+        static_cast<std::int64_t>(4'294'000'000.0 + 1e6 * 1.0002 * (made - 100.0)));
     const double time = clock.time_of(micros, arrival);
     if (line >= 2500) {
       errors.push_back(time - made);
