@@ -104,6 +104,9 @@ Need need_of(const ActuatorOptions& options) {
   return need;
 }
 
+/// A vibrating motor: that it turns without end moves nothing.
+bool only_vibrates(const ActuatorFigures& figures) { return figures.drive_to.has_value(); }
+
 /// Whether an actuator has it, and what is not known of it.
 struct Match {
   std::vector<std::string> lacks, unknown;
@@ -119,7 +122,8 @@ Match match(const ActuatorFigures& figures, const Need& need) {
   };
   if (need.force) judge("force", figures.force.high.has_value(), figures.force.high >= need.force);
   if (need.excursion)
-    judge("excursion", figures.excursion.high.has_value(), figures.excursion.high >= need.excursion);
+    judge("excursion", figures.excursion.high.has_value(),
+          figures.excursion.high >= need.excursion && !only_vibrates(figures));
   if (need.resolution)
     judge("resolution", figures.resolution.low.has_value(), figures.resolution.low <= need.resolution);
   if (need.price) judge("price", figures.price.low.has_value(), figures.price.low <= need.price);
@@ -152,18 +156,38 @@ Interval band_of(const std::vector<double>& samples, double rate_hz) {
   return {frequency(kBandShare), frequency(1.0 - kBandShare)};
 }
 
-/// What a scene needs: its drives, and the largest force on the player, where a port measures it.
+/// What a scene needs.
 struct Demand {
   std::string scene;
   double rate_hz = 0.0;
   std::vector<Drive> drives;
-  std::optional<double> force;
+  std::optional<double> force = {};   ///< largest on the player, where a port measures it
+  std::optional<double> travel = {};  ///< [m] to either side of the middle, of what the instrument reads in m
+  bool sensed = false;                ///< the instrument reads a position or a velocity
 };
+
+/// What the instrument of a scene reads of its plant.
+void add_motion(Demand& demand, const SceneSpec& scene, const SceneRecording& recording) {
+  const auto metre = parse_unit("m")->dimension, second = parse_unit("s")->dimension;
+  const auto* part = scene.part("instrument");
+  if (part == nullptr || part->graph == nullptr) return;
+  for (const auto& input : part->graph->inputs) {
+    const auto is = [&](const Dimension& d) { return input.dimension == d; };
+    const auto radian = parse_unit("rad")->dimension;
+    const bool place = is(metre) && input.dimension.radian == 0;
+    demand.sensed |= is(metre) || is(metre / second) ||
+                     (input.dimension.radian != 0 && (is(radian) || is(radian / second)));
+    const auto* signal = place ? recording.find("instrument." + input.name) : nullptr;
+    if (signal == nullptr || signal->samples.empty()) continue;
+    const auto [least, most] = std::ranges::minmax(signal->samples);
+    demand.travel = std::max(demand.travel.value_or(0.0), 0.5 * (most - least));
+  }
+}
 
 Demand demand_of(const std::string& target) {
   const auto played = play_file(resolve_target(target), {});
   const auto& recording = played.recording;
-  Demand demand{played.scene.name, recording.sample_rate.value, {}, {}};
+  Demand demand{.scene = played.scene.name, .rate_hz = recording.sample_rate.value, .drives = {}};
   for (const auto& name : drive_names(recording)) {
     const auto* signal = recording.find("instrument." + name);
     if (signal == nullptr) continue;
@@ -174,6 +198,7 @@ Demand demand_of(const std::string& target) {
     if (const auto* force = recording.find(port.force.name); force != nullptr && force->dimension == newton)
       for (const double sample : force->samples)
         demand.force = std::max(demand.force.value_or(0.0), std::abs(sample));
+  add_motion(demand, played.scene, recording);
   if (demand.drives.empty())
     exit_with({Errc::BadArgument, target, "it drives no actuator", "name a scene with a drive"}, kNo);
   return demand;
@@ -233,11 +258,12 @@ std::string band_objection(const ActuatorFigures& figures, const Drive& drive, b
   return "";
 }
 
-/// What of the scene cannot be compared with an actuator.
-std::vector<std::string> not_known(const ActuatorFigures& figures, const Demand& demand) {
+/// What cannot be compared: the scene does not show it, or the figures of the actuator lack it.
+std::vector<std::string> not_compared(const ActuatorFigures& figures, const Demand& demand) {
   std::vector<std::string> all;
-  if (demand.force && !figures.force.high) all.emplace_back("force");
+  if (!demand.force || !figures.force.high) all.emplace_back("force");
   if (!figures.band.high && !figures.drive_to) all.emplace_back("band");
+  if (!demand.travel || !figures.excursion.high) all.emplace_back("travel");
   return all;
 }
 
@@ -245,6 +271,10 @@ std::vector<std::string> not_known(const ActuatorFigures& figures, const Demand&
 std::vector<std::string> objections(const Actuator& actuator, const Demand& demand) {
   std::vector<std::string> all;
   const auto& figures = actuator.figures;
+  if (demand.travel && figures.excursion.high && *figures.excursion.high < *demand.travel)
+    all.push_back(fmt::format("the device moves {} to either side, and it moves {}",
+                              number_text(*demand.travel, "m"), number_text(*figures.excursion.high, "m")));
+  if (demand.sensed && only_vibrates(figures)) all.push_back("it moves nothing that could be sensed");
   if (demand.force && figures.force.high && *figures.force.high < *demand.force)
     all.push_back(fmt::format("the force reaches {}, and it has {}", number_text(*demand.force, "N"),
                               number_text(*figures.force.high, "N")));
@@ -335,6 +365,8 @@ void print_demand(const Demand& demand) {
     fmt::print("  '{}': nine tenths of its energy between {} and {}\n", drive.name,
                number_text(drive.band.low, "Hz"), number_text(drive.band.high, "Hz"));
   if (demand.force) fmt::print("  largest force on the player: {}\n", number_text(*demand.force, "N"));
+  if (demand.travel)
+    fmt::print("  travel of the device: {} to either side\n", number_text(*demand.travel, "m"));
   fmt::print("\n");
 }
 
@@ -342,8 +374,11 @@ std::string judgement(const Actuator& actuator, const Demand& demand,
                       const std::vector<std::string>& against) {
   if (!against.empty()) return fmt::format("{}", fmt::join(against, "; "));
   if (actuator.figures.profile.empty()) return "not judged: it has no profile";
-  const auto open = not_known(actuator.figures, demand);
-  return open.empty() ? "renders it" : fmt::format("no objection, but not known: {}", fmt::join(open, ", "));
+  const auto open = not_compared(actuator.figures, demand);
+  std::string text =
+      open.empty() ? "renders it" : fmt::format("no objection; not compared: {}", fmt::join(open, ", "));
+  if (demand.sensed && !actuator.figures.resolution.low) text += "; it needs a sensor of its own";
+  return text;
 }
 
 int run_actuators(const ActuatorOptions& options) {
@@ -367,7 +402,7 @@ int run_actuators(const ActuatorOptions& options) {
     entry["unknown"] = found.unknown;
     if (demand) {
       entry["objections"] = against;
-      entry["not_known"] = not_known(actuator.figures, *demand);
+      entry["not_compared"] = not_compared(actuator.figures, *demand);
     }
     json["actuators"].push_back(std::move(entry));
     if (!found.lacks.empty()) {
@@ -393,6 +428,7 @@ int run_actuators(const ActuatorOptions& options) {
     fmt::print("{} more {} not have what is asked for\n", left_out, left_out == 1 ? "does" : "do");
   if (!notes.empty()) fmt::print("\n");
   for (const auto& note : notes) fmt::print("{}\n", note);
+  if (demand) fmt::print("stability is not compared: tactus check {}\n", options.scene);
   if (!options.sources)
     fmt::print(
         "\n~: a judgement; -: none, or not one number; --sources prints each figure in words, and where it "
