@@ -6,6 +6,7 @@
 
 #include "apps/doctor/findings.h"
 #include "apps/doctor/support_report.h"
+#include "backends/backend.h"
 #include "engine/core/named.h"
 #include "tests/support/error_summary.h"
 #include "tests/support/temporary_folder.h"
@@ -261,6 +262,17 @@ TEST_CASE("doctor: an AC-coupled output of a rig is a warning with its time cons
   CHECK(findings[0].what.find("79.58 ms") != std::string::npos);
   CHECK(findings[1].state == State::Unknown);
   CHECK(findings[1].command == "tactus latency measure --rig desk.toml");
+}
+
+TEST_CASE("doctor: outputs of a gamepad are not asked for AC coupling", "[doctor]") {
+  Rig rig;
+  rig.outputs.push_back({{"motor", {}, {1}, ""}, {}, {}});
+  rig.device.output = "hw:USB";
+  CHECK(check_rig_outputs(rig, "desk.toml").size() == 1);
+  for (const auto& backend : haptic_backends()) {
+    rig.device.output = backend.name + ":Xbox Wireless Controller";
+    CHECK(check_rig_outputs(rig, "desk.toml").empty());
+  }
 }
 
 TEST_CASE("doctor: its report has system, servers, formats of cards and findings, and no personal names",
