@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <limits>
+#include <numbers>
 #include <optional>
 #include <set>
 
@@ -18,7 +18,9 @@
 #include "engine/core/index.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/guard/drive_guard.h"
+#include "engine/nodes/table.h"
 #include "engine/rig/actuator_figures.h"
+#include "engine/study/stability/stability_check.h"
 #include "latency/estimation/fourier.h"
 
 namespace tactus::app {
@@ -26,8 +28,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kBandShare = 0.05;     // of the energy of a drive, below its band and above it
-constexpr double kLimitedShare = 1e-3;  // of the frames: fewer are not felt
+constexpr double kBandShare = 0.05;       // of the energy of a drive, below its band and above it
+constexpr double kLimitedShare = 1e-3;    // of the frames: fewer are not felt
+constexpr double kEdgeUncertainty = 0.1;  // of the ends of a band that were not read in a source
 constexpr int kBlock = 64;
 
 struct ActuatorOptions {
@@ -92,6 +95,8 @@ double price_of(const std::string& text) {
 struct Need {
   std::optional<double> force, excursion, resolution, price;
   std::optional<Interval> band;
+
+  bool any() const { return force || excursion || resolution || price || band; }
 };
 
 Need need_of(const ActuatorOptions& options) {
@@ -104,113 +109,237 @@ Need need_of(const ActuatorOptions& options) {
   return need;
 }
 
-/// A vibrating motor: that it turns without end moves nothing.
-bool only_vibrates(const ActuatorFigures& figures) { return figures.drive_to.has_value(); }
-
-/// Whether an actuator has it, and what is not known of it.
+/// Whether an actuator has it, and what could not be compared.
 struct Match {
-  std::vector<std::string> lacks, unknown;
+  std::vector<std::string> lacks, unknown, remarks;
 };
 
-Match match(const ActuatorFigures& figures, const Need& need) {
+/// An actuator whose band has a lower end gives no force at rest.
+bool only_vibrates(const ActuatorFigures& figures) { return figures.band.low.value_or(0.0) > 0; }
+
+bool turns(const ActuatorFigures& figures) { return std::isinf(figures.excursion.high.value_or(0.0)); }
+
+/// The amplitude of the force that moves the mass of an actuator by `excursion`, |k - m w^2 + j w c| x, at
+/// that end of `band` where it is larger; with the frequency there.
+std::pair<double, double> force_to_move(const ActuatorProfile& profile, Interval band, double excursion) {
+  const auto at = [&](double hz) {
+    const double w = 2 * std::numbers::pi * hz;
+    return excursion * std::hypot(profile.at("travel.stiffness") - profile.at("travel.mass") * w * w,
+                                  profile.at("travel.damping") * w);
+  };
+  return std::max(std::pair{at(band.low), band.low}, std::pair{at(band.high), band.high});
+}
+
+std::optional<ActuatorProfile> profile_of(const Actuator& actuator) {
+  const auto& name = actuator.figures.profile;
+  if (name.empty()) return std::nullopt;
+  const auto file = name.ends_with(".toml")
+                        ? actuator.file.parent_path() / name
+                        : or_exit(find_profile(name, option_profile_folders(), "profile"));
+  return or_exit(load_profile(file), kBadFile);
+}
+
+/// Band and excursion together need a force.
+std::string force_remark(const Actuator& actuator, const Need& need) {
+  const auto profile = profile_of(actuator);
+  if (!need.band || !need.excursion || !profile || !profile->contains("travel.mass")) return "";
+  const auto [force, hz] = force_to_move(*profile, *need.band, *need.excursion);
+  const double has =
+      profile->at("travel.force_factor") * profile->at("drive.peak") / profile->at("drive.resistance");
+  if (force <= has) return "";
+  return fmt::format("{} at {} would need {}, and its coil has {}", number_text(*need.excursion, "m"),
+                     number_text(hz, "Hz"), number_text(force, "N"), number_text(has, "N"));
+}
+
+Match match(const Actuator& actuator, const Need& need) {
+  const auto& figures = actuator.figures;
   Match found;
-  const auto judge = [&](const char* what, bool known, bool has) {
+  const auto judge = [&](const char* what, const ActuatorFigure& figure, bool known, bool has) {
+    const bool in_words = figure.kind != ActuatorFigure::Kind::Unknown && !figure.value.empty();
     if (!known)
-      found.unknown.emplace_back(what);
+      found.unknown.push_back(in_words ? fmt::format("{} ({})", what, figure.value) : what);
     else if (!has)
       found.lacks.emplace_back(what);
   };
-  if (need.force) judge("force", figures.force.high.has_value(), figures.force.high >= need.force);
-  if (need.excursion)
-    judge("excursion", figures.excursion.high.has_value(),
-          figures.excursion.high >= need.excursion && !only_vibrates(figures));
-  if (need.resolution)
-    judge("resolution", figures.resolution.low.has_value(), figures.resolution.low <= need.resolution);
-  if (need.price) judge("price", figures.price.low.has_value(), figures.price.low <= need.price);
+  if (need.force)
+    judge("force", figures.force, figures.force.high.has_value(), figures.force.high >= need.force);
+  if (need.excursion) {  // turning is none; a motor that gives a force at rest may move an arm
+    const bool known = turns(figures) ? only_vibrates(figures) : figures.excursion.high.has_value();
+    judge("excursion", figures.excursion, known, !turns(figures) && figures.excursion.high >= need.excursion);
+  }
+  if (need.resolution) {
+    const bool known = figures.resolution.low.has_value() || figures.no_sensor;
+    judge("resolution", figures.resolution, known,
+          !figures.no_sensor && figures.resolution.low <= need.resolution);
+  }
+  if (need.price)
+    judge("price", figures.price, figures.price.low.has_value(), figures.price.low <= need.price);
   if (need.band)
-    judge("band", figures.band.high.has_value(),
+    judge("band", figures.band, figures.band.high.has_value(),
           figures.band.low.value_or(0.0) <= need.band->low && figures.band.high >= need.band->high);
+  if (const auto remark = force_remark(actuator, need); !remark.empty()) found.remarks.push_back(remark);
   return found;
 }
 
 // What an instrument needs.
 
+/// The energy of a signal by frequency.
+class Spectrum {
+ public:
+  Spectrum(const std::vector<double>& samples, double rate_hz) {
+    Fourier fourier{samples.size()};
+    bin_hz_ = rate_hz / static_cast<double>(fourier.size());
+    double sum = 0.0;
+    for (const auto& bin : fourier.forward(samples)) energy_.push_back(sum += std::norm(bin));
+  }
+
+  /// The frequencies with all but a twentieth of the energy at either end.
+  Interval band() const {
+    if (!(energy_.back() > 0)) return {0.0, 0.0};
+    return {frequency(kBandShare), frequency(1.0 - kBandShare)};
+  }
+  /// Of the energy, at frequencies below `hz`.
+  double share_below(double hz) const {
+    const auto bins = static_cast<std::ptrdiff_t>(std::ceil(hz / bin_hz_));
+    if (bins <= 0 || !(energy_.back() > 0)) return 0.0;
+    return energy_[index(std::min(bins, std::ssize(energy_)) - 1)] / energy_.back();
+  }
+
+ private:
+  double frequency(double share) const {
+    const auto bin = std::ranges::lower_bound(energy_, share * energy_.back()) - energy_.begin();
+    return static_cast<double>(bin) * bin_hz_;
+  }
+
+  std::vector<double> energy_;  ///< up to each bin
+  double bin_hz_ = 0.0;
+};
+
 /// What goes to one drive of a scene.
 struct Drive {
   std::string name;
   std::vector<double> samples;
-  Interval band{0.0, 0.0};  ///< Hz, with all but a twentieth of the energy on either side
-};
+  Spectrum spectrum;
+  std::vector<LimitSource> limits;  ///< of the scene
 
-/// The frequencies with all but a twentieth of the energy at either end.
-Interval band_of(const std::vector<double>& samples, double rate_hz) {
-  Fourier fourier{samples.size()};
-  std::vector<double> energy;
-  double sum = 0.0;
-  for (const auto& bin : fourier.forward(samples)) energy.push_back(sum += std::norm(bin));
-  const auto frequency = [&](double share) {
-    const auto bin = std::ranges::lower_bound(energy, share * sum) - energy.begin();
-    return static_cast<double>(bin) * rate_hz / static_cast<double>(fourier.size());
-  };
-  if (!(sum > 0)) return {0.0, 0.0};
-  return {frequency(kBandShare), frequency(1.0 - kBandShare)};
-}
+  Interval band() const { return spectrum.band(); }
+};
 
 /// What a scene needs.
 struct Demand {
   std::string scene;
   double rate_hz = 0.0;
   std::vector<Drive> drives;
-  std::optional<double> force = {};   ///< largest on the player, where a port measures it
-  std::optional<double> travel = {};  ///< [m] to either side of the middle, of what the instrument reads in m
-  bool sensed = false;                ///< the instrument reads a position or a velocity
+  std::optional<double> force;   ///< [N] the largest on the player, where a port measures it
+  std::optional<double> travel;  ///< [m] to either side, where a sensor or a port measures it
+  bool senses = false;           ///< an input of the instrument comes from the plant
+  std::optional<Stability>
+      stability;                    ///< with the plant of the scene; nothing: the instrument senses nothing
+  std::vector<std::string> plants;  ///< files of the other parts
+
+  /// A force must be there at rest.
+  bool holds_force() const { return force.has_value() || senses; }
 };
 
-/// What the instrument of a scene reads of its plant.
-void add_motion(Demand& demand, const SceneSpec& scene, const SceneRecording& recording) {
-  const auto metre = parse_unit("m")->dimension, second = parse_unit("s")->dimension;
-  const auto* part = scene.part("instrument");
-  if (part == nullptr || part->graph == nullptr) return;
-  for (const auto& input : part->graph->inputs) {
-    const auto is = [&](const Dimension& d) { return input.dimension == d; };
-    const auto radian = parse_unit("rad")->dimension;
-    const bool place = is(metre) && input.dimension.radian == 0;
-    demand.sensed |= is(metre) || is(metre / second) ||
-                     (input.dimension.radian != 0 && (is(radian) || is(radian / second)));
-    const auto* signal = place ? recording.find("instrument." + input.name) : nullptr;
-    if (signal == nullptr || signal->samples.empty()) continue;
-    const auto [least, most] = std::ranges::minmax(signal->samples);
-    demand.travel = std::max(demand.travel.value_or(0.0), 0.5 * (most - least));
+double largest(const RecordedSignal& signal) {
+  double value = 0.0;
+  for (const double sample : signal.samples) value = std::max(value, std::abs(sample));
+  return value;
+}
+
+/// Half the range: an actuator can be mounted in the middle of it.
+double half_range(const RecordedSignal& signal) {
+  const auto [low, high] = std::ranges::minmax(signal.samples);
+  return (high - low) / 2;
+}
+
+/// Does a wire contain "part." of a part other than the instrument?
+bool reads_plant(const SceneSpec& scene, const Value& wire) {
+  return wire.text() != nullptr && std::ranges::any_of(scene.parts, [&](const ScenePart& part) {
+           return part.name != "instrument" && wire.text()->find(part.name + ".") != std::string::npos;
+         });
+}
+
+/// Force and travel at the ports and sensors. A port with a constant force counts the work of several, and
+/// its position is no travel.
+void measure(const PlayedScene& played, Demand& demand) {
+  const auto newton = parse_unit("N")->dimension, metre = parse_unit("m")->dimension;
+  const auto signal = [&](const std::string& name, const Dimension& dimension) {
+    const auto* found = played.recording.find(name);
+    return found != nullptr && found->dimension == dimension ? found : nullptr;
+  };
+  const auto travels = [&](const RecordedSignal* position) {
+    if (position != nullptr) demand.travel = std::max(demand.travel.value_or(0.0), half_range(*position));
+  };
+  for (const auto& port : played.scene.ports) {
+    const auto* force = signal(port.force.name, newton);
+    if (force == nullptr || !(half_range(*force) > 0)) continue;
+    demand.force = std::max(demand.force.value_or(0.0), largest(*force));
+    travels(signal(port.position.name, metre));
+  }
+  const auto* instrument = played.scene.part("instrument");
+  if (instrument == nullptr) return;
+  for (const auto& [input, at, wire] : instrument->wires) {
+    if (!reads_plant(played.scene, wire)) continue;
+    demand.senses = true;
+    if (demand.force && demand.travel) continue;
+    travels(signal(wire.text() != nullptr ? *wire.text() : "", metre));
   }
 }
 
-Demand demand_of(const std::string& target) {
-  const auto played = play_file(resolve_target(target), {});
+/// The delay is that of the scene; the analysis alone, as by check --quick.
+Stability stability_of(const Target& target) {
+  const auto loaded = load_scene_leniently(target);
+  StabilityOptions options;
+  options.world.delay = loaded.scene->delay;
+  return or_exit(check_stability({&loaded, nullptr, &standard_nodes()}, options, true)).stability();
+}
+
+Demand demand_of(const std::string& text) {
+  const auto target = resolve_target(text);
+  const auto played = play_file(target, {});
   const auto& recording = played.recording;
-  Demand demand{.scene = played.scene.name, .rate_hz = recording.sample_rate.value, .drives = {}};
+  Demand demand;
+  demand.scene = played.scene.name;
+  demand.rate_hz = recording.sample_rate.value;
   for (const auto& name : drive_names(recording)) {
     const auto* signal = recording.find("instrument." + name);
     if (signal == nullptr) continue;
-    demand.drives.push_back({name, signal->samples, band_of(signal->samples, demand.rate_hz)});
+    const auto limits = played.scene.drives.named.find(name);
+    demand.drives.push_back(
+        {name,
+         signal->samples,
+         {signal->samples, demand.rate_hz},
+         limits == played.scene.drives.named.end() ? std::vector<LimitSource>{} : limits->second});
   }
-  const auto newton = parse_unit("N")->dimension;
-  for (const auto& port : played.scene.ports)
-    if (const auto* force = recording.find(port.force.name); force != nullptr && force->dimension == newton)
-      for (const double sample : force->samples)
-        demand.force = std::max(demand.force.value_or(0.0), std::abs(sample));
-  add_motion(demand, played.scene, recording);
   if (demand.drives.empty())
-    exit_with({Errc::BadArgument, target, "it drives no actuator", "name a scene with a drive"}, kNo);
+    exit_with({Errc::BadArgument, text, "it drives no actuator", "name a scene with a drive"}, kNo);
+  measure(played, demand);
+  for (const auto& part : played.scene.parts)
+    if (part.name != "instrument" && part.graph && part.graph->file.file)
+      demand.plants.push_back(*part.graph->file.file);
+  if (demand.senses && target.scene) demand.stability = stability_of(target);
   return demand;
 }
 
-/// What the guard of an actuator does to a drive whose full scale is the actuator's largest voltage.
-struct GuardVerdict {
-  std::string drive;
-  std::vector<std::pair<std::string, double>> limited;  ///< by stage: share of the frames
+/// Why an actuator does not render a scene, what is within the uncertainty of its figures, and what was not
+/// compared.
+struct Verdict {
+  std::vector<std::string> against, close, open;
 };
 
-GuardVerdict judge(const Drive& drive, const DriveLimits& limits, double rate_hz) {
+/// The scene's own limits where it names the profile of the actuator; else those with full scale at the
+/// largest voltage.
+DriveLimits limits_of(const Drive& drive, const Actuator& actuator, const ActuatorProfile& profile) {
+  for (const auto& source : drive.limits)
+    if (source.kind == LimitSource::Kind::Profile &&
+        source.name.starts_with("profile '" + actuator.figures.profile + "' "))
+      return source.limits;
+  return limits_for(profile, profile.at("drive.peak"));
+}
+
+/// What the drive guard does to a drive.
+void compare_guard(const Drive& drive, const DriveLimits& limits, double rate_hz, Verdict& verdict) {
   DriveGuard guard{DriveGuard::Kind::Drive, limits, Hertz{rate_hz}, {false, false}};
   guard.set_open(true, 0);
   guard.skip_soft_start();
@@ -218,75 +347,85 @@ GuardVerdict judge(const Drive& drive, const DriveLimits& limits, double rate_hz
   for (std::size_t at = 0; at < samples.size(); at += kBlock)
     guard.process(samples.data() + at, static_cast<int>(std::min<std::size_t>(kBlock, samples.size() - at)),
                   static_cast<std::int64_t>(at));
-  GuardVerdict verdict{drive.name, {}};
   const auto counts = guard.counts();
   for (std::size_t stage = 0; stage < kGuardStages; ++stage) {
     const double share = static_cast<double>(counts[stage].frames) / static_cast<double>(samples.size());
-    if (share >= kLimitedShare) verdict.limited.emplace_back(name_of(GuardStage::Index{stage}), share);
+    if (share >= kLimitedShare)
+      verdict.against.push_back(fmt::format("its drive guard limits '{}' for {:.1f} % of the time ({})",
+                                            drive.name, 100 * share, name_of(GuardStage::Index{stage})));
   }
-  return verdict;
 }
 
-/// Nothing: the actuator has no profile.
-std::optional<std::vector<GuardVerdict>> judge(const Actuator& actuator, const Demand& demand) {
-  const auto& name = actuator.figures.profile;
-  if (name.empty()) return std::nullopt;
-  const auto file = name.ends_with(".toml")
-                        ? actuator.file.parent_path() / name
-                        : or_exit(find_profile(name, option_profile_folders(), "profile"));
-  const auto profile = or_exit(load_profile(file), kBadFile);
-  const auto limits = limits_for(profile, profile.at("drive.peak"));
-  std::vector<GuardVerdict> verdicts;
-  for (const auto& drive : demand.drives) verdicts.push_back(judge(drive, limits, demand.rate_hz));
-  return verdicts;
+/// A force that is held must have the frequencies of the drive; otherwise a vibration may follow it.
+void compare_band(const ActuatorFigures& figures, const Drive& drive, bool holds_force, Verdict& verdict) {
+  const auto band = drive.band();
+  if (figures.drive_to && !holds_force) {
+    if (band.high > *figures.drive_to)
+      verdict.against.push_back(fmt::format("'{}' changes at up to {}, and it follows changes up to {}",
+                                            drive.name, number_text(band.high, "Hz"),
+                                            number_text(*figures.drive_to, "Hz")));
+    return;
+  }
+  const double slack = figures.band.kind == ActuatorFigure::Kind::Sheet ? 0.0 : kEdgeUncertainty;
+  if (figures.band.high && band.high > *figures.band.high)
+    (band.high > *figures.band.high * (1 + slack) ? verdict.against : verdict.close)
+        .push_back(fmt::format("'{}' reaches up to {}, and it moves up to {}", drive.name,
+                               number_text(band.high, "Hz"), number_text(*figures.band.high, "Hz")));
+  if (figures.band.low && band.low < *figures.band.low)
+    (band.low < *figures.band.low * (1 - slack) ? verdict.against : verdict.close)
+        .push_back(fmt::format("{:.0f} % of the energy of '{}' lies below {}, where its band begins",
+                               100 * drive.spectrum.share_below(*figures.band.low), drive.name,
+                               number_text(*figures.band.low, "Hz")));
 }
 
-/// Why the actuator cannot move as a drive asks; empty: it can, as far as its band is known. A force on the
-/// player must have the frequencies of the drive; otherwise a vibration may follow it.
-std::string band_objection(const ActuatorFigures& figures, const Drive& drive, bool gives_force) {
-  if (figures.drive_to && !gives_force)
-    return drive.band.high <= *figures.drive_to
-               ? ""
-               : fmt::format("'{}' changes at up to {}, and it follows changes up to {}", drive.name,
-                             number_text(drive.band.high, "Hz"), number_text(*figures.drive_to, "Hz"));
-  if (figures.band.high && drive.band.high > *figures.band.high)
-    return fmt::format("'{}' reaches up to {}, and it moves up to {}", drive.name,
-                       number_text(drive.band.high, "Hz"), number_text(*figures.band.high, "Hz"));
-  if (figures.band.low && drive.band.low < *figures.band.low)
-    return fmt::format("'{}' reaches down to {}, and it moves from {} on", drive.name,
-                       number_text(drive.band.low, "Hz"), number_text(*figures.band.low, "Hz"));
-  return "";
+void compare_travel(const ActuatorFigures& figures, const std::optional<ActuatorProfile>& profile,
+                    const Demand& demand, Verdict& verdict) {
+  const auto& has = figures.excursion.high;
+  // Without a sensor the plant moves by its drive alone, and the drive guard compares its excursion.
+  if (!demand.senses && !demand.travel && profile && profile->contains("travel.limit")) return;
+  if (!demand.travel || !has || turns(figures)) return verdict.open.push_back("travel");
+  if (*has < *demand.travel)
+    verdict.against.push_back(fmt::format("the plant moves {} to either side, and it has {}",
+                                          number_text(*demand.travel, "m"), number_text(*has, "m")));
 }
 
-/// What cannot be compared: the scene does not show it, or the figures of the actuator lack it.
-std::vector<std::string> not_compared(const ActuatorFigures& figures, const Demand& demand) {
-  std::vector<std::string> all;
-  if (!demand.force || !figures.force.high) all.emplace_back("force");
-  if (!figures.band.high && !figures.drive_to) all.emplace_back("band");
-  if (!demand.travel || !figures.excursion.high) all.emplace_back("travel");
-  return all;
+void compare_force(const ActuatorFigures& figures, const Demand& demand, Verdict& verdict) {
+  if (!demand.force || !figures.force.high) return verdict.open.push_back("force");
+  if (*figures.force.high < *demand.force)
+    verdict.against.push_back(fmt::format("the force reaches {}, and it has {}",
+                                          number_text(*demand.force, "N"),
+                                          number_text(*figures.force.high, "N")));
 }
 
-/// Why the actuator does not render the scene; empty: it does, as far as it is known.
-std::vector<std::string> objections(const Actuator& actuator, const Demand& demand) {
-  std::vector<std::string> all;
+/// A stable scene is stable with the actuator that it simulates; with the mass of another one that is not
+/// known.
+void compare_stability(const Actuator& actuator, const Demand& demand, Verdict& verdict) {
+  if (!demand.senses) return;
+  if (demand.stability == Stability::Unstable)
+    return verdict.against.push_back("the scene is unstable (see tactus check)");
+  std::error_code none;
+  const auto plant = actuator.file.parent_path() / actuator.figures.plant;
+  const bool own =
+      !actuator.figures.plant.empty() && std::ranges::any_of(demand.plants, [&](const std::string& file) {
+        return fs::equivalent(plant, file, none);
+      });
+  if (!own || demand.stability != Stability::Stable) verdict.open.emplace_back("stability");
+}
+
+Verdict compare(const Actuator& actuator, const Demand& demand) {
+  Verdict verdict;
   const auto& figures = actuator.figures;
-  if (demand.travel && figures.excursion.high && *figures.excursion.high < *demand.travel)
-    all.push_back(fmt::format("the device moves {} to either side, and it moves {}",
-                              number_text(*demand.travel, "m"), number_text(*figures.excursion.high, "m")));
-  if (demand.sensed && only_vibrates(figures)) all.push_back("it moves nothing that could be sensed");
-  if (demand.force && figures.force.high && *figures.force.high < *demand.force)
-    all.push_back(fmt::format("the force reaches {}, and it has {}", number_text(*demand.force, "N"),
-                              number_text(*figures.force.high, "N")));
+  const auto profile = profile_of(actuator);
+  compare_force(figures, demand, verdict);
+  compare_travel(figures, profile, demand, verdict);
+  if (demand.senses && figures.no_sensor) verdict.against.emplace_back("it needs a sensor of its own");
+  if (!figures.band.high && !(figures.drive_to && !demand.holds_force())) verdict.open.emplace_back("band");
+  for (const auto& drive : demand.drives) compare_band(figures, drive, demand.holds_force(), verdict);
+  if (!profile) verdict.open.emplace_back("drive guard");
   for (const auto& drive : demand.drives)
-    if (const auto against = band_objection(figures, drive, demand.force.has_value()); !against.empty())
-      all.push_back(against);
-  if (const auto verdicts = judge(actuator, demand))
-    for (const auto& verdict : *verdicts)
-      for (const auto& [stage, share] : verdict.limited)
-        all.push_back(fmt::format("its drive guard limits '{}' for {:.1f} % of the time ({})", verdict.drive,
-                                  100 * share, stage));
-  return all;
+    if (profile) compare_guard(drive, limits_of(drive, actuator, *profile), demand.rate_hz, verdict);
+  compare_stability(actuator, demand, verdict);
+  return verdict;
 }
 
 // The table.
@@ -363,46 +502,50 @@ void print_demand(const Demand& demand) {
   fmt::print("{}\n", demand.scene);
   for (const auto& drive : demand.drives)
     fmt::print("  '{}': nine tenths of its energy between {} and {}\n", drive.name,
-               number_text(drive.band.low, "Hz"), number_text(drive.band.high, "Hz"));
+               number_text(drive.band().low, "Hz"), number_text(drive.band().high, "Hz"));
   if (demand.force) fmt::print("  largest force on the player: {}\n", number_text(*demand.force, "N"));
-  if (demand.travel)
-    fmt::print("  travel of the device: {} to either side\n", number_text(*demand.travel, "m"));
+  if (demand.travel) fmt::print("  travel: {} to either side\n", number_text(*demand.travel, "m"));
+  if (demand.senses) fmt::print("  the instrument reads a sensor\n");
+  if (demand.stability)
+    fmt::print("  with the plant of the scene: {} (see tactus check)\n", name_of(*demand.stability));
   fmt::print("\n");
 }
 
-std::string judgement(const Actuator& actuator, const Demand& demand,
-                      const std::vector<std::string>& against) {
-  if (!against.empty()) return fmt::format("{}", fmt::join(against, "; "));
-  if (actuator.figures.profile.empty()) return "not judged: it has no profile";
-  const auto open = not_compared(actuator.figures, demand);
-  std::string text =
-      open.empty() ? "renders it" : fmt::format("no objection; not compared: {}", fmt::join(open, ", "));
-  if (demand.sensed && !actuator.figures.resolution.low) text += "; it needs a sensor of its own";
-  return text;
+std::string judgement(const Verdict& verdict) {
+  auto parts = verdict.against;
+  if (parts.empty() && (!verdict.close.empty() || !verdict.open.empty())) parts.emplace_back("no objection");
+  if (!verdict.close.empty())
+    parts.push_back(fmt::format("at the edge of its band: {}", fmt::join(verdict.close, ", ")));
+  if (!verdict.open.empty()) parts.push_back(fmt::format("not compared: {}", fmt::join(verdict.open, ", ")));
+  return parts.empty() ? "renders it" : fmt::format("{}", fmt::join(parts, "; "));
 }
 
 int run_actuators(const ActuatorOptions& options) {
   const auto need = need_of(options);
-  const auto all = known_actuators();
+  auto all = known_actuators();
   if (all.empty())
     exit_with({Errc::BadFile, "actuators", "the figures of actuators are not installed",
                "install the shipped instruments"},
               kBadFile);
   const auto demand = options.scene.empty() ? std::nullopt : std::optional{demand_of(options.scene)};
+  const auto sensors =
+      demand || need.any() ? std::erase_if(all, [](const Actuator& one) { return one.figures.sensor; }) : 0;
   Json json{{"actuators", Json::array()}};
   std::vector<Row> rows = {{"actuator", "price", "force", "band", "excursion", "resolution"}};
   std::vector<std::string> notes;
   std::vector<const Actuator*> shown;
   int left_out = 0;
   for (const auto& actuator : all) {
-    const auto found = match(actuator.figures, need);
-    const auto against = demand ? objections(actuator, *demand) : std::vector<std::string>{};
+    const auto found = match(actuator, need);
     auto entry = actuator_json(actuator.figures);
     entry["lacks"] = found.lacks;
     entry["unknown"] = found.unknown;
-    if (demand) {
-      entry["objections"] = against;
-      entry["not_compared"] = not_compared(actuator.figures, *demand);
+    entry["remarks"] = found.remarks;
+    const auto verdict = demand ? std::optional{compare(actuator, *demand)} : std::nullopt;
+    if (verdict) {
+      entry["objections"] = verdict->against;
+      entry["at_the_edge"] = verdict->close;
+      entry["not_compared"] = verdict->open;
     }
     json["actuators"].push_back(std::move(entry));
     if (!found.lacks.empty()) {
@@ -411,10 +554,12 @@ int run_actuators(const ActuatorOptions& options) {
     }
     rows.push_back(row_of(actuator.figures));
     shown.push_back(&actuator);
-    if (!found.unknown.empty())
-      notes.push_back(fmt::format("{}: unknown: {}", actuator.figures.name, fmt::join(found.unknown, ", ")));
-    if (demand)
-      notes.push_back(fmt::format("{}: {}", actuator.figures.name, judgement(actuator, *demand, against)));
+    const auto note = [&](const std::string& text) {
+      notes.push_back(fmt::format("{}: {}", actuator.figures.name, text));
+    };
+    if (!found.unknown.empty()) note(fmt::format("not compared: {}", fmt::join(found.unknown, ", ")));
+    for (const auto& remark : found.remarks) note(remark);
+    if (verdict) note(judgement(*verdict));
   }
   if (options.json) return print_json(json), kDone;
   if (demand) print_demand(*demand);
@@ -426,9 +571,9 @@ int run_actuators(const ActuatorOptions& options) {
     }
   if (left_out > 0)
     fmt::print("{} more {} not have what is asked for\n", left_out, left_out == 1 ? "does" : "do");
+  if (sensors > 0) fmt::print("sensors are left out\n");
   if (!notes.empty()) fmt::print("\n");
   for (const auto& note : notes) fmt::print("{}\n", note);
-  if (demand) fmt::print("stability is not compared: tactus check {}\n", options.scene);
   if (!options.sources)
     fmt::print(
         "\n~: a judgement; -: none, or not one number; --sources prints each figure in words, and where it "
@@ -450,8 +595,8 @@ void add_actuators(CLI::App& app, int& exit_code) {
   command.add_option("--price", options.price, "US $ that it may cost, such as 50");
   command.add_option(
       "--for", options.scene,
-      "a scene: which actuators render it, by the spectrum of its drives, its largest force and "
-      "the models of the drive guard");
+      "a scene: which actuators render it, by the spectrum of its drives, its force, travel and "
+      "sensor, its stability and the models of the drive guard");
   command.add_flag("--sources", options.sources, "also print where each figure comes from");
   command.add_flag("--json", options.json, "print the report as JSON");
   command.footer(

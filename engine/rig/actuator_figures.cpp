@@ -26,6 +26,8 @@ constexpr Property kProperties[] = {
 };
 
 constexpr const char* kDriveTo = "drive_to";
+constexpr const char* kNoSensor = "no_sensor";
+constexpr const char* kSensor = "sensor";
 
 SectionType section_of(const Property& property) {
   std::vector<FieldType> fields = {
@@ -40,6 +42,8 @@ SectionType section_of(const Property& property) {
   if (property.figure == &ActuatorFigures::band)
     fields.push_back(quantity_field(kDriveTo, "Hz", 0, 1e9,
                                     "changes of the drive that it follows, if the drive is not in the band"));
+  if (property.figure == &ActuatorFigures::resolution)
+    fields.push_back(field(kNoSensor, FieldType::Kind::Flag, "it has no sensor of its own"));
   return {property.doc, std::move(fields)};
 }
 
@@ -59,6 +63,7 @@ void read_figure(const Value::Table& table, const Property& property, ActuatorFi
   if (property.figure == &ActuatorFigures::excursion && fields.flag("endless"))
     figure.high = std::numeric_limits<double>::infinity();
   if (property.figure == &ActuatorFigures::band) figures.drive_to = fields.number(kDriveTo);
+  if (property.figure == &ActuatorFigures::resolution) figures.no_sensor = fields.flag(kNoSensor);
 }
 
 Checked<ActuatorFigures> read_figures(const Result<Value::Table>& table, const std::string& file) {
@@ -73,6 +78,7 @@ Checked<ActuatorFigures> read_figures(const Result<Value::Table>& table, const s
   figures.section = fields.text("section");
   figures.plant = fields.text("plant");
   figures.profile = fields.text("profile");
+  figures.sensor = fields.flag(kSensor);
   for (const auto& property : kProperties) read_figure(*table, property, figures, errors);
   if (errors.any()) return tl::unexpected(errors.take());
   return figures;
@@ -98,7 +104,8 @@ const SectionType& actuator_figure_fields() {
         text_field("section", "of the paper"),
         text_field("row", "of table 1 of the paper"),
         text_field("plant", "file of its simulated plant"),
-        text_field("profile", "name or file of its profile for the drive guard")};
+        text_field("profile", "name or file of its profile for the drive guard"),
+        field(kSensor, FieldType::Kind::Flag, "it is a sensor, and moves nothing")};
     for (std::size_t p = 0; p < sections.size(); ++p)
       fields.push_back(required(section_field(kProperties[p].name, sections[p])));
     return SectionType{"figures of an actuator", std::move(fields)};

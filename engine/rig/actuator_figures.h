@@ -43,6 +43,8 @@ struct ActuatorFigures {
   /// [Hz] Changes of the drive that it follows, where the drive has other frequencies than the movement: the
   /// DC of a vibration motor.
   std::optional<double> drive_to;
+  bool no_sensor = false;  ///< it has none of its own
+  bool sensor = false;     ///< it is one, and moves nothing
 };
 
 /// [any] All keys of such a file.

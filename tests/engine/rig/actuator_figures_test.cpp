@@ -61,6 +61,20 @@ TEST_CASE("actuator figures: every number and source is read", "[rig]") {
   CHECK(figures->resolution.low == Approx(0.098e-3));
 }
 
+TEST_CASE("actuator figures: sensors, and actuators without a sensor, are marked", "[rig]") {
+  const auto figures = parse_actuator_figures(kFader, "fader.toml");
+  REQUIRE(figures);
+  CHECK_FALSE(figures->sensor);
+  CHECK_FALSE(figures->no_sensor);
+  auto text = kFader;
+  text.replace(text.find("step = "), 17, "no_sensor = true");
+  text.replace(text.find("profile = "), 0, "sensor = true\n");
+  const auto marked = parse_actuator_figures(text, "sensor.toml");
+  REQUIRE(marked);
+  CHECK(marked->sensor);
+  CHECK(marked->no_sensor);
+}
+
 TEST_CASE("actuator figures: what is wrong is an error with its place", "[rig]") {
   auto text = kFader;
   text.replace(text.find("at_most = \"2 N\""), 15, "at_most = \"2 m\"");

@@ -1,0 +1,123 @@
+#if defined(TACTUS_PROGRAM) && defined(__unix__)
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/support/temporary_folder.h"
+
+using namespace tactus;
+
+namespace {
+
+using ActuatorJson = nlohmann::json;
+
+std::string actuators_text(const std::string& arguments) {
+  const test::TemporaryFolder folder;
+  const auto out = folder.path() / "out.txt";
+  const auto command = std::string{TACTUS_PROGRAM} + " actuators " + arguments + " >" + out.string();
+  REQUIRE(std::system(command.c_str()) == 0);
+  std::ifstream stream{out};
+  return {std::istreambuf_iterator<char>{stream}, {}};
+}
+
+ActuatorJson actuators_json(const std::string& arguments) {
+  return ActuatorJson::parse(actuators_text(arguments + " --json"))["actuators"];
+}
+
+ActuatorJson judged_for(const std::string& scene) {
+  return actuators_json("--for " TACTUS_SOURCE_DIR "/instruments/" + scene);
+}
+
+ActuatorJson actuator_of(const ActuatorJson& all, const std::string& name) {
+  const auto found = std::ranges::find_if(all, [&](const auto& one) { return one["name"] == name; });
+  REQUIRE(found != all.end());
+  return *found;
+}
+
+/// Does a text of the list contain `part`?
+bool says(const ActuatorJson& list, const std::string& part) {
+  return std::ranges::any_of(list, [&](const auto& text) {
+    return text.template get<std::string>().find(part) != std::string::npos;
+  });
+}
+
+constexpr const char* kNeedsSensor = "needs a sensor of its own";
+
+}  // namespace
+
+TEST_CASE("actuators command: band and excursion together need a force", "[apps][actuators]") {
+  const auto woofer =
+      actuator_of(actuators_json("--band '150 Hz' --excursion '5 mm' --force '10 N'"), "woofer");
+  // |k - m w^2 + j w c| x = |1000 - 0.035 (2 pi 150)^2 + j 2 pi 150 1.2| 5 mm = 150.55 N; B l U / R = 6 20
+  // / 6.5
+  CHECK(says(woofer["remarks"], "5 mm at 150 Hz would need 151 N, and its coil has 18.5 N"));
+  // At 20 Hz: |1000 - 552.7 + j 150.8| 5 mm = 2.36 N.
+  CHECK(actuator_of(actuators_json("--band '20 Hz' --excursion '5 mm'"), "woofer")["remarks"].empty());
+}
+
+TEST_CASE("actuators command: turning is no excursion, and a band in words is not unknown",
+          "[apps][actuators]") {
+  const auto all = actuators_json("--band '160 Hz' --excursion '10 mm'");
+  CHECK(says(actuator_of(all, "vibration motor")["lacks"], "excursion"));
+  CHECK(says(actuator_of(all, "servomotor with an encoder")["unknown"], "turns without end"));
+  CHECK(says(actuator_of(all, "motorised fader")["unknown"], "below 2.7 Hz"));
+}
+
+TEST_CASE("actuators command: sensors are left out of what is filtered", "[apps][actuators]") {
+  CHECK(actuators_text("").find("resistor") != std::string::npos);
+  const auto filtered = actuators_text("--price 0");
+  CHECK(filtered.find("resistor") == std::string::npos);
+  CHECK(filtered.find("sensors are left out") != std::string::npos);
+}
+
+TEST_CASE("actuators command: detents need travel, a sensor and a force at rest", "[apps][actuators]") {
+  const auto all = judged_for("actuators/motorised_fader/detents.toml");
+  // The hand moves the cap by nearly 50 mm, 25 mm to either side; the bender has 2.6 mm.
+  CHECK(says(actuator_of(all, "piezo bender")["objections"], "to either side, and it has 2.6 mm"));
+  CHECK(says(actuator_of(all, "woofer")["objections"], "to either side, and it has 6 mm"));
+  CHECK(says(actuator_of(all, "woofer")["objections"], kNeedsSensor));
+  CHECK(says(actuator_of(all, "vibration motor")["objections"], "lies below 150 Hz"));
+  const auto fader = actuator_of(all, "motorised fader");
+  CHECK(fader["objections"].empty());
+  CHECK_FALSE(says(fader["not_compared"], "travel"));
+  CHECK_FALSE(says(fader["not_compared"], "stability"));  // of the scene's own plant
+  CHECK(says(fader["not_compared"], "force"));
+}
+
+TEST_CASE("actuators command: a hand that turns detents is not for a vibration motor or a woofer",
+          "[apps][actuators]") {
+  const auto all = judged_for("actuators/servomotor/scene.toml");
+  CHECK(says(actuator_of(all, "vibration motor")["objections"], "lies below 150 Hz"));
+  CHECK(says(actuator_of(all, "woofer")["objections"], kNeedsSensor));
+  CHECK(says(actuator_of(all, "piezo bender")["not_compared"], "travel"));  // the scene measures an angle
+}
+
+TEST_CASE("actuators command: the scene of an actuator is no objection to it", "[apps][actuators]") {
+  // 4.86 mm at 6 V: the limits count with the scene's 10 V for full scale, not with the profile's 20 V.
+  CHECK(actuator_of(judged_for("actuators/woofer/scene.toml"), "woofer")["objections"].empty());
+  // 60.5 Hz against 60 Hz, which is derived from judgements.
+  const auto bender = actuator_of(judged_for("actuators/piezo_bender/scene.toml"), "piezo bender");
+  CHECK(bender["objections"].empty());
+  CHECK(says(bender["at_the_edge"], "and it moves up to 60 Hz"));
+}
+
+TEST_CASE("actuators command: a port that counts the work of two forces measures neither force nor travel",
+          "[apps][actuators]") {
+  const auto all = judged_for("effects/plane/enclosure.toml");
+  CHECK(says(actuator_of(all, "servomotor with an encoder")["not_compared"], "force"));
+  CHECK(says(actuator_of(all, "woofer")["objections"], "to either side, and it has 6 mm"));
+}
+
+TEST_CASE("actuators command: nothing renders a scene of which a criterion was not compared",
+          "[apps][actuators]") {
+  const auto text =
+      actuators_text("--for " TACTUS_SOURCE_DIR "/instruments/actuators/motorised_fader/detents.toml");
+  CHECK(text.find("renders it") == std::string::npos);
+  CHECK(text.find("no objection; not compared: force") != std::string::npos);
+}
+
+#endif
