@@ -129,3 +129,21 @@ function(tactus_module name)
     tactus_optimise(${control} ${ARG_OPTIMISE})
   endif()
 endfunction()
+
+# tactus_embed_files(target FUNCTION HEADER name=path...): makes the files a part of the program, which an installed one
+# could not find. FUNCTION, which HEADER declares, returns them: see engine/core/embedded_file.h.
+function(tactus_embed_files target function header)
+  set(embedded ${CMAKE_CURRENT_BINARY_DIR}/${function}.cpp)
+  string(REPLACE ";" "|" files "${ARGN}")
+  set(paths ${ARGN})
+  list(TRANSFORM paths REPLACE "^[^=]+=" "")
+  add_custom_command(
+    OUTPUT ${embedded}
+    COMMAND ${CMAKE_COMMAND} -DOUTPUT=${embedded} -DFUNCTION=${function} -DHEADER=${header} "-DFILES=${files}"
+            -P ${PROJECT_SOURCE_DIR}/cmake/embed_files.cmake
+    DEPENDS ${paths} ${PROJECT_SOURCE_DIR}/cmake/embed_files.cmake
+    COMMENT "Embedding ${function}" VERBATIM)
+  target_sources(${target} PRIVATE ${embedded})
+  # Each names its arrays alike.
+  set_source_files_properties(${embedded} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()

@@ -63,10 +63,10 @@ std::vector<std::string> declared_names(std::string_view code) {
   return names;
 }
 
-KernelItem item_of(const KernelFile& file, std::string_view comment, std::string_view declaration) {
+KernelItem item_of(const EmbeddedFile& file, std::string_view comment, std::string_view declaration) {
   const std::string code = code_of(declaration);
   const auto bare = trimmed(code);
-  KernelItem item{file.path,
+  KernelItem item{file.name,
                   std::string{comment} + std::string{declaration},
                   std::string{bare},
                   declared_names(bare),
@@ -78,7 +78,7 @@ KernelItem item_of(const KernelFile& file, std::string_view comment, std::string
 const std::map<std::string, std::vector<KernelItem>>& all_items() {
   static const auto all = [] {
     std::map<std::string, std::vector<KernelItem>> items;
-    for (const auto& file : kernel_files()) items[std::string{file.path}] = kernel_items(file);
+    for (const auto& file : kernel_files()) items[std::string{file.name}] = kernel_items(file);
     return items;
   }();
   return all;
@@ -118,10 +118,10 @@ std::set<std::string> identifiers_of(std::string_view text) {
   return names;
 }
 
-std::vector<KernelItem> kernel_items(const KernelFile& file) {
+std::vector<KernelItem> kernel_items(const EmbeddedFile& file) {
   std::vector<KernelItem> items;
   std::string comment;
-  const auto text = file.text;
+  const auto text = file.bytes;
   for (std::size_t at = 0; at < text.size();) {
     if (text[at] == '\n' || text[at] == ' ') {
       ++at;

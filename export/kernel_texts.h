@@ -8,13 +8,12 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/core/embedded_file.h"
+
 namespace tactus {
 
-/// A header of kernels as it was when the program was built.
-struct KernelFile {
-  std::string_view path, text;
-};
-std::span<const KernelFile> kernel_files();
+/// The headers of kernels, by their paths in the source tree.
+std::span<const EmbeddedFile> kernel_files();
 
 /// One declaration at the top level of a kernel header: a type, a function, a constant or a macro.
 struct KernelItem {
@@ -27,7 +26,7 @@ struct KernelItem {
 };
 
 /// All declarations of a kernel header.
-std::vector<KernelItem> kernel_items(const KernelFile& file);
+std::vector<KernelItem> kernel_items(const EmbeddedFile& file);
 
 /// How the text of kernels is taken.
 struct KernelChoice {

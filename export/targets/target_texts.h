@@ -6,18 +6,19 @@
 #include <string>
 #include <string_view>
 
-#include "export/kernel_texts.h"
+#include "engine/core/embedded_file.h"
+#include "engine/core/named.h"
 
 namespace tactus {
 
 /// Files of export/targets that exported programs get, as they were when Tactus was built.
-std::span<const KernelFile> target_files();
+std::span<const EmbeddedFile> target_files();
 
 /// The text of one, by its path in the source tree.
 inline std::string target_text(std::string_view path) {
-  for (const auto& file : target_files())
-    if (file.path == path) return std::string{file.text};
-  return {};
+  const auto files = target_files();
+  const auto* file = find_named(files, path);
+  return file == nullptr ? std::string{} : std::string{file->bytes};
 }
 
 }  // namespace tactus

@@ -2,18 +2,12 @@
 // Thread: [any]
 
 #include <span>
-#include <string_view>
+
+#include "engine/core/embedded_file.h"
 
 namespace tactus {
 
-/// A file of remote/panel/web, or of uPlot, as it was when the program was built.
-struct PanelPage {
-  std::string_view name;  ///< "main.js"
-  std::string_view type;  ///< "text/javascript"
-  std::string_view bytes;
-};
-
-/// Made by cmake/embed_pages.cmake.
-std::span<const PanelPage> panel_pages();
+/// The files of remote/panel/web and of uPlot, by their names: "main.js".
+std::span<const EmbeddedFile> panel_pages();
 
 }  // namespace tactus

@@ -12,6 +12,7 @@
 #include <mutex>
 #include <random>
 #include <thread>
+#include <utility>
 
 #include "remote/panel/pages.h"
 
@@ -102,12 +103,25 @@ Response answer_with(const Request& request, http::status status, std::string_vi
   return response;
 }
 
+/// What browsers call the content of a page.
+std::string_view media_type(std::string_view name) {
+  constexpr std::pair<std::string_view, std::string_view> kTypes[] = {
+      {".html", "text/html; charset=utf-8"},
+      {".js", "text/javascript; charset=utf-8"},
+      {".css", "text/css; charset=utf-8"},
+      {".svg", "image/svg+xml"}};
+  for (const auto& [ending, type] : kTypes)
+    if (name.ends_with(ending)) return type;
+  return "application/octet-stream";
+}
+
 Response page_for(const Request& request) {
   auto name = view(request.target());
   name = name.substr(0, name.find('?'));
   if (name == "/") name = "/index.html";
   for (const auto& page : panel_pages())
-    if (name.substr(1) == page.name) return answer_with(request, http::status::ok, page.type, page.bytes);
+    if (name.substr(1) == page.name)
+      return answer_with(request, http::status::ok, media_type(page.name), page.bytes);
   return answer_with(request, http::status::not_found, "text/plain", "there is no such page");
 }
 
