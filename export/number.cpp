@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "engine/core/named.h"
+
 namespace tactus {
 namespace {
 
@@ -52,16 +54,9 @@ std::string converted_word(std::string_view word, const NumberType& type) {
 
 }  // namespace
 
-const NumberType* find_number_type(std::string_view name) {
-  const auto found = std::ranges::find(kTypes, name, &NumberType::name);
-  return found == kTypes.end() ? nullptr : &*found;
-}
+const NumberType* find_number_type(std::string_view name) { return find_named(kTypes, name); }
 
-std::vector<std::string> number_type_names() {
-  std::vector<std::string> names;
-  for (const auto& type : kTypes) names.emplace_back(type.name);
-  return names;
-}
+std::vector<std::string> number_type_names() { return names_of(kTypes); }
 
 std::string c_number(double value, const NumberType& type) {
   const bool narrow = type.literal_suffix[0] != '\0';

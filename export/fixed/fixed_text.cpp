@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 
 #include "export/fixed/fixed_program.h"
 #include "export/read_plan.h"
@@ -11,24 +10,6 @@
 
 namespace tactus {
 namespace {
-
-std::string in_capitals(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  return text;
-}
-
-std::string lines(const std::vector<std::string>& statements, int spaces) {
-  const std::string indent(static_cast<std::size_t>(spaces), ' ');
-  std::string text;
-  for (const auto& statement : statements)
-    for (std::size_t at = 0; at <= statement.size();) {
-      const auto end = std::min(statement.find('\n', at), statement.size());
-      text += wrapped(indent + statement.substr(at, end - at)) + "\n";
-      at = end + 1;
-    }
-  return text;
-}
 
 bool mentions(const std::string& text, const std::string& name) {
   return text.find(name) != std::string::npos;
@@ -96,33 +77,10 @@ std::string limits_table(const FixedProgram& program) {
   return text + "};\n\n";
 }
 
-std::string follow_function(const FixedProgram& program) {
-  if (program.controls.empty()) return {};
-  std::string text = "/* What depends on controls alone. */\nstatic void tactus_follow(tactus* self) {\n";
-  std::string body;
-  for (const auto& control : program.controls)
-    body += fmt::format("  self->nodes.{0} = tactus_larger({1}, tactus_smaller({2}, self->controls.{0}));\n",
-                        control.name, number(program, control.value.range.low, control.value),
-                        number(program, control.value.range.high, control.value));
-  auto rest = lines(program.follow, 2);
-  for (auto at = rest.find("s->"); at != std::string::npos; at = rest.find("s->", at + 13))
-    rest.replace(at, 3, "self->nodes.");
-  return text + "  self->seen = self->controls;\n" + body + rest + "}\n\n";
-}
-
-std::string changed(const FixedProgram& program) {
-  std::string text;
-  for (const auto& control : program.controls)
-    text += fmt::format("{}self->controls.{} != self->seen.{}", text.empty() ? "" : " || ", control.name,
-                        control.name);
-  return text;
-}
-
 std::string of_nodes(std::string text) {
   std::string result;
   for (std::size_t at = 0; at < text.size(); ++at) {
-    const bool word =
-        at > 0 && (std::isalnum(static_cast<unsigned char>(text[at - 1])) != 0 || text[at - 1] == '_');
+    const bool word = at > 0 && is_identifier_part(text[at - 1]);
     if (!word && text.compare(at, 3, "s->") == 0) {
       result += "self->nodes.";
       at += 2;
@@ -131,6 +89,25 @@ std::string of_nodes(std::string text) {
     }
   }
   return result;
+}
+
+std::string follow_function(const FixedProgram& program) {
+  if (program.controls.empty()) return {};
+  std::string text = "/* What depends on controls alone. */\nstatic void tactus_follow(tactus* self) {\n";
+  std::string body;
+  for (const auto& control : program.controls)
+    body += fmt::format("  self->nodes.{0} = tactus_larger({1}, tactus_smaller({2}, self->controls.{0}));\n",
+                        control.name, number(program, control.value.range.low, control.value),
+                        number(program, control.value.range.high, control.value));
+  return text + "  self->seen = self->controls;\n" + body + of_nodes(indented(program.follow, 2)) + "}\n\n";
+}
+
+std::string changed(const FixedProgram& program) {
+  std::string text;
+  for (const auto& control : program.controls)
+    text += fmt::format("{}self->controls.{} != self->seen.{}", text.empty() ? "" : " || ", control.name,
+                        control.name);
+  return text;
 }
 
 std::string functions(const FixedProgram& program) {
@@ -142,7 +119,7 @@ std::string functions(const FixedProgram& program) {
     text += fmt::format("  self->controls.{} = {};\n", control.name,
                         number(program, control.start, control.value));
   if (!program.controls.empty()) text += "  tactus_follow(self);\n";
-  text += of_nodes(lines(program.start, 2)) + "}\n\nvoid tactus_alive(tactus* self) {";
+  text += of_nodes(indented(program.start, 2)) + "}\n\nvoid tactus_alive(tactus* self) {";
   text += program.heading.guard ? " self->alive.refreshes = (unsigned char)(self->alive.refreshes + 1); }\n\n"
                                 : " (void)self; }\n\n";
   std::string body;
@@ -151,7 +128,7 @@ std::string functions(const FixedProgram& program) {
                         std::nearbyint(0.5 * program.heading.sample_rate.value));
   if (!program.controls.empty())
     body += wrapped("  if (" + changed(program) + ") tactus_follow(self);") + "\n";
-  body += of_nodes(lines(program.frame, 2));
+  body += of_nodes(indented(program.frame, 2));
   for (std::size_t i = 0; i < program.outputs.size(); ++i) {
     const auto value = of_nodes(program.outputs[i].value.text);
     body += wrapped(program.heading.guard ? fmt::format("  out[{0}] = tactus_guard_step(&self->guards[{0}], "
@@ -230,19 +207,10 @@ std::string fixed_header(const FixedProgram& program) {
           "/* {}{}\n   Exported by Tactus from {} for {:g} Hz, in integers of {} bits: see README.md. */\n",
           heading.title, heading.about.empty() ? "" : ": " + heading.about, heading.file,
           heading.sample_rate.value, program.bits) +
-          "#ifndef TACTUS_H\n#define TACTUS_H\n\n#include \"" + heading.name +
-          "_numbers.h\"\n\n#ifdef __cplusplus\nextern \"C\" {\n#endif\n\n" +
-          fmt::format("#define TACTUS_RATE {:.17g}{}\n", heading.sample_rate.value,
-                      heading.sample_rate.value == std::floor(heading.sample_rate.value) ? ".0" : "") +
-          fmt::format("enum {{ TACTUS_INPUTS = {}, TACTUS_OUTPUTS = {}, TACTUS_CONTROLS = {} }};\n\ntypedef "
-                      "tactus_word tactus_real;\n\n",
-                      program.inputs.size(), program.outputs.size(), program.controls.size()) +
-          scales(program) + structs(program) +
-          "void tactus_init(tactus* self);\n/* The caller is alive: refreshes the dead man's switch. "
-          "*/\nvoid tactus_alive(tactus* self);\n"
-          "/* One frame. Inputs outside of their range count as its end. */\n"
-          "void tactus_step(tactus* self, const tactus_real* in, tactus_real* out);\n\n#ifdef "
-          "__cplusplus\n}\n#endif\n#endif\n",
+          header_begin({program.inputs.size(), program.outputs.size(), program.controls.size()},
+                       heading.sample_rate, "#include \"" + heading.name + "_numbers.h\"\n\n") +
+          "typedef tactus_word tactus_real;\n\n" + scales(program) + structs(program) +
+          header_end("One frame. Inputs outside of their range count as its end."),
       heading);
 }
 

@@ -14,35 +14,7 @@ namespace {
 
 constexpr std::size_t kWidth = 110;
 
-std::string upper(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  return text;
-}
-
 std::string literal(double value) { return c_number(value, *find_number_type("double")); }
-
-/// Lines of statements, indented.
-std::string indented(const std::string& statement, int spaces) {
-  std::string text, line;
-  const auto add = [&] { text += wrapped(std::string(static_cast<std::size_t>(spaces), ' ') + line) + "\n"; };
-  for (const char c : statement) {
-    if (c == '\n') {
-      add();
-      line.clear();
-    } else {
-      line += c;
-    }
-  }
-  add();
-  return text;
-}
-
-std::string bodies(const std::vector<std::string>& statements, int spaces) {
-  std::string text;
-  for (const auto& statement : statements) text += indented(statement, spaces);
-  return text;
-}
 
 bool mentions(const std::vector<Statement>& statements, const std::string& name) {
   return std::ranges::any_of(statements,
@@ -165,13 +137,13 @@ std::string follow_function(const CProgram& program) {
   if (program.follow.empty()) return {};
   return "/* What depends on controls alone. */\nstatic void tactus_follow(tactus* self) {\n"
          "  tactus_nodes* const s = &self->nodes;\n  const tactus_ramps* const c = &self->ramps;\n" +
-         bodies(program.follow, 2) + "}\n\n";
+         indented(program.follow, 2) + "}\n\n";
 }
 
 std::string reset_function(const CProgram& program) {
   std::string text = "/* All nodes as they were at the start. */\nstatic void tactus_reset(tactus* self) {\n";
   if (!program.start.empty()) text += "  tactus_nodes* const s = &self->nodes;\n";
-  text += "  memset(&self->nodes, 0, sizeof self->nodes);\n" + bodies(program.start, 2);
+  text += "  memset(&self->nodes, 0, sizeof self->nodes);\n" + indented(program.start, 2);
   if (!program.follow.empty()) text += "  tactus_follow(self);\n";
   return text + "}\n\n";
 }
@@ -227,7 +199,7 @@ std::string frame_statements(const CProgram& program) {
       if (statement.divisor > 1) text += fmt::format("  if (frame_number % {} == 0) {{\n", statement.divisor);
       divisor = statement.divisor;
     }
-    text += indented(statement.text, divisor > 1 ? 4 : 2);
+    text += indented({statement.text}, divisor > 1 ? 4 : 2);
   }
   return text + (divisor > 1 ? "  }\n" : "");
 }
@@ -236,11 +208,11 @@ std::string frame_statements(const CProgram& program) {
 std::string frame_function(const CProgram& program) {
   std::string body = frame_statements(program), check;
   for (std::size_t i = 0; i < program.outputs.size(); ++i)
-    body += indented(fmt::format("out[{}] = {};", i, program.outputs[i].value), 2);
+    body += indented({fmt::format("out[{}] = {};", i, program.outputs[i].value)}, 2);
   for (const auto& value : program.checked) check += (check.empty() ? "0 * " : " + 0 * ") + value;
   for (std::size_t i = 0; i < program.outputs.size(); ++i)
     check += (check.empty() ? "0 * " : " + 0 * ") + fmt::format("out[{}]", i);
-  body += indented("return " + (check.empty() ? "1" : check + " == 0") + ";", 2);
+  body += indented({"return " + (check.empty() ? "1" : check + " == 0") + ";"}, 2);
 
   const auto names = identifiers_of(body);
   std::string text =
@@ -250,7 +222,7 @@ std::string frame_function(const CProgram& program) {
   if (names.contains("c")) text += "  const tactus_ramps* const c = &self->ramps;\n";
   if (names.contains("group_position")) text += "  const int group_position = self->cell % 8;\n";
   if (program.needs_frame_number()) text += "  const unsigned long long frame_number = self->frame;\n";
-  text += divided_names(program) + bodies(program.variables, 2);
+  text += divided_names(program) + indented(program.variables, 2);
   if (!names.contains("in")) text += "  (void)in;\n";
   if (program.outputs.empty()) text += "  (void)out;\n";
   if (!names.contains("s") && !names.contains("c") && !names.contains("group_position") &&
@@ -276,9 +248,9 @@ std::string control_steps(const CProgram& program) {
   std::string text;
   for (const auto& control : program.controls)
     text += indented(
-        fmt::format("moved |= tactus_control_{}step(&self->ramps.{}, self->controls.{}, {}, {}, {});",
-                    control.decibel ? "decibel_" : "", control.name, control.name, literal(control.low),
-                    literal(control.high), control.smooth_frames),
+        {fmt::format("moved |= tactus_control_{}step(&self->ramps.{}, self->controls.{}, {}, {}, {});",
+                     control.decibel ? "decibel_" : "", control.name, control.name, literal(control.low),
+                     literal(control.high), control.smooth_frames)},
         2);
   return text;
 }
@@ -328,6 +300,41 @@ bool has_slew_limit(const GuardedChannel& channel) {
   return channel.kind == DriveGuard::Kind::Drive && std::isfinite(channel.limits.slew_per_second);
 }
 
+std::string in_capitals(std::string text) {
+  std::ranges::transform(text, text.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  return text;
+}
+
+std::string indented(const std::vector<std::string>& statements, int spaces) {
+  const std::string indent(static_cast<std::size_t>(spaces), ' ');
+  std::string text;
+  for (const auto& statement : statements)
+    for (std::size_t at = 0; at <= statement.size();) {
+      const auto end = std::min(statement.find('\n', at), statement.size());
+      text += wrapped(indent + statement.substr(at, end - at)) + "\n";
+      at = end + 1;
+    }
+  return text;
+}
+
+std::string header_begin(const HeaderCounts& counts, Hertz rate, const std::string& includes) {
+  return "#ifndef TACTUS_H\n#define TACTUS_H\n\n" + includes +
+         "#ifdef __cplusplus\nextern \"C\" {\n#endif\n\n#define TACTUS_RATE " + literal(rate.value) + "\n" +
+         fmt::format("enum {{ TACTUS_INPUTS = {}, TACTUS_OUTPUTS = {}, TACTUS_CONTROLS = {} }};\n\n",
+                     counts.inputs, counts.outputs, counts.controls);
+}
+
+std::string header_end(const std::string& about_step) {
+  return "void tactus_init(tactus* self);\n"
+         "/* The caller is alive: refreshes the dead man's switch. */\n"
+         "void tactus_alive(tactus* self);\n/* " +
+         about_step +
+         " */\n"
+         "void tactus_step(tactus* self, const tactus_real* in, tactus_real* out);\n\n"
+         "#ifdef __cplusplus\n}\n#endif\n#endif\n";
+}
+
 std::string wrapped(const std::string& line) {
   if (line.size() <= kWidth || line.find('\n') != std::string::npos) return line;
   const auto indent = line.find_first_not_of(' ');
@@ -344,7 +351,7 @@ std::string wrapped(const std::string& line) {
 
 std::string as_of_program(const std::string& text, const CProgram& program) {
   const auto converted = with_numbers(text, *program.number);
-  const auto capitals = upper(program.name);
+  const auto capitals = in_capitals(program.name);
   std::string result;
   for (std::size_t at = 0; at < converted.size();) {
     if (!is_identifier_start(converted[at]) || (at > 0 && is_identifier_part(converted[at - 1]))) {
@@ -393,17 +400,11 @@ std::string c_header(const CProgram& program) {
       program.recurrence == RecurrenceForm::Grid ? "on a grid of eight frames" : "frame by frame",
       ports_comment("in", program.inputs), ports_comment("out", program.outputs), limits_comment(program));
   return as_of_program(
-      head + "#ifndef TACTUS_H\n#define TACTUS_H\n\n#ifdef __cplusplus\nextern \"C\" {\n#endif\n\n" +
-          "#define TACTUS_RATE " + literal(program.sample_rate.value) + "\n" +
-          fmt::format("enum {{ TACTUS_INPUTS = {}, TACTUS_OUTPUTS = {}, TACTUS_CONTROLS = {} }};\n\n",
-                      program.inputs.size(), program.outputs.size(), program.controls.size()) +
+      head +
+          header_begin({program.inputs.size(), program.outputs.size(), program.controls.size()},
+                       program.sample_rate, "") +
           "typedef " + program.number->c_type + " tactus_real;\n\n" + types + text +
-          "void tactus_init(tactus* self);\n"
-          "/* The caller is alive: refreshes the dead man's switch. */\n"
-          "void tactus_alive(tactus* self);\n"
-          "/* One frame. Inputs and outputs in the order of the file, lanes one after the other. */\n"
-          "void tactus_step(tactus* self, const tactus_real* in, tactus_real* out);\n\n"
-          "#ifdef __cplusplus\n}\n#endif\n#endif\n",
+          header_end("One frame. Inputs and outputs in the order of the file, lanes one after the other."),
       program);
 }
 

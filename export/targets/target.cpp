@@ -1,7 +1,8 @@
 #include "export/targets/target.h"
 
-#include <algorithm>
 #include <array>
+
+#include "engine/core/named.h"
 
 namespace tactus {
 namespace {
@@ -21,15 +22,8 @@ constexpr std::array kTargets = {
 
 }  // namespace
 
-const ExportTarget* find_export_target(std::string_view name) {
-  const auto found = std::ranges::find(kTargets, name, &ExportTarget::name);
-  return found == kTargets.end() ? nullptr : &*found;
-}
+const ExportTarget* find_export_target(std::string_view name) { return find_named(kTargets, name); }
 
-std::vector<std::string> export_target_names() {
-  std::vector<std::string> names;
-  for (const auto& target : kTargets) names.emplace_back(target.name);
-  return names;
-}
+std::vector<std::string> export_target_names() { return names_of(kTargets); }
 
 }  // namespace tactus
