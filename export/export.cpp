@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "engine/graph/file/read_graph.h"
+#include "engine/core/named.h"
+#include "engine/core/port_name.h"
 #include "export/fixed/fixed_program.h"
 #include "export/read_plan.h"
 #include "export/targets/memory.h"
@@ -28,14 +29,11 @@ CProgram program_of(const GraphSpec& spec, const ExportOptions& options) {
   return program;
 }
 
-/// The name in the file of a lane of it: "strings" of "strings[2]".
-std::string file_name(const std::string& port) { return port.substr(0, port.find('[')); }
-
 /// Unit and description of ports.
 template <class Port>
 void describe(std::vector<Port>& ports, const std::vector<PortSpec>& specs) {
   for (auto& port : ports) {
-    const auto* spec = find_named(specs, file_name(port.name));
+    const auto* spec = find_named(specs, port_of(port.name));
     if (spec == nullptr) continue;
     if (const auto* unit = find(spec->fields, "unit"); unit != nullptr && unit->text())
       port.unit = *unit->text();
@@ -87,8 +85,8 @@ CompileOptions compiling(const ExportOptions& options) {
 InputRanges input_ranges(const Plan& plan, const GraphSpec& spec) {
   InputRanges ranges;
   for (const auto& name : plan.input_names) {
-    const auto* input = find_named(spec.inputs, file_name(name));
-    ranges.push_back(input == nullptr ? std::nullopt : declared_range(*input));
+    const auto* input = find_named(spec.inputs, port_of(name));
+    ranges.push_back(input == nullptr ? std::nullopt : input->range);
   }
   return ranges;
 }
@@ -100,7 +98,7 @@ Checked<std::vector<ExportedFile>> with_board(std::vector<ExportedFile> files, c
   std::vector<Error> errors;
   for (const auto& input : program.inputs)
     if (options.target->converts && !input.range.bounded())
-      errors.push_back({Errc::BadArgument, find_named(spec.inputs, file_name(input.name))->at.text(),
+      errors.push_back({Errc::BadArgument, find_named(spec.inputs, port_of(input.name))->at.text(),
                         "input '" + input.name + "' has no range, so that the converter has no scale",
                         "give it one in [inputs], as in range = [\"-50 mm\", \"50 mm\"]"});
   if (!errors.empty()) return tl::unexpected(std::move(errors));

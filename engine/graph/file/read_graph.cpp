@@ -174,7 +174,10 @@ std::optional<Unit> set_unit(PortSpec& port, FieldReader& fields) {
 PortSpec read_input(EntrySpec entry, ErrorList& errors) {
   PortSpec input{std::move(entry)};
   FieldReader fields{input.fields, input_fields(), errors, owner_of("input", input)};
-  if (const auto unit = set_unit(input, fields)) fields.range("range", *unit);
+  if (const auto unit = set_unit(input, fields)) input.range = fields.range("range", *unit);
+  const auto* unit = find(input.fields, "unit");
+  const bool full_scale = unit != nullptr && unit->text() != nullptr && *unit->text() == "full scale";
+  if (!input.range && full_scale) input.range = Interval{-1, 1};
   input.lanes = static_cast<int>(fields.number("lanes").value_or(1));
   return input;
 }
@@ -236,16 +239,6 @@ ControlSpec read_control(EntrySpec entry, ErrorList& errors) {
 }
 
 }  // namespace
-
-std::optional<Interval> declared_range(const PortSpec& input) {
-  ErrorList errors;
-  FieldReader fields{input.fields, input_fields(), errors, owner_of("input", input)};
-  const auto unit = fields.unit("unit");
-  const auto range = unit ? fields.range("range", *unit) : std::nullopt;
-  const auto* name = find(input.fields, "unit");
-  const bool full_scale = name != nullptr && name->text() != nullptr && *name->text() == "full scale";
-  return range || !full_scale ? range : Interval{-1, 1};
-}
 
 std::vector<FieldType> heading_fields() {
   using Kind = FieldType::Kind;

@@ -2,7 +2,6 @@
 
 // Thread: [control]
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,9 +13,6 @@ namespace tactus {
 
 /// The sections of one graph file, without the files that it uses. `file` has no line.
 GraphSpec read_graph(const Value::Table& table, const Source& file, ErrorList& errors);
-
-/// What an input can give: its `range`, or what full scale is. nullopt: the file does not say.
-std::optional<Interval> declared_range(const PortSpec& input);
 
 /// format, name, about and source, with which every file begins.
 std::vector<FieldType> heading_fields();

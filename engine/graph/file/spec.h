@@ -11,6 +11,7 @@
 #include "engine/core/error.h"
 #include "engine/graph/file/value.h"
 #include "engine/graph/semantics/flat_graph.h"
+#include "engine/graph/semantics/interval.h"
 
 namespace tactus {
 
@@ -27,7 +28,8 @@ struct PortSpec : EntrySpec {
   int lanes = 1;
   OutputUse use = OutputUse::Drive;
   Dimension dimension = {};
-  bool unit_known = true;  ///< false: an error left it open
+  bool unit_known = true;              ///< false: an error left it open
+  std::optional<Interval> range = {};  ///< of an input: what it can give; nullopt: the file does not say
 
   /// The unit that the file gives; nothing if it gives none, or after an error.
   std::optional<Dimension> declared() const {
