@@ -31,13 +31,17 @@ Result<std::vector<BackendType>> backends_called(const std::string& name) {
   return fail(Errc::Device, "", "this program was built without any library for sound cards", remedy);
 }
 
+std::string backend_of(const std::string& device) { return device.substr(0, device.find(':')); }
+
+bool is_haptic(const std::string& backend) { return find_named(haptic_backends(), backend) != nullptr; }
+
 Result<ChosenDevices> choose_devices(const std::string& backend, const std::string& output,
                                      const std::string& input, DeviceNames names) {
   const auto find = [names](const std::vector<Device>& devices, const std::string& text) {
     return names == DeviceNames::Exact ? device_with_id(devices, text) : find_device(devices, text);
   };
   const auto& wanted = output.empty() ? input : output;
-  const auto prefix = wanted.substr(0, std::min(wanted.find(':'), wanted.size()));  // "jack" of "jack:system"
+  const auto prefix = backend_of(wanted);
   const bool has_prefix = prefix.size() < wanted.size() && backends_called(prefix);
   const auto backends = backends_called(backend.empty() && has_prefix ? prefix : backend);
   if (!backends) return tl::unexpected(backends.error());
@@ -76,10 +80,6 @@ void add_device_options(CLI::App& command, DeviceOptions& options, const char* r
   command.add_option("--device", options.device,
                      fmt::format("id of a device, or part of its name, or {}", kDefaultDevice));
   command.add_option("--input-device", options.input_device, "input device, if different from --device");
-}
-
-static bool is_haptic(const std::string& backend) {
-  return std::ranges::find(haptic_backends(), backend, &BackendType::name) != haptic_backends().end();
 }
 
 static void print_chosen(const char* option, const std::string& text, const Device& chosen) {

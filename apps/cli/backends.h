@@ -17,6 +17,11 @@ namespace tactus::app {
 /// UnknownName, listing what there is; Device if this program was built without any.
 Result<std::vector<BackendType>> backends_called(const std::string& name);
 
+/// "jack" of "jack:system"; the whole where it names no backend.
+std::string backend_of(const std::string& device);
+/// Its devices are joysticks, wheels and gamepads, of which the outputs are motors and forces.
+bool is_haptic(const std::string& backend);
+
 /// Options that say which card is played on.
 struct DeviceOptions {
   std::string rig, backend, device, input_device;

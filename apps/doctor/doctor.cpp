@@ -453,9 +453,7 @@ std::vector<SystemFinding> check_system(const SystemState& system) {
 
 std::vector<SystemFinding> check_rig_outputs(const Rig& rig, const std::string& file) {
   Findings all;
-  const auto of_rig = [&](const BackendType& type) { return rig.device.output.starts_with(type.name + ":"); };
-  if (std::ranges::any_of(haptic_backends(), of_rig))
-    return {};  // motors, which no coupling capacitor precedes
+  if (is_haptic(backend_of(rig.device.output))) return {};  // no coupling capacitor precedes a motor
   for (const auto& output : rig.outputs) {
     if (output.channels.empty() || output.on_second_device()) continue;
     const auto name = "output '" + output.name + "'";

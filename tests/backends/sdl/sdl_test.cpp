@@ -8,6 +8,7 @@
 
 #include "backends/backend.h"
 #include "backends/reconnecting_stream.h"
+#include "engine/core/named.h"
 #include "tests/support/wait_until.h"
 
 using namespace tactus;
@@ -19,11 +20,7 @@ namespace {
 /// The guard lets everything through.
 const std::vector<GuardedChannel> kFree(2, {DriveGuard::Kind::Audio, {.ceiling = 1.0}, {false, false}});
 
-std::unique_ptr<Backend> sdl() {
-  for (const auto& backend : haptic_backends())
-    if (backend.name == "sdl") return backend.make();
-  return nullptr;
-}
+std::unique_ptr<Backend> sdl() { return find_named(haptic_backends(), "sdl")->make(); }
 
 /// Two axes, two buttons and two motors.
 class Gamepad {

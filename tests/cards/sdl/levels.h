@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "backends/backend.h"
+#include "engine/core/named.h"
 #include "tests/support/wait_until.h"
 
 namespace tactus::test {
@@ -43,11 +44,7 @@ inline const std::vector<GuardedChannel> kUnguarded(9, {DriveGuard::Kind::Audio,
 /// In the virtual machine, which is slow.
 inline bool waits(const std::function<bool()>& holds) { return wait_until(holds, std::chrono::seconds{120}); }
 
-inline std::unique_ptr<Backend> sdl() {
-  for (const auto& backend : haptic_backends())
-    if (backend.name == "sdl") return backend.make();
-  return nullptr;
-}
+inline std::unique_ptr<Backend> sdl() { return find_named(haptic_backends(), "sdl")->make(); }
 
 /// The device of this id, as soon as it has so many outputs: a driver adds force feedback to a device that is
 /// there already.
