@@ -10,25 +10,21 @@
 #include <optional>
 #include <set>
 
+#include "apps/actuators/scene_demand.h"
 #include "apps/cli/console.h"
 #include "apps/cli/json.h"
 #include "apps/cli/rig_files.h"
-#include "apps/cli/target.h"
 #include "apps/play/play_report.h"
 #include "engine/core/index.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/guard/drive_guard.h"
-#include "engine/nodes/table.h"
 #include "engine/rig/actuator_figures.h"
-#include "engine/study/stability/stability_check.h"
-#include "latency/estimation/fourier.h"
 
 namespace tactus::app {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kBandShare = 0.05;       // of the energy of a drive, below its band and above it
 constexpr double kLimitedShare = 1e-3;    // of the frames: fewer are not felt
 constexpr double kEdgeUncertainty = 0.1;  // of the ends of a band that were not read in a source
 constexpr int kBlock = 64;
@@ -141,8 +137,9 @@ std::optional<ActuatorProfile> profile_of(const Actuator& actuator) {
 
 /// Band and excursion together need a force.
 std::string force_remark(const Actuator& actuator, const Need& need) {
+  if (!need.band || !need.excursion) return "";
   const auto profile = profile_of(actuator);
-  if (!need.band || !need.excursion || !profile || !profile->contains("travel.mass")) return "";
+  if (!profile || !profile->contains("travel.mass")) return "";
   const auto [force, hz] = force_to_move(*profile, *need.band, *need.excursion);
   const double has =
       profile->at("travel.force_factor") * profile->at("drive.peak") / profile->at("drive.resistance");
@@ -179,147 +176,6 @@ Match match(const Actuator& actuator, const Need& need) {
           figures.band.low.value_or(0.0) <= need.band->low && figures.band.high >= need.band->high);
   if (const auto remark = force_remark(actuator, need); !remark.empty()) found.remarks.push_back(remark);
   return found;
-}
-
-// What an instrument needs.
-
-/// The energy of a signal by frequency.
-class Spectrum {
- public:
-  Spectrum(const std::vector<double>& samples, double rate_hz) {
-    Fourier fourier{samples.size()};
-    bin_hz_ = rate_hz / static_cast<double>(fourier.size());
-    double sum = 0.0;
-    for (const auto& bin : fourier.forward(samples)) energy_.push_back(sum += std::norm(bin));
-  }
-
-  /// The frequencies with all but a twentieth of the energy at either end.
-  Interval band() const {
-    if (!(energy_.back() > 0)) return {0.0, 0.0};
-    return {frequency(kBandShare), frequency(1.0 - kBandShare)};
-  }
-  /// Of the energy, at frequencies below `hz`.
-  double share_below(double hz) const {
-    const auto bins = static_cast<std::ptrdiff_t>(std::ceil(hz / bin_hz_));
-    if (bins <= 0 || !(energy_.back() > 0)) return 0.0;
-    return energy_[index(std::min(bins, std::ssize(energy_)) - 1)] / energy_.back();
-  }
-
- private:
-  double frequency(double share) const {
-    const auto bin = std::ranges::lower_bound(energy_, share * energy_.back()) - energy_.begin();
-    return static_cast<double>(bin) * bin_hz_;
-  }
-
-  std::vector<double> energy_;  ///< up to each bin
-  double bin_hz_ = 0.0;
-};
-
-/// What goes to one drive of a scene.
-struct Drive {
-  std::string name;
-  std::vector<double> samples;
-  Spectrum spectrum;
-  std::vector<LimitSource> limits;  ///< of the scene
-
-  Interval band() const { return spectrum.band(); }
-};
-
-/// What a scene needs.
-struct Demand {
-  std::string scene;
-  double rate_hz = 0.0;
-  std::vector<Drive> drives;
-  std::optional<double> force;   ///< [N] the largest on the player, where a port measures it
-  std::optional<double> travel;  ///< [m] to either side, where a sensor or a port measures it
-  bool senses = false;           ///< an input of the instrument comes from the plant
-  std::optional<Stability>
-      stability;                    ///< with the plant of the scene; nothing: the instrument senses nothing
-  std::vector<std::string> plants;  ///< files of the other parts
-
-  /// A force must be there at rest.
-  bool holds_force() const { return force.has_value() || senses; }
-};
-
-double largest(const RecordedSignal& signal) {
-  double value = 0.0;
-  for (const double sample : signal.samples) value = std::max(value, std::abs(sample));
-  return value;
-}
-
-/// Half the range: an actuator can be mounted in the middle of it.
-double half_range(const RecordedSignal& signal) {
-  const auto [low, high] = std::ranges::minmax(signal.samples);
-  return (high - low) / 2;
-}
-
-/// Does a wire contain "part." of a part other than the instrument?
-bool reads_plant(const SceneSpec& scene, const Value& wire) {
-  return wire.text() != nullptr && std::ranges::any_of(scene.parts, [&](const ScenePart& part) {
-           return part.name != "instrument" && wire.text()->find(part.name + ".") != std::string::npos;
-         });
-}
-
-/// Force and travel at the ports and sensors. A port with a constant force counts the work of several, and
-/// its position is no travel.
-void measure(const PlayedScene& played, Demand& demand) {
-  const auto newton = parse_unit("N")->dimension, metre = parse_unit("m")->dimension;
-  const auto signal = [&](const std::string& name, const Dimension& dimension) {
-    const auto* found = played.recording.find(name);
-    return found != nullptr && found->dimension == dimension ? found : nullptr;
-  };
-  const auto travels = [&](const RecordedSignal* position) {
-    if (position != nullptr) demand.travel = std::max(demand.travel.value_or(0.0), half_range(*position));
-  };
-  for (const auto& port : played.scene.ports) {
-    const auto* force = signal(port.force.name, newton);
-    if (force == nullptr || !(half_range(*force) > 0)) continue;
-    demand.force = std::max(demand.force.value_or(0.0), largest(*force));
-    travels(signal(port.position.name, metre));
-  }
-  const auto* instrument = played.scene.part("instrument");
-  if (instrument == nullptr) return;
-  for (const auto& [input, at, wire] : instrument->wires) {
-    if (!reads_plant(played.scene, wire)) continue;
-    demand.senses = true;
-    if (demand.force && demand.travel) continue;
-    travels(signal(wire.text() != nullptr ? *wire.text() : "", metre));
-  }
-}
-
-/// The delay is that of the scene; the analysis alone, as by check --quick.
-Stability stability_of(const Target& target) {
-  const auto loaded = load_scene_leniently(target);
-  StabilityOptions options;
-  options.world.delay = loaded.scene->delay;
-  return or_exit(check_stability({&loaded, nullptr, &standard_nodes()}, options, true)).stability();
-}
-
-Demand demand_of(const std::string& text) {
-  const auto target = resolve_target(text);
-  const auto played = play_file(target, {});
-  const auto& recording = played.recording;
-  Demand demand;
-  demand.scene = played.scene.name;
-  demand.rate_hz = recording.sample_rate.value;
-  for (const auto& name : drive_names(recording)) {
-    const auto* signal = recording.find("instrument." + name);
-    if (signal == nullptr) continue;
-    const auto limits = played.scene.drives.named.find(name);
-    demand.drives.push_back(
-        {name,
-         signal->samples,
-         {signal->samples, demand.rate_hz},
-         limits == played.scene.drives.named.end() ? std::vector<LimitSource>{} : limits->second});
-  }
-  if (demand.drives.empty())
-    exit_with({Errc::BadArgument, text, "it drives no actuator", "name a scene with a drive"}, kNo);
-  measure(played, demand);
-  for (const auto& part : played.scene.parts)
-    if (part.name != "instrument" && part.graph && part.graph->file.file)
-      demand.plants.push_back(*part.graph->file.file);
-  if (demand.senses && target.scene) demand.stability = stability_of(target);
-  return demand;
 }
 
 /// Why an actuator does not render a scene, what is within the uncertainty of its figures, and what was not

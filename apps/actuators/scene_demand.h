@@ -1,0 +1,82 @@
+#pragma once
+// Thread: [control]
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/core/index.h"
+#include "engine/graph/semantics/interval.h"
+#include "engine/rig/limits.h"
+#include "engine/study/stability/stability.h"
+#include "latency/estimation/fourier.h"
+
+namespace tactus::app {
+
+/// The energy of a signal by frequency.
+class Spectrum {
+ public:
+  Spectrum(const std::vector<double>& samples, double rate_hz) {
+    Fourier fourier{samples.size()};
+    bin_hz_ = rate_hz / static_cast<double>(fourier.size());
+    double sum = 0.0;
+    for (const auto& bin : fourier.forward(samples)) energy_.push_back(sum += std::norm(bin));
+  }
+
+  /// The frequencies with all but a twentieth of the energy at either end.
+  Interval band() const {
+    if (!(energy_.back() > 0)) return {0.0, 0.0};
+    return {frequency(kBandShare), frequency(1.0 - kBandShare)};
+  }
+  /// Of the energy, at frequencies below `hz`.
+  double share_below(double hz) const {
+    const auto bins = static_cast<std::ptrdiff_t>(std::ceil(hz / bin_hz_));
+    if (bins <= 0 || !(energy_.back() > 0)) return 0.0;
+    return energy_[index(std::min(bins, std::ssize(energy_)) - 1)] / energy_.back();
+  }
+
+ private:
+  static constexpr double kBandShare = 0.05;
+
+  double frequency(double share) const {
+    const auto bin = std::ranges::lower_bound(energy_, share * energy_.back()) - energy_.begin();
+    return static_cast<double>(bin) * bin_hz_;
+  }
+
+  std::vector<double> energy_;  ///< up to each bin
+  double bin_hz_ = 0.0;
+};
+
+/// What goes to one drive of a scene.
+struct Drive {
+  std::string name;
+  std::vector<double> samples;
+  Spectrum spectrum;
+  std::vector<LimitSource> limits;  ///< of the scene
+
+  Interval band() const { return spectrum.band(); }
+};
+
+/// What a scene needs.
+struct Demand {
+  std::string scene;
+  double rate_hz = 0.0;
+  std::vector<Drive> drives;
+  std::optional<double> force;   ///< [N] the largest on the player, where a port measures it
+  std::optional<double> travel;  ///< [m] to either side, where a sensor or a port measures it
+  bool senses = false;           ///< an input of the instrument comes from the plant
+  std::optional<Stability>
+      stability;                    ///< with the plant of the scene; nothing: the instrument senses nothing
+  std::vector<std::string> plants;  ///< files of the other parts
+
+  /// A force must be there at rest.
+  bool holds_force() const { return force.has_value() || senses; }
+};
+
+/// Plays the scene that a command line names. Throws a CommandError, also where it drives no actuator.
+Demand demand_of(const std::string& text);
+
+}  // namespace tactus::app
