@@ -21,8 +21,8 @@ class TimedValues {
     std::array<double, kMost> values = {};
   };
 
-  /// [producer] Points in order of their time. One that finds no room is left out: nobody has read for a
-  /// quarter of a second.
+  /// [producer] Points in order of their time. If the queue is full, because the reader has not read for a
+  /// quarter of a second, the point is dropped.
   void write(const Point& point) noexcept { (void)points_.push(point); }
 
   /// [consumer] The two points around this time, which never goes back; `at` refers to them.

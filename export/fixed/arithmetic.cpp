@@ -258,7 +258,8 @@ FixedValue FixedArithmetic::comparison(const char* sign, const FixedValue& a, co
   while (exponent > kLeastExponent &&
          ((!a.constant && !fits(a, exponent, wide)) || (!b.constant && !fits(b, exponent, wide))))
     --exponent;
-  // Of a constant that no number of the other operand reaches, the end of the range decides.
+  // A constant beyond every value of the other operand is replaced by the end of the range: the result is the
+  // same.
   const double limit = std::ldexp(most(wide), -exponent);
   const auto within = [&](const FixedValue& x) {
     return x.constant ? number(std::clamp(*x.constant, -limit, limit)) : x;

@@ -196,7 +196,7 @@ TEST_CASE("two devices: a stream without channels of the second is that of the f
   CHECK(desk.pad_world.requests.empty());
 }
 
-TEST_CASE("two devices: writers are told by the channel of the processor") {
+TEST_CASE("two devices: other writers are reported by the channel of the processor") {
   Desk desk;
   desk.card_world.writers = {{1, "other:out", "card:playback_7"}};
   desk.open();
