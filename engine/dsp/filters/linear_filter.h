@@ -60,21 +60,32 @@ class LinearFilter {
       return b[0] * now + b[1] * before;
   }
 
+  /// Whole groups are shifted in registers: a vector that lies across two that were just stored waits for
+  /// both.
   void feed_forward(const double* x, double* v, int frames) noexcept {
     const std::array<double, 3> b{b_[0], b_[1], Order == 2 ? b_[Order] : 0.0};
     double before = last_[0], oldest = last_[Order - 1];
     int i = 0;
-    for (; i < std::min(frames, Lanes::kCount); ++i) {
+    if (frames >= Lanes::kCount) {
+      const std::array<Lanes, 3> wide{Lanes::broadcast(b[0]), Lanes::broadcast(b[1]), Lanes::broadcast(b[2])};
+      auto last = Lanes::broadcast(before), last_before = Lanes::broadcast(oldest);
+      for (; i + Lanes::kCount <= frames; i += Lanes::kCount) {
+        const auto now = Lanes::load(x + i), one_before = now.moved_up(last);
+        const auto two_before = one_before.moved_up(last_before);
+        weighted(now, one_before, two_before, wide).store(v + i);
+        last = now;
+        last_before = one_before;
+      }
+      before = x[i - 1];
+      oldest = x[i - Order];
+    }
+    for (; i < frames; ++i) {
       v[i] = weighted(x[i], before, oldest, b);
       oldest = Order == 2 ? before : x[i];
       before = x[i];
     }
-    const std::array<Lanes, 3> wide{Lanes::broadcast(b[0]), Lanes::broadcast(b[1]), Lanes::broadcast(b[2])};
-    for (; i + Lanes::kCount <= frames; i += Lanes::kCount)
-      weighted(Lanes::load(x + i), Lanes::load(x + i - 1), Lanes::load(x + i - Order), wide).store(v + i);
-    for (; i < frames; ++i) v[i] = weighted(x[i], x[i - 1], x[i - Order], b);
-    last_[Order - 1] = frames >= Order ? x[frames - Order] : oldest;
-    last_[0] = x[frames - 1];
+    last_[Order - 1] = oldest;
+    last_[0] = before;
   }
 
   std::array<double, Order + 1> b_{1.0};

@@ -57,7 +57,8 @@ class FilterNode : public Node {
   }
 
  private:
-  void process_single(const NodeBlock& block) noexcept {
+  // Neither is inlined: what one prepares would delay the other.
+  [[gnu::noinline]] void process_single(const NodeBlock& block) noexcept {
     const double x = *block.in[0].data;
     const int position = steps_.single(block, [&](int frame) { update(block, frame); });
     const double y = filter_.run_single(x, position);
@@ -65,8 +66,25 @@ class FilterNode : public Node {
     if (has_remainder_ && block.out[1] != nullptr) *block.out[1] = x - y;
   }
 
-  // Not inlined: the setup for many frames would delay a single one.
   [[gnu::noinline]] void process_frames(const NodeBlock& block) noexcept {
+    if constexpr (Width == 1)
+      if (block.in[0].stride == 1 && block.out[0] != nullptr && group_position(block.first_frame) == 0 &&
+          rests(block)) {
+        filter_.run(block.in[0].data, block.out[0], block.frames, 0);
+        return take_remainder(block, block.in[0].data, block.out[0]);
+      }
+    process_changing(block);
+  }
+
+  /// The filter is the one that the parameters ask for, in every frame.
+  bool rests(const NodeBlock& block) const noexcept {
+    bool rests = designed_;
+    for (std::size_t i = 0; i < ParameterCount; ++i)
+      rests = rests && block.in[i + 1].constant() && *block.in[i + 1].data == parameters_[0][i];
+    return rests;
+  }
+
+  [[gnu::noinline]] void process_changing(const NodeBlock& block) noexcept {
     Contiguous contiguous;
     const auto x = run_input<Width>(block, contiguous);
     std::array<double, static_cast<std::size_t>(kMaxSubBlock * Width)> unread;
@@ -76,6 +94,11 @@ class FilterNode : public Node {
         [&](int from, int to, int position) {
           filter_.run(x + from, y + from * Width, to - from, position);
         });
+    take_remainder(block, x, y);
+  }
+
+  template <class Input>
+  void take_remainder(const NodeBlock& block, const Input& x, const double* y) noexcept {
     if (!has_remainder_ || block.out[1] == nullptr) return;
     for (int n = 0; n < block.frames; ++n)
       if constexpr (Width == 1)
