@@ -2,9 +2,7 @@
 
 // Thread: [realtime].
 
-#include <bit>
-#include <cstdint>
-
+#include "engine/dsp/simd/lanes.h"
 #include "engine/graph/node.h"
 #include "engine/graph/semantics/flat_graph.h"
 #include "engine/graph/semantics/operators.h"
@@ -16,32 +14,48 @@ inline bool all_rest(const Signal* in, int operands) noexcept {
   return in[0].constant() && in[1].constant() && (operands < 3 || in[2].constant());
 }
 
-/// [realtime]
-void run_operation_row(Expression::Op op, const Signal* in, double* out, int frames) noexcept;
-// Not inlined: its constants would delay a single frame.
-[[gnu::noinline]] bool row_is_finite(const double* samples, int frames) noexcept;
-
 /// [realtime] out[n] = op(in[0][n], in[1][n], in[2][n]), as in `evaluate`, for n in [0, frames). Of one
 /// operand there are two in `in`, of three there are three.
-inline void run_operation(Expression::Op op, int operands, const Signal* in, double* out,
-                          int frames) noexcept {
-  if (frames == 1)
-    *out = evaluate(op, *in[0].data, *in[1].data, operands < 3 ? 0 : *in[2].data);
-  else
-    run_operation_row(op, in, out, frames);
-}
+void run_operation(Expression::Op op, int operands, const Signal* in, double* out, int frames) noexcept;
 
-inline constexpr std::uint64_t kExponentBits = 0x7ff0000000000000u, kExponentStep = 0x0010000000000000u;
+/// [realtime]
+inline bool is_finite(double sample) noexcept { return sample - sample == 0; }
 
-/// [realtime] On the bits: unlike a sum, this may be vectorised. A NaN or infinity has every exponent bit
-/// set.
-inline bool is_finite(double sample) noexcept {
-  return (std::bit_cast<std::uint64_t>(sample) & kExponentBits) != kExponentBits;
-}
+/// 0 for each finite sample that is added, else a NaN.
+class FiniteSum {
+ public:
+  void add(Lanes samples) noexcept { sum_ = fused_multiply_add(samples, Lanes::broadcast(0), sum_); }
+  void add(double sample) noexcept { rest_ += sample * 0; }
+  void add(const FiniteSum& other) noexcept { sum_ = sum_ + other.sum_; }
+  bool finite() const noexcept { return sum_.all_zero() && rest_ == 0; }
+
+ private:
+  Lanes sum_ = Lanes::broadcast(0);
+  double rest_ = 0;
+};
+
+bool row_is_finite(const double* samples, int frames) noexcept;
 
 /// [realtime] False if one of the samples is a NaN or infinite.
 inline bool all_finite(const double* samples, int frames) noexcept {
   return frames == 1 ? is_finite(*samples) : row_is_finite(samples, frames);
+}
+
+/// [realtime] Copies, with denormals and -0 as 0; the thread flushes denormals. False if one of the samples
+/// is a NaN or infinite.
+inline bool copy_finite(const double* from, int frames, double* to) noexcept {
+  constexpr int kLanes = Lanes::kCount;
+  FiniteSum sum;
+  for (const double* const end = from + (frames & -kLanes); from != end; from += kLanes, to += kLanes) {
+    const auto samples = Lanes::load(from);
+    sum.add(samples);
+    (samples + Lanes::broadcast(0)).store(to);
+  }
+  for (int rest = frames & (kLanes - 1); rest > 0; --rest) {
+    sum.add(*from);
+    *to++ = *from++ + 0.0;
+  }
+  return sum.finite();
 }
 
 /// [realtime] `frames` if there is none.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "engine/core/transpose.h"
 #include "engine/dsp/simd/lanes.h"
@@ -128,36 +127,39 @@ void Player::load_inputs(int frames) noexcept {
       std::fill_n(buffers[c], frames, 0.0);
       continue;
     }
-    copy_samples(io_->in[c] + offset_, frames, buffers[c]);
-    make_finite(buffers[c], frames);
+    load_input(io_->in[c] + offset_, frames, buffers[c]);
   }
 }
 
-void Player::make_finite(double* samples, int frames) noexcept {
-  if (!all_finite(samples, frames))
-    bad_inputs_.fetch_add(clear_nonfinite(samples, frames), std::memory_order_relaxed);
-  // Denormals are 0 to arithmetic, but not to what only copies or chooses: nodes must not see any.
-  for (int n = 0; n < frames; ++n)
-    samples[n] = std::abs(samples[n]) < std::numeric_limits<double>::min() ? 0.0 : samples[n];
+/// Nodes see neither what is not finite nor denormals, which are 0 to arithmetic, but not to what only copies
+/// or chooses.
+void Player::load_input(const double* from, int frames, double* to) noexcept {
+  if (!copy_finite(from, frames, to))
+    bad_inputs_.fetch_add(clear_nonfinite(to, frames), std::memory_order_relaxed);
 }
 
 void Player::store_outputs(int frames) noexcept {
   const auto channels = std::min(index(format_.out_channels), running_->outputs.size());
-  for (std::size_t c = 0; c < channels; ++c) {
-    const auto& signal = output_signal(c);
-    if (signal.stride == 1) {
+  for (std::size_t c = 0; c < channels; ++c)
+    if (const auto& signal = output_signal(c); signal.stride == 1)
       copy_samples(signal.data, frames, io_->out[c] + offset_);
-    } else if (running_->vectorised[c] && c + kVectorWidth <= channels) {
-      std::array<double*, kVectorWidth> lanes;
-      for (std::size_t lane = 0; lane < kVectorWidth; ++lane) lanes[lane] = io_->out[c + lane] + offset_;
-      Transpose::unpack(signal.data, lanes, frames);
-      c += kVectorWidth - 1;
-    } else {
-      for (int n = 0; n < frames; ++n) io_->out[c][offset_ + n] = signal[n];
-    }
-  }
+    else
+      c += store_lanes(c, channels, frames) - 1;
   if (now_ >= fading_until_) return;
   for (std::size_t c = 0; c < channels; ++c) fades_[c].process(io_->out[c] + offset_, frames, now_);
+}
+
+/// Returns of how many outputs.
+std::size_t Player::store_lanes(std::size_t first, std::size_t channels, int frames) noexcept {
+  const auto& signal = output_signal(first);
+  if (running_->vectorised[first] && first + kVectorWidth <= channels) {
+    std::array<double*, kVectorWidth> lanes;
+    for (std::size_t lane = 0; lane < kVectorWidth; ++lane) lanes[lane] = io_->out[first + lane] + offset_;
+    Transpose::unpack(signal.data, lanes, frames);
+    return kVectorWidth;
+  }
+  for (int n = 0; n < frames; ++n) io_->out[first][offset_ + n] = signal[n];
+  return 1;
 }
 
 void Player::answer(int offset, int frames) noexcept {
@@ -174,8 +176,7 @@ void Player::answer(int offset, int frames) noexcept {
   const auto& buffers = running_->plan->input_buffers;
   for (std::size_t c = 0; c < buffers.size(); ++c) {
     if (buffers[c] == nullptr) continue;
-    std::copy_n(outside_out_[static_cast<int>(c)], frames, buffers[c] + offset);
-    make_finite(buffers[c] + offset, frames);
+    load_input(outside_out_[static_cast<int>(c)], frames, buffers[c] + offset);
   }
 }
 

@@ -101,9 +101,10 @@ class Player final : public BlockProcessor, private Outside {
   void take_over(Running& next) noexcept;
   double last_output(std::size_t output) const noexcept;
   const Signal& output_signal(std::size_t output) const noexcept;
-  void make_finite(double* samples, int frames) noexcept;
   void load_inputs(int frames) noexcept;
+  void load_input(const double* from, int frames, double* to) noexcept;
   void store_outputs(int frames) noexcept;
+  [[gnu::noinline]] std::size_t store_lanes(std::size_t first, std::size_t channels, int frames) noexcept;
   void answer(int offset, int frames) noexcept override;
 
   Replacement versions_;

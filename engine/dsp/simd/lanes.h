@@ -57,6 +57,8 @@ struct Lanes {
   friend Lanes fused_multiply_add(Lanes a, Lanes b, Lanes c) noexcept {
     return {_mm512_fmadd_pd(a.all, b.all, c.all)};
   }
+  /// Every lane is 0; NaN is not.
+  bool all_zero() const noexcept { return _mm512_cmp_pd_mask(all, _mm512_setzero_pd(), _CMP_NEQ_UQ) == 0; }
   /// All lanes added in halves: k and k + 4, k and k + 2, k and k + 1.
   double sum() const noexcept {
     const __m256d half =
@@ -113,6 +115,11 @@ struct Lanes {
   }
   friend Lanes fused_multiply_add(Lanes a, Lanes b, Lanes c) noexcept {
     return {_mm256_fmadd_pd(a.low, b.low, c.low), _mm256_fmadd_pd(a.high, b.high, c.high)};
+  }
+  bool all_zero() const noexcept {
+    const __m256d zero = _mm256_setzero_pd();
+    return _mm256_movemask_pd(_mm256_or_pd(_mm256_cmp_pd(low, zero, _CMP_NEQ_UQ),
+                                           _mm256_cmp_pd(high, zero, _CMP_NEQ_UQ))) == 0;
   }
   double sum() const noexcept {
     const __m256d half = low + high;
@@ -172,6 +179,11 @@ struct Lanes {
   }
   friend Lanes fused_multiply_add(const Lanes& a, const Lanes& b, const Lanes& c) noexcept {
     return each([&](int i) { return tactus::fused_multiply_add(a.lane[i], b.lane[i], c.lane[i]); });
+  }
+  bool all_zero() const noexcept {
+    bool zero = true;
+    for (int i = 0; i < kCount; ++i) zero = zero && lane[i] == 0;
+    return zero;
   }
   double sum() const noexcept { return tactus_sum_of_eight(lane); }
 #endif

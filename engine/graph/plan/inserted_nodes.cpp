@@ -9,7 +9,7 @@
 #include "engine/core/transpose.h"
 #include "engine/dsp/kernel.h"
 #include "engine/graph/file/quantity.h"
-#include "engine/graph/semantics/operators.h"
+#include "engine/graph/semantics/lane_operators.h"
 
 namespace tactus {
 namespace {
@@ -21,6 +21,10 @@ template <bool kSame>
 double lane_of(const double* frame, int lane) noexcept {
   return frame[kSame ? 0 : lane];
 }
+template <bool kSame>
+Lanes lanes_at(const double* frame) noexcept {
+  return kSame ? Lanes::broadcast(*frame) : Lanes::load(frame);
+}
 
 template <Expression::Op kOp, bool kSameLeft, bool kSameRight>
 void run(const Signal* in, double* out, int frames) noexcept {
@@ -29,10 +33,14 @@ void run(const Signal* in, double* out, int frames) noexcept {
   const double* right = in[1].data;
   const auto left_stride = in[0].stride, right_stride = in[1].stride;
   for (int n = 0; n < frames; ++n, out += kVectorWidth) {
-    Row result;
-    for (int lane = 0; lane < kVectorWidth; ++lane)
-      result[index(lane)] = value(lane_of<kSameLeft>(left, lane), lane_of<kSameRight>(right, lane), 0);
-    std::copy_n(result.data(), kVectorWidth, out);
+    if constexpr (kHasLanes<kOp>) {
+      lanes_of<kOp>(lanes_at<kSameLeft>(left), lanes_at<kSameRight>(right)).store(out);
+    } else {
+      Row result;
+      for (int lane = 0; lane < kVectorWidth; ++lane)
+        result[index(lane)] = value(lane_of<kSameLeft>(left, lane), lane_of<kSameRight>(right, lane), 0);
+      std::copy_n(result.data(), kVectorWidth, out);
+    }
     left += left_stride;
     right += right_stride;
   }

@@ -265,21 +265,8 @@ Interval range_of(const Operator& type, const OperandRanges& in);
 /// What replaces an operator without a `value`, its operands named a, b and c; nullptr: nothing does.
 const Expression* definition_of(Expression::Op op);
 
-/// Calls `with` with the operator as a constant if it is one of kOps. False: it is none of them.
-template <Expression::Op... kOps, class With>
-bool for_one_of(Expression::Op op, With with) {
-  return ((op == kOps && (with(std::integral_constant<Expression::Op, kOps>{}), true)) || ...);
-}
-
-/// [any] One operator on numbers; operands that it does not have are not read. Arithmetic is inline: loops of
-/// one frame are made of it.
+/// [any] One operator on numbers; operands that it does not have are not read.
 inline double evaluate(Expression::Op op, double a, double b, double c) noexcept {
-  using Op = Expression::Op;
-  double result = 0;
-  const auto with = [&](auto constant) { result = operator_of(constant()).value(a, b, c); };
-  if (for_one_of<Op::Signal, Op::Negate, Op::Add, Op::Subtract, Op::Multiply, Op::Divide, Op::Min, Op::Max,
-                 Op::Abs>(op, with))
-    return result;
   return operator_of(op).value(a, b, c);
 }
 
