@@ -48,6 +48,7 @@ void Running::start(int max_frames) {
     std::fill_n(plan->system_delay, kVectorWidth, plan->system_delay_at_start.value);
   for (auto& node : plan->nodes) node->reset();
   std::fill(silent_until.begin(), silent_until.end(), 0);
+  quiet_from = 0;
   for (std::size_t i = 0; i < controls.size(); ++i) {
     controls[i].value = Ramp::constant(plan->controls[i].control.value);
     settle(controls[i], true);
@@ -87,16 +88,14 @@ void Running::take_over(Running& before, std::int64_t now, std::int64_t fade_fra
   for (const auto [from, to] : handover.remade) nodes[index(to)]->adopt(*old[index(from)]);
   for (const auto [from, to] : handover.copies) nodes[index(to)]->copy(*old[index(from)]);
   for (const auto [from, to] : handover.nodes) std::swap(nodes[index(to)], old[index(from)]);
+  plan->point_at_nodes();
   if (plan->system_delay != nullptr && before.plan->system_delay != nullptr)
     std::copy_n(before.plan->system_delay, kVectorWidth, plan->system_delay);
   take_values(before, now, fade_frames);
 }
 
 void Running::take_values(const Running& before, std::int64_t now, std::int64_t fade_frames) noexcept {
-  for (const auto [from, to] : handover.silences) {
-    auto& until = silent_until[index(to)];
-    until = std::max(until, before.silent_until[index(from)]);
-  }
+  for (const auto [from, to] : handover.silences) silence(to, before.silent_until[index(from)]);
   for (std::size_t i = 0; i < handover.controls.size(); ++i) {
     const auto [from, to] = handover.controls[i];
     const auto c = index(to);

@@ -2,6 +2,7 @@
 
 // Thread: [control] where not said otherwise.
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -66,6 +67,11 @@ struct Running {
   void set_control(std::size_t control, double value) noexcept;
   /// [realtime] Continues from the version before as in `handover`: nodes, controls and ramps.
   void take_over(Running& before, std::int64_t now, std::int64_t fade_frames) noexcept;
+  /// [realtime] A step, or the loop that it begins, is silent until that frame.
+  void silence(int step, std::int64_t until) noexcept {
+    silent_until[index(step)] = std::max(silent_until[index(step)], until);
+    quiet_from = std::max(quiet_from, until);
+  }
   /// [realtime] From here on the signal is one number, or a sample a frame.
   void settle(int can_rest, bool resting) noexcept;
   /// [realtime] Advances by `frames` from `now`. Once for each sub-block, before its steps.
@@ -89,6 +95,7 @@ struct Running {
   std::vector<RateDivider> dividers;  ///< as Plan::divisors; the first stays unused
   /// [step, of a loop its first] the frame where the silence after a fault ends.
   std::vector<std::int64_t> silent_until;
+  std::int64_t quiet_from = 0;  ///< the latest of these frames
 
   std::int64_t frame = 0;  ///< the first that it is to run
   Handover handover;

@@ -44,6 +44,46 @@ std::int64_t end_of_cell(std::int64_t frame) { return frame - frame % kMaxSubBlo
 
 }  // namespace
 
+inline StepRunner::Fault StepRunner::run_operations(const Step& step, bool loop, int offset,
+                                                    int frames) noexcept {
+  Fault first;
+  const auto* const operations = plan_->operations.data() + step.first_operation;
+  for (int i = 0; i < step.operations; ++i) {
+    const auto& operation = operations[i];
+    if (operation.can_rest >= 0 && run_at_rest(operation, operation.in, frames)) continue;
+    double* const out = operation.out + offset;
+    if (offset == 0)
+      run_operation(operation.op, operation.operands, operation.in, out, frames);
+    else
+      run_moved(operation, offset, frames);
+    if (operation.can_fail && !all_finite(out, frames)) clear(operation, loop, out, frames, first);
+  }
+  return first;
+}
+
+/// False: an output is not finite.
+[[gnu::always_inline]] inline bool StepRunner::run_node(const Step& step, const NodeBlock& block) noexcept {
+  if (step.kind == Step::Kind::Process) {
+    step.runs->process(block);
+  } else if (step.kind == Step::Kind::Emit) {
+    step.runs->emit(block);
+  } else {
+    step.runs->absorb(block);
+    return true;
+  }
+  if (!step.can_fail) return true;
+  if (step.outputs == 1 && block.out[0] != nullptr)
+    return all_finite(block.out[0], block.frames * step.width);
+  return gave_finite(step, block);
+}
+
+/// The same for any outputs.
+bool StepRunner::gave_finite(const Step& step, const NodeBlock& block) noexcept {
+  for (int i = 0; i < step.outputs; ++i)
+    if (block.out[i] != nullptr && !all_finite(block.out[i], block.frames * step.width)) return false;
+  return true;
+}
+
 template <bool kTimed>
 void StepRunner::run(std::int64_t now, int frames) noexcept {
   now_ = now;
@@ -56,89 +96,137 @@ template void StepRunner::run<true>(std::int64_t, int) noexcept;
 
 template <bool kTimed>
 void StepRunner::run_straight(const Section& section, int frames) noexcept {
-  for (int s = section.first_step; s < section.end_step; ++s) {
+  const Step* const steps = plan_->steps.data();
+  const bool quiet = running_->quiet_from <= now_;
+  NodeBlock block{nullptr, nullptr, frames, now_};
+  for (int s = section.first_step, end = section.end_step; s < end; ++s) {
     const StepTimer<kTimed> timer{running_->step_ns[index(s)]};
-    if (plan_->steps[index(s)].kind == Step::Kind::Outside)
-      outside_.answer(0, frames);
-    else
-      run_alone(s, frames);
+    const auto& step = steps[s];
+    block.in = step.in;
+    block.out = step.out;
+    if (!quiet || step.divided || step.kind == Step::Kind::Outside)
+      run_with_care(s, frames);
+    else if (step.kind == Step::Kind::Operations)
+      run_operations(step, false, 0, frames);
+    else if (!run_node(step, block))
+      run_silent(s, begin_silence(s, fault_of(step, block), 0), frames);
   }
 }
 
 /// A step that lies in no loop.
-void StepRunner::run_alone(int s, int frames) noexcept {
+void StepRunner::run_with_care(int s, int frames) noexcept {
+  if (plan_->steps[index(s)].kind == Step::Kind::Outside)
+    outside_.answer(0, frames);
+  else
+    run_silent(s, 0, frames);
+}
+
+/// The same from `offset` on, where it may have a fault or have had one.
+void StepRunner::run_silent(int s, int offset, int frames) noexcept {
   const auto& step = plan_->steps[index(s)];
-  auto& silent_until = running_->silent_until[index(s)];
-  for (int offset = 0; offset < frames;) {
-    if (silent_until > now_ + offset) {
-      const auto part = static_cast<int>(std::min<std::int64_t>(silent_until - now_, frames)) - offset;
+  while (offset < frames) {
+    if (const auto until = running_->silent_until[index(s)]; until > now_ + offset) {
+      const auto part = static_cast<int>(std::min<std::int64_t>(until - now_, frames)) - offset;
       silence(step, offset, part);
       offset += part;
       continue;
     }
     const Fault fault = run_step(step, false, offset, frames - offset);
     if (fault.vertex == kSound) return;
-    count_fault(fault.vertex);
-    reset(step);
-    offset += fault.frame;
-    silent_until = end_of_cell(now_ + offset);
+    offset = begin_silence(s, fault, offset);
   }
+}
+
+/// Of a step that was run from `offset` on. Returns where it is silent from.
+int StepRunner::begin_silence(int s, const Fault& fault, int offset) noexcept {
+  count_fault(fault.vertex);
+  reset(plan_->steps[index(s)]);
+  offset += fault.frame;
+  running_->silence(s, end_of_cell(now_ + offset));
+  return offset;
 }
 
 template <bool kTimed>
 void StepRunner::run_loop(const Section& section, int frames) noexcept {
+  if (frames > section.sub_block || now_ + frames > end_of_cell(now_) || running_->quiet_from > now_)
+    return run_loop_in_parts<kTimed>(section, frames);
   const Step* const steps = plan_->steps.data();
-  auto& silent_until = running_->silent_until[index(section.first_step)];
-  for (int offset = 0, part = 0; offset < frames; offset += part) {
-    // No sub-block lies across the end of a cell, since a silence may end there.
-    part = std::min(
-        {section.sub_block, frames - offset, static_cast<int>(end_of_cell(now_ + offset) - (now_ + offset))});
-    const bool silent = silent_until > now_ + offset;
-    Fault first;
-    for (int s = section.first_step; s < section.end_step; ++s) {
-      const StepTimer<kTimed> timer{running_->step_ns[index(s)]};
-      // The world outside misses no frame, or it would be late from here on.
-      if (steps[s].kind == Step::Kind::Outside)
-        outside_.answer(offset, part);
-      else if (silent)
-        silence(steps[s], offset, part);
-      else if (const Fault fault = run_step(steps[s], true, offset, part); fault.frame < first.frame)
-        first = fault;
-    }
-    if (first.vertex == kSound) continue;
-    count_fault(first.vertex);
-    silent_until = end_of_cell(now_ + offset);
-    for (int s = section.first_step; s < section.end_step; ++s) {
-      reset(steps[s]);
-      silence(steps[s], offset + first.frame, part - first.frame);
+  NodeBlock block{nullptr, nullptr, frames, now_};
+  for (int s = section.first_step, end = section.end_step; s < end; ++s) {
+    const auto& step = steps[s];
+    block.in = step.in;
+    block.out = step.out;
+    if (step.divided || step.kind == Step::Kind::Outside) return run_part<kTimed>(section, s, {}, 0, frames);
+    const StepTimer<kTimed> timer{running_->step_ns[index(s)]};
+    if (step.kind == Step::Kind::Operations) {
+      const Fault fault = run_operations(step, true, 0, frames);
+      if (fault.vertex != kSound) return run_part<kTimed>(section, s + 1, fault, 0, frames);
+    } else if (!run_node(step, block)) {
+      return run_part<kTimed>(section, s + 1, made_finite(step, block, 0), 0, frames);
     }
   }
 }
 
-StepRunner::Fault StepRunner::run_operations(const Step& step, bool loop, int offset, int frames) noexcept {
-  Fault first;
-  for (int i = step.first_operation; i < step.first_operation + step.operations; ++i) {
-    const auto& operation = plan_->operations[index(i)];
-    const Signal* operands = plan_->inputs.data() + operation.first_in;
-    if (operation.can_rest >= 0 && run_at_rest(operation, operands, frames)) continue;
-    double* out = operation.out + offset;
-    if (offset == 0) {
-      run_operation(operation.op, operation.operands, operands, out, frames);
-    } else {
-      const auto moved = [&](int operand) {
-        return Signal{operands[operand].data + offset * operands[operand].stride, operands[operand].stride};
-      };
-      const Signal all[] = {moved(0), moved(1), operation.operands < 3 ? Signal{} : moved(2)};
-      run_operation(operation.op, operation.operands, all, out, frames);
-    }
-    if (!operation.can_fail || all_finite(out, frames)) continue;
-    const int bad = first_nonfinite(out, frames);
-    const int cleared = clear_nonfinite(out, frames);
-    // Outside loops it remembers nothing, so that only the bad frames themselves are lost.
-    if (!loop) count_fault(operation.vertex, cleared);
-    if (loop && bad < first.frame) first = {operation.vertex, bad};
+template <bool kTimed>
+void StepRunner::run_loop_in_parts(const Section& section, int frames) noexcept {
+  const auto& silent_until = running_->silent_until[index(section.first_step)];
+  for (int offset = 0, part = 0; offset < frames; offset += part) {
+    // No sub-block lies across the end of a cell, since a silence may end there.
+    part = std::min(
+        {section.sub_block, frames - offset, static_cast<int>(end_of_cell(now_ + offset) - (now_ + offset))});
+    if (silent_until > now_ + offset)
+      silence_part(section, offset, part);
+    else
+      run_part<kTimed>(section, section.first_step, {}, offset, part);
   }
-  return first;
+}
+
+/// The steps of a loop from `s` on, over one sub-block; `fault`: of those before.
+template <bool kTimed>
+void StepRunner::run_part(const Section& section, int s, Fault fault, int offset, int part) noexcept {
+  for (; s < section.end_step; ++s) {
+    const StepTimer<kTimed> timer{running_->step_ns[index(s)]};
+    const auto& step = plan_->steps[index(s)];
+    if (step.kind == Step::Kind::Outside)
+      outside_.answer(offset, part);
+    else if (const Fault found = run_step(step, true, offset, part);
+             found.vertex != kSound && found.frame < fault.frame)
+      fault = found;
+  }
+  if (fault.vertex == kSound) return;
+  count_fault(fault.vertex);
+  running_->silence(section.first_step, end_of_cell(now_ + offset));
+  for (s = section.first_step; s < section.end_step; ++s) {
+    reset(plan_->steps[index(s)]);
+    silence(plan_->steps[index(s)], offset + fault.frame, part - fault.frame);
+  }
+}
+
+/// The world outside misses no frame, or it would be late from here on.
+void StepRunner::silence_part(const Section& section, int offset, int part) noexcept {
+  for (int s = section.first_step; s < section.end_step; ++s) {
+    const auto& step = plan_->steps[index(s)];
+    step.kind == Step::Kind::Outside ? outside_.answer(offset, part) : silence(step, offset, part);
+  }
+}
+
+void StepRunner::run_moved(const MicroOperation& operation, int offset, int frames) noexcept {
+  const auto moved = [&](int operand) {
+    const auto& in = operation.in[operand];
+    return Signal{in.data + offset * in.stride, in.stride};
+  };
+  const Signal in[] = {moved(0), moved(1), operation.operands < 3 ? Signal{} : moved(2)};
+  run_operation(operation.op, operation.operands, in, operation.out + offset, frames);
+}
+
+/// Its output from `out` on is not finite.
+void StepRunner::clear(const MicroOperation& operation, bool loop, double* out, int frames,
+                       Fault& first) noexcept {
+  const int bad = first_nonfinite(out, frames);
+  const int cleared = clear_nonfinite(out, frames);
+  // Outside loops it remembers nothing, so that only the bad frames themselves are lost.
+  if (!loop) count_fault(operation.vertex, cleared);
+  if (loop && bad < first.frame) first = {operation.vertex, bad};
 }
 
 /// False if one of the operands moves.
@@ -157,38 +245,24 @@ bool StepRunner::run_at_rest(const MicroOperation& operation, const Signal* oper
   return true;
 }
 
-/// In a loop, what the step gave is made finite from the bad frame on, for the steps that follow.
 StepRunner::Fault StepRunner::run_step(const Step& step, bool loop, int offset, int frames) noexcept {
-  Fault fault;
-  if ((step.divider | step.divider_in | step.divider_out) != 0) {
-    fault = run_divided(step, loop, offset, frames);
-  } else if (step.kind == Step::Kind::Operations) {
-    return run_operations(step, loop, offset, frames);
-  } else {
-    NodeBlock block{plan_->inputs.data() + step.first_in, plan_->outputs.data() + step.first_out, frames,
-                    now_ + offset};
-    if (offset > 0) move(step, offset, 1, offset, block);
-    fault = run_node(step, block);
+  if (step.divided) {
+    const Fault fault = run_divided(step, loop, offset, frames);
+    if (loop && fault.vertex != kSound) silence(step, offset + fault.frame, frames - fault.frame);
+    return fault;
   }
-  if (loop && fault.vertex != kSound) silence(step, offset + fault.frame, frames - fault.frame);
-  return fault;
+  if (step.kind == Step::Kind::Operations) return run_operations(step, loop, offset, frames);
+  NodeBlock block{step.in, step.out, frames, now_ + offset};
+  if (offset > 0) move(step, offset, 1, offset, block);
+  if (run_node(step, block)) return {};
+  return loop ? made_finite(step, block, offset) : fault_of(step, block);
 }
 
-StepRunner::Fault StepRunner::run_node(const Step& step, const NodeBlock& block) noexcept {
-  Node& node = *plan_->nodes[index(step.node)];
-  if (step.kind == Step::Kind::Absorb) {
-    node.absorb(block);
-    return {};
-  }
-  if (step.kind == Step::Kind::Emit)
-    node.emit(block);
-  else
-    node.process(block);
-  if (!step.can_fail) return {};
-  for (int i = 0; i < step.outputs; ++i)
-    if (block.out[i] != nullptr && !all_finite(block.out[i], block.frames * step.width))
-      return fault_of(step, block);
-  return {};
+/// In a loop, what the step gave from the bad frame on becomes 0, for the steps that follow.
+StepRunner::Fault StepRunner::made_finite(const Step& step, const NodeBlock& block, int offset) noexcept {
+  const Fault fault = fault_of(step, block);
+  silence(step, offset + fault.frame, block.frames - fault.frame);
+  return fault;
 }
 
 StepRunner::Fault StepRunner::fault_of(const Step& step, const NodeBlock& block) noexcept {
@@ -222,10 +296,9 @@ StepRunner::Fault StepRunner::run_divided(const Step& step, bool loop, int offse
   if (step.kind == Step::Kind::Operations) {
     fault = run_operations(step, loop, first, count);
   } else {
-    NodeBlock block{plan_->inputs.data() + step.first_in, plan_->outputs.data() + step.first_out, count,
-                    at == nullptr ? now_ + offset : at->number + first};
+    NodeBlock block{step.in, step.out, count, at == nullptr ? now_ + offset : at->number + first};
     move_divided(step, at == nullptr ? offset : at->place(first), block);
-    fault = run_node(step, block);
+    if (!run_node(step, block)) fault = fault_of(step, block);
   }
   if (fault.vertex != kSound && at != nullptr) fault.frame = at->place(first + fault.frame) - offset;
   return fault;
@@ -255,9 +328,8 @@ void StepRunner::silence(const Step& step, int offset, int frames) noexcept {
     frames = at->count(offset + frames) - at->count(offset);
     offset = at->count(offset);
   }
-  for (int i = step.first_out; i < step.first_out + step.outputs; ++i)
-    if (double* out = plan_->outputs[index(i)])
-      std::fill_n(out + offset * step.width, frames * step.width, 0.0);
+  for (int i = 0; i < step.outputs; ++i)
+    if (double* out = step.out[i]) std::fill_n(out + offset * step.width, frames * step.width, 0.0);
 }
 
 }  // namespace tactus

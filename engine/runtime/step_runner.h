@@ -46,10 +46,24 @@ class StepRunner {
   void run_straight(const Section& section, int frames) noexcept;
   template <bool kTimed>
   void run_loop(const Section& section, int frames) noexcept;
-  void run_alone(int step, int frames) noexcept;
-  Fault run_step(const Step& step, bool loop, int offset, int frames) noexcept;
-  Fault run_node(const Step& step, const NodeBlock& block) noexcept;
+  bool run_node(const Step& step, const NodeBlock& block) noexcept;
+  [[gnu::noinline]] static bool gave_finite(const Step& step, const NodeBlock& block) noexcept;
   Fault run_operations(const Step& step, bool loop, int offset, int frames) noexcept;
+  // Where a step is at another rate, is silent or becomes so, and loops that are shorter than a block.
+  [[gnu::noinline]] void run_with_care(int step, int frames) noexcept;
+  [[gnu::noinline]] void run_silent(int step, int offset, int frames) noexcept;
+  [[gnu::noinline]] int begin_silence(int step, const Fault& fault, int offset) noexcept;
+  template <bool kTimed>
+  [[gnu::noinline]] void run_loop_in_parts(const Section& section, int frames) noexcept;
+  template <bool kTimed>
+  [[gnu::noinline]] void run_part(const Section& section, int step, Fault fault, int offset,
+                                  int part) noexcept;
+  void silence_part(const Section& section, int offset, int part) noexcept;
+  Fault run_step(const Step& step, bool loop, int offset, int frames) noexcept;
+  [[gnu::noinline]] Fault made_finite(const Step& step, const NodeBlock& block, int offset) noexcept;
+  [[gnu::noinline]] static void run_moved(const MicroOperation& operation, int offset, int frames) noexcept;
+  [[gnu::noinline]] void clear(const MicroOperation& operation, bool loop, double* out, int frames,
+                               Fault& first) noexcept;
   bool run_at_rest(const MicroOperation& operation, const Signal* operands, int frames) noexcept;
   // Steps of a part with a rate divider, and at its border.
   [[gnu::noinline]] Fault run_divided(const Step& step, bool loop, int offset, int frames) noexcept;

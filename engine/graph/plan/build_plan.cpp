@@ -29,6 +29,7 @@ class Builder {
     add_channels();
     find_feedback_paths(*plan_);
     find_readers_at_rest();
+    point_at_operands();
     for (auto& vertex : plan_->vertices) vertex.origin = {};
     return std::move(plan_);
   }
@@ -136,6 +137,7 @@ class Builder {
         divider(crosses ? RateConverter::runs_every(vertex.conversion, vertex.divisor) : vertex.divisor);
     step.divider_in = divider(crosses ? vertex.conversion.from : vertex.divisor);
     step.divider_out = divider(vertex.divisor);
+    step.divided = (step.divider | step.divider_in | step.divider_out) != 0;
   }
 
   void add_section(const OrderedSection& ordered) {
@@ -250,6 +252,16 @@ class Builder {
     for (std::size_t c = 0; c < plan_->channels.size(); ++c)
       if (auto* readers = readers_of(plan_->channels[c].from.vertex))
         readers->channels.push_back(static_cast<int>(c));
+  }
+
+  /// When all operands and outputs have their place.
+  void point_at_operands() {
+    for (auto& step : plan_->steps) {
+      step.in = plan_->inputs.data() + step.first_in;
+      step.out = plan_->outputs.data() + step.first_out;
+    }
+    for (auto& operation : plan_->operations) operation.in = plan_->inputs.data() + operation.first_in;
+    plan_->point_at_nodes();
   }
 
   const FlatGraph& flat_;

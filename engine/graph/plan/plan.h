@@ -39,7 +39,8 @@ struct Readers {
 /// One element-wise operation over the frames of a sub-block.
 struct MicroOperation {
   Expression::Op op;
-  int first_in = 0;  ///< in Plan::inputs; of one operand there are two, both the same
+  int first_in = 0;            ///< in Plan::inputs; of one operand there are two, both the same
+  const Signal* in = nullptr;  ///< there
   double* out = nullptr;
   int vertex = 0;
   int can_rest = -1;  ///< in Plan::can_rest, or -1
@@ -50,17 +51,21 @@ struct MicroOperation {
 /// One entry of the flat list that a block runs through.
 struct Step {
   using Kind = StepKind;
-  Kind kind = Kind::Process;
+  Node* runs = nullptr;          ///< `node`
+  const Signal* in = nullptr;    ///< the first of `inputs`, at `first_in` of Plan::inputs
+  double* const* out = nullptr;  ///< of `outputs`, at `first_out` of Plan::outputs
   int node = -1;
-  int first_in = 0, inputs = 0;    ///< in Plan::inputs
-  int first_out = 0, outputs = 0;  ///< in Plan::outputs
-  int first_operation = 0, operations = 0;
+  int inputs = 0, outputs = 0;
   int width = 1;  ///< numbers a frame of every output
+  Kind kind = Kind::Process;
+  bool can_fail = true;  ///< its outputs can be non-finite although all inputs are finite
+  bool divided = false;  ///< it runs, reads or writes at another rate than the engine's
+  int first_operation = 0, operations = 0;
+  int first_in = 0, first_out = 0;
   /// Of the frames that it runs in, and of what it reads and gives (which differ at the border of a part with
   /// a rate of its own): in Plan::divisors.
   int divider = 0, divider_in = 0, divider_out = 0;
-  bool can_fail = true;  ///< its outputs can be non-finite although all inputs are finite
-  int vertex = -1;       ///< of Operations the first; Outside: -1
+  int vertex = -1;  ///< of Operations the first; Outside: -1
 };
 
 /// Steps that run together, `sub_block` frames at a time. A section that is a loop is reset as a whole when
@@ -112,6 +117,12 @@ struct Plan : VertexGraph {
   Seconds system_delay_at_start;
   Arena arena;                     ///< buffers of signals, then constants
   std::size_t signal_doubles = 0;  ///< of `arena`
+
+  /// [realtime] Steps run the nodes that are in `nodes` now.
+  void point_at_nodes() noexcept {
+    for (auto& step : steps)
+      if (step.node >= 0) step.runs = nodes[static_cast<std::size_t>(step.node)].get();
+  }
 
   /// Index in `controls`, or -1.
   int control_index(std::string_view control) const;
