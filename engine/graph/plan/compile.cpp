@@ -77,15 +77,16 @@ void set_controls(FlatGraph& flat, const GraphSpec& spec, const std::map<std::st
 
 FlatGraph flatten(const GraphSpec& spec, const NodeTable& table, const CompileOptions& options,
                   ErrorList& errors) {
-  auto flat = resolve(spec, table, options.sample_rate, errors, options.taps, options.most_nodes);
+  auto resolved = resolve(spec, table, options.sample_rate, errors, options.taps, options.most_nodes);
+  auto& flat = resolved.graph;
   set_controls(flat, spec, options.controls, errors);
-  infer(flat, errors);
+  infer(flat, resolved.part_ranges, errors);
   if (!flat.too_large && unfolded_nodes(flat) > options.most_nodes)
     errors.add(Errc::OutOfRange, spec.file,
                "with all lanes the graph has more than " + std::to_string(options.most_nodes) +
                    " nodes and operators",
                "use fewer voices or fewer parts");
-  return flat;
+  return std::move(flat);
 }
 
 /// nullptr after an error.

@@ -26,12 +26,14 @@ class Checks {
  public:
   Checks(const FlatGraph& graph, ErrorList& errors) : graph_(graph), errors_(errors) {}
 
-  void run() {
+  void run(const std::vector<PartRange>& part_ranges) {
     for (const auto& node : graph_.nodes)
       for (std::size_t i = 0; i < node.inputs.size(); ++i)
         if (node.inputs[i]) check_input(node, i, *node.inputs[i]);
     for (const auto& signal : graph_.signals)
       if (signal.kind == FlatSignal::Kind::Expression) check_expression(signal);
+    for (const auto& given : part_ranges)
+      check_part_range(graph_.signals[index(given.signal)].expression, given);
     for (const auto& output : graph_.outputs) check_output(output);
   }
 
@@ -229,6 +231,20 @@ class Checks {
                                : "give a quantity in " + to_string(wanted) + (turns ? kOrTurn : ""));
   }
 
+  /// Each lane of a list by itself.
+  void check_part_range(const Expression& expression, const PartRange& given) {
+    if (expression.op == Op::Lanes || expression.op == Op::Spread) {
+      for (const auto& lane : expression.arguments) check_part_range(lane, given);
+      return;
+    }
+    const auto fact = unit(expression);
+    if (fact.kind == UnitKind::Known && !(fact.dimension == given.unit.dimension)) return;  // reported
+    const auto found = range_of(graph_, expression);
+    if (!given.excludes(found)) return;
+    errors_.add(Errc::OutOfRange, expression.at, given.owner + " cannot be " + in_unit(found.low, given.unit),
+                limits_text(given.range.low, given.range.high, given.unit));
+  }
+
   void check_range(const Expression& expression, const InputPort& port, const PortUnit& rule,
                    const std::string& owner) {
     const auto found = range_of(graph_, expression);
@@ -247,6 +263,8 @@ class Checks {
 
 }  // namespace
 
-void check_facts(const FlatGraph& graph, ErrorList& errors) { Checks{graph, errors}.run(); }
+void check_facts(const FlatGraph& graph, const std::vector<PartRange>& part_ranges, ErrorList& errors) {
+  Checks{graph, errors}.run(part_ranges);
+}
 
 }  // namespace tactus

@@ -13,10 +13,28 @@
 
 namespace tactus {
 
+/// The range that a part declares for an input or a control, and the signal that it is given.
+struct PartRange {
+  int signal;
+  Interval range;
+  Unit unit;
+  std::string owner;  ///< "'strength' of part 'spring'"
+
+  /// Whether no value of `found` is inside. Of a signal that may be on both sides, nothing is known.
+  bool excludes(Interval found) const {
+    return found.bounded() && (found.high < range.low || found.low > range.high);
+  }
+};
+
+struct Resolved {
+  FlatGraph graph;
+  std::vector<PartRange> part_ranges;
+};
+
 /// Looks every name up: node types, ports, settings, signals; unfolds parts. `taps` names signals of the top
 /// file ("hit", "hit.level") that become outputs of their own.
-FlatGraph resolve(const GraphSpec& spec, const NodeTable& table, Hertz sample_rate, ErrorList& errors,
-                  const std::vector<std::string>& taps, std::size_t most_signals);
+Resolved resolve(const GraphSpec& spec, const NodeTable& table, Hertz sample_rate, ErrorList& errors,
+                 const std::vector<std::string>& taps, std::size_t most_signals);
 
 // What is known of an expression once the facts about its signals are: asked again and again while they are
 // inferred.
@@ -56,11 +74,12 @@ PortUnit port_unit(const FlatNode& node, const std::string& declared);
 
 /// Works out and checks the unit, the number of lanes and the range of every signal, loops included, and
 /// fills them in. Each fact starts as "unknown" and passes are made until nothing changes; ranges start
-/// unbounded and only shrink, so they are valid at every pass.
-void infer(FlatGraph& graph, ErrorList& errors);
+/// unbounded and only shrink, so they are valid at every pass. What a part is given outside its range is
+/// reported once: inside the part it counts as within.
+void infer(FlatGraph& graph, const std::vector<PartRange>& part_ranges, ErrorList& errors);
 
 /// Where units, lanes and ranges, once inferred, contradict each other or what a port wants; by place. A
 /// error in the file of a part that is used twice is reported once.
-void check_facts(const FlatGraph& graph, ErrorList& errors);
+void check_facts(const FlatGraph& graph, const std::vector<PartRange>& part_ranges, ErrorList& errors);
 
 }  // namespace tactus

@@ -1,4 +1,5 @@
 #include <limits>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -42,7 +43,10 @@ class Inference {
   using UnitKind = UnitFact::Kind;
 
  public:
-  explicit Inference(FlatGraph& graph) : graph_(graph), order_(dependency_order(graph)) {}
+  Inference(FlatGraph& graph, const std::vector<PartRange>& part_ranges)
+      : graph_(graph), order_(dependency_order(graph)) {
+    for (const auto& given : part_ranges) part_ranges_.emplace(given.signal, &given);
+  }
 
   void run() {
     infer_lanes();
@@ -150,13 +154,20 @@ class Inference {
 
   void infer_ranges() {
     constexpr int kPasses = 16;
-    const auto narrow = [this](FlatSignal& s, int) {
+    const auto narrow = [this](FlatSignal& s, int id) {
       const auto before = s.range;
-      if (s.kind == SignalKind::Expression) s.range = range_of(graph_, s.expression);
+      if (s.kind == SignalKind::Expression) s.range = expression_range(s, id);
       if (s.kind == SignalKind::NodeOutput) s.range = output_range(node_of(s), s.port);
       return s.range.low != before.low || s.range.high != before.high;
     };
     repeat(narrow, kPasses);
+  }
+
+  /// What is outside the range of a part was reported there, and raises no second error inside.
+  Interval expression_range(const FlatSignal& s, int id) const {
+    const auto found = range_of(graph_, s.expression);
+    const auto given = part_ranges_.find(id);
+    return given != part_ranges_.end() && given->second->excludes(found) ? given->second->range : found;
   }
 
   Interval output_range(const FlatNode& node, int port) const {
@@ -170,13 +181,14 @@ class Inference {
 
   FlatGraph& graph_;
   std::vector<int> order_;
+  std::unordered_map<int, const PartRange*> part_ranges_;  ///< by signal
 };
 
 }  // namespace
 
-void infer(FlatGraph& graph, ErrorList& errors) {
-  Inference{graph}.run();
-  check_facts(graph, errors);
+void infer(FlatGraph& graph, const std::vector<PartRange>& part_ranges, ErrorList& errors) {
+  Inference{graph, part_ranges}.run();
+  check_facts(graph, part_ranges, errors);
 }
 
 }  // namespace tactus

@@ -98,6 +98,7 @@ struct Resolving {
   const NodeTable& table;
   Hertz sample_rate;
   FlatGraph& flat;
+  std::vector<PartRange>& part_ranges;
   ErrorList& errors;
   std::size_t most_signals;  ///< parts of parts multiply: 32 files that use the next one twice make 2^32
 };
@@ -410,6 +411,7 @@ class Instance {
       // Nothing else determines over how many lanes it is spread.
       if (bound.expression.op == Expression::Op::Spread) bound.lanes = part.voices_;
     }
+    add_part_ranges(*pending.spec, part);
     part.connect_inside();
     int id = pending.first_output;
     for (const auto& output : part.spec_.outputs) {
@@ -420,6 +422,20 @@ class Instance {
       ++id;
     }
     part.warn_of_unread();
+  }
+
+  /// Of what the part is given. The ±1 of an input in full scale is no range that its file declares.
+  void add_part_ranges(const NodeSpec& node, const Instance& part) {
+    const auto add = [&](const EntrySpec& entry, Interval range, const Unit& unit) {
+      if (find(node.fields, entry.name) != nullptr)
+        resolving_.part_ranges.push_back(
+            {part.bindings_.at(entry.name), range, unit, key_of(entry.name, owner_of(node))});
+    };
+    for (const auto& input : part.spec_.inputs)
+      if (input.range && find(input.fields, "range") != nullptr)
+        add(input, *input.range, Unit{input.dimension});
+    for (const auto& entry : part.spec_.controls)
+      if (entry.unit_known) add(entry, entry.control.range, entry.control.unit);
   }
 
   /// What nothing in this file reads. A trigger is read by whoever records its events. (A scene gives its
@@ -493,15 +509,15 @@ class Instance {
 
 }  // namespace
 
-FlatGraph resolve(const GraphSpec& spec, const NodeTable& table, Hertz sample_rate, ErrorList& errors,
-                  const std::vector<std::string>& taps, std::size_t most_signals) {
-  FlatGraph flat;
-  flat.signals.emplace_back().kind = FlatSignal::Kind::Missing;
-  Resolving resolving{table, sample_rate, flat, errors, most_signals};
+Resolved resolve(const GraphSpec& spec, const NodeTable& table, Hertz sample_rate, ErrorList& errors,
+                 const std::vector<std::string>& taps, std::size_t most_signals) {
+  Resolved resolved;
+  resolved.graph.signals.emplace_back().kind = FlatSignal::Kind::Missing;
+  Resolving resolving{table, sample_rate, resolved.graph, resolved.part_ranges, errors, most_signals};
   Instance top{spec, resolving, "", 1};
   top.declare_top();
   top.connect_top(taps);
-  return flat;
+  return resolved;
 }
 
 }  // namespace tactus

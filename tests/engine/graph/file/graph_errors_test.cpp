@@ -319,6 +319,74 @@ whole.toml:10:13 Cycle whole.toml whole.toml
 part.toml:8:15 UnitMismatch)");
 }
 
+TEST_CASE("errors: what a part is given outside the range that it declares", "[graph]") {
+  const TemporaryFolder folder;
+  folder.write("inner.toml", R"(format = 1
+[inputs]
+in = { range = [-2, 2] }
+[controls]
+time = { value = "1 ms", range = ["0 ms", "5 ms"] }
+level = { value = "0 dB", range = ["-60 dB", "0 dB"] }
+[nodes]
+late = { type = "delay", in = "in", time = "time", max = "1 s" }
+[outputs]
+out = { from = "level * late" }
+)");
+  folder.write("outer.toml", R"(format = 1
+[inputs]
+in = { unit = "full scale" }
+[controls]
+time = { value = "1 ms", range = ["0 ms", "5 ms"] }
+[nodes]
+inside = { use = "inner.toml", in = "in", time = "time" }
+[outputs]
+out = { from = "inside" }
+)");
+  const auto errors_of_parts = [&](const std::string& given) {
+    folder.write("whole.toml", R"(format = 1
+[inputs]
+x = {}
+[controls]
+free = { value = "1 ms", range = ["-1 ms", "1 ms"] }
+far = { value = "7 ms", range = ["6 ms", "8 ms"] }
+[nodes]
+negative = "-1 ms"
+p = { )" + given + R"( }
+[outputs]
+y = { from = "p" }
+z = { from = "(free + far + negative) / 1 s" }
+)");
+    const auto plan = compile(load_graph_leniently(folder.path() / "whole.toml"), standard_nodes(), {});
+    return plan ? "" : folder.strip(test::full_text(plan.error()));
+  };
+  const std::string inner = "use = \"inner.toml\", in = \"x\", ",
+                    outer = "use = \"outer.toml\", in = \"x\", ";
+  CHECK(errors_of_parts(inner + "time = \"5 ms\", level = \"-60 dB\"") == "");
+  CHECK(errors_of_parts(inner + "time = \"-1 ms\"") ==
+        "whole.toml:9:45: 'time' of part 'p' cannot be -1 ms; it runs from 0 s to 5 ms");
+  CHECK(errors_of_parts(inner + "level = \"6 dB\"") ==
+        "whole.toml:9:46: 'level' of part 'p' cannot be 6 dB; it runs from -60 dB to 0 dB");
+  CHECK(errors_of_parts("use = \"inner.toml\", in = 3") ==
+        "whole.toml:9:32: 'in' of part 'p' cannot be 3; it runs from -2 to 2");
+  // A constant by its name or of an expression, and one lane of several.
+  CHECK(errors_of_parts(inner + "time = \"negative\"") ==
+        "whole.toml:9:45: 'time' of part 'p' cannot be -1 ms; it runs from 0 s to 5 ms");
+  CHECK(errors_of_parts(inner + "time = \"2 * 4 ms\"") ==
+        "whole.toml:9:47: 'time' of part 'p' cannot be 8 ms; it runs from 0 s to 5 ms");
+  CHECK(errors_of_parts(inner + "time = [\"1 ms\", \"6 ms\"]") ==
+        "whole.toml:9:54: 'time' of part 'p' cannot be 6 ms; it runs from 0 s to 5 ms");
+  // A part in the part gets it too, and it is one error; so is a wrong unit.
+  CHECK(errors_of_parts(outer + "time = \"9 ms\"") ==
+        "whole.toml:9:45: 'time' of part 'p' cannot be 9 ms; it runs from 0 s to 5 ms");
+  CHECK(errors_of_parts(inner + "time = \"9 m\"") ==
+        "whole.toml:9:45: 'time' is in s, but this is in m; give a quantity in s");
+  // A signal that may leave the range, and one that is never inside.
+  CHECK(errors_of_parts(inner + "time = \"free\"") == "");
+  CHECK(errors_of_parts(inner + "time = \"x * 1 s\"") == "");
+  CHECK(errors_of_parts(inner + "time = \"far\"") ==
+        "whole.toml:9:45: 'time' of part 'p' cannot be 6 ms; it runs from 0 s to 5 ms");
+}
+
 TEST_CASE("errors: a part does not leave the folder of its instrument", "[graph]") {
   const TemporaryFolder folder;
   folder.write("part.toml", "format = 1\n");
