@@ -82,7 +82,8 @@ std::string limits_text(double low, double high, const Unit& unit) {
 }
 
 std::string unit_phrase(const Dimension& dimension) {
-  return dimension.plain() ? "a plain number" : "in " + to_string(dimension);
+  const auto unit = to_string(dimension);
+  return unit.empty() ? "a plain number" : "in " + unit;
 }
 
 Result<QuantityValue> read_quantity(const Value& value) {

@@ -19,6 +19,23 @@ bool is_even(double exponent) { return std::round(exponent / 2) * 2 == exponent;
 
 constexpr const char* kOrTurn = ", or write motion = \"rotation\" for angles and torques";
 
+/// Is one of them a length, a velocity, a force, … and the other one what takes its place where things turn?
+bool differ_by_arm(const Dimension& a, const Dimension& b) {
+  const auto is_turned = [](const Dimension& turned, const Dimension& straight) {
+    const auto unit = to_string(turned);
+    return !unit.empty() && unit == to_string(in_rotation(straight));
+  };
+  return is_turned(a, b) || is_turned(b, a);
+}
+
+/// Turns what is given into what is wanted; else `otherwise`.
+std::string arm_remedy(const Dimension& wanted, const Dimension& given, const std::string& otherwise) {
+  if (!differ_by_arm(wanted, given)) return otherwise;
+  const double power = (wanted / given).metre;
+  return std::string{power > 0 ? "multiply" : "divide"} + " by the " +
+         (std::abs(power) > 1.5 ? "square of the " : "") + "length of the arm, such as 0.1 m";
+}
+
 class Checks {
   using Op = Expression::Op;
   using UnitKind = UnitFact::Kind;
@@ -82,12 +99,14 @@ class Checks {
     if (!output.declared) return;
     const auto fact = unit(output.expression);
     if (fact.kind != UnitKind::Known || fact.dimension == *output.declared) return;
+    const auto remedy =
+        output.declared->plain()
+            ? "give it a unit, as in unit = \"" + to_string(fact.dimension) + "\", or scale it to full scale"
+            : "fix 'from' or 'unit'";
     errors_.add(Errc::UnitMismatch, output.at,
                 "output '" + output.name + "' is " + unit_phrase(*output.declared) + ", but its source is " +
                     unit_phrase(fact.dimension),
-                output.declared->plain() ? "give it a unit, as in unit = \"" + to_string(fact.dimension) +
-                                               "\", or scale it to full scale"
-                                         : "fix 'from' or 'unit'");
+                arm_remedy(*output.declared, fact.dimension, remedy));
   }
 
   void check_lanes(const Expression& expression, int wanted) {
@@ -227,8 +246,10 @@ class Checks {
     if (fact.dimension == wanted) return;
     errors_.add(Errc::UnitMismatch, expression.at,
                 owner + " is " + unit_phrase(wanted) + ", but this is " + unit_phrase(fact.dimension),
-                wanted.plain() ? "divide by a quantity in " + to_string(fact.dimension)
-                               : "give a quantity in " + to_string(wanted) + (turns ? kOrTurn : ""));
+                arm_remedy(wanted, fact.dimension,
+                           wanted.plain() ? "divide by a quantity in " + to_string(fact.dimension)
+                                          : "give a quantity in " + to_string(wanted)) +
+                    (turns ? kOrTurn : ""));
   }
 
   /// Each lane of a list by itself.

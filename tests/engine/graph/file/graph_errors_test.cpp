@@ -387,6 +387,37 @@ z = { from = "(free + far + negative) / 1 s" }
         "whole.toml:9:45: 'time' of part 'p' cannot be 6 ms; it runs from 0 s to 5 ms");
 }
 
+TEST_CASE("errors: between a length and an angle is an arm", "[graph]") {
+  const auto remedy = [](const std::string& unit, const std::string& given) {
+    const auto text =
+        test::full_errors_of("format = 1\n[inputs]\nx = { unit = \"" + given +
+                             "\" }\n[outputs]\ny = { from = \"x\", unit = \"" + unit + "\" }\n");
+    return text.substr(text.find("output"));
+  };
+  CHECK(remedy("m", "rad") ==
+        "output 'y' is in m, but its source is in rad; multiply by the length of the arm, such as 0.1 m");
+  CHECK(remedy("m/s", "rad/s") ==
+        "output 'y' is in m/s, but its source is in rad/s; multiply by the length of the arm, such as 0.1 m");
+  CHECK(remedy("N", "N m") ==
+        "output 'y' is in N, but its source is in N m; divide by the length of the arm, such as 0.1 m");
+  CHECK(remedy("N/m", "N m/rad") ==
+        "output 'y' is in N/m, but its source is in N m/rad; divide by the square of the length of the arm, "
+        "such as 0.1 m");
+  CHECK(remedy("m", "1/m") == "output 'y' is in m, but its source is in 1/m; fix 'from' or 'unit'");
+  const auto of_node = test::full_errors_of(R"(format = 1
+[inputs]
+angle = { unit = "rad" }
+[nodes]
+s = { type = "terrain", profile = "sine", position = "angle", weight = "1 N", height = "1 mm", length = "1 mm" }
+[outputs]
+y = { from = "s / 1 N" }
+)");
+  CHECK(of_node ==
+        "test.toml:5:55: 'position' of terrain 's' is in m, but this is in rad; multiply by the length of "
+        "the arm, "
+        "such as 0.1 m, or write motion = \"rotation\" for angles and torques");
+}
+
 TEST_CASE("errors: a part does not leave the folder of its instrument", "[graph]") {
   const TemporaryFolder folder;
   folder.write("part.toml", "format = 1\n");
