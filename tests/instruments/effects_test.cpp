@@ -301,6 +301,19 @@ TEST_CASE("effects: without a duration the envelope does not end", "[instruments
       level, [](std::size_t n) { return std::min(1.0, seconds(n) / 0.01); }, 1e-12);
 }
 
+TEST_CASE("effects: a duration below a frame lasts one frame, and 0 s has no end", "[instruments]") {
+  const double duration = GENERATE(1e-6, 5e-6, 0.4 / kRate, 0.6 / kRate, 1.4 / kRate);
+  const auto once = outputs_of("envelope.toml", {{"duration", duration}}, {}, 200)[0];
+  check_equal(
+      once, [](std::size_t n) { return n == 0 ? 1.0 : 0.0; }, 0);
+  // Three repetitions follow each other frame by frame.
+  const auto thrice = outputs_of("envelope.toml", {{"duration", duration}, {"repeat", 3.0}}, {}, 200)[0];
+  check_equal(
+      thrice, [](std::size_t n) { return n < 3 ? 1.0 : 0.0; }, 0);
+  check_equal(
+      outputs_of("envelope.toml", {{"duration", 0.0}}, {}, 200)[0], [](std::size_t) { return 1.0; }, 0);
+}
+
 TEST_CASE("effects: the waves of Periodic, with offset, phase and envelope", "[instruments]") {
   using Wave = double (*)(double);
   static constexpr std::array<Wave, 5> kWaves = {
