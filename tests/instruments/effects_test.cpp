@@ -427,7 +427,7 @@ TEST_CASE("effects: friction begins without a force, wherever the device is", "[
 
 TEST_CASE("effects: passive effects give no more than they store, and friction holds an arm",
           "[instruments]") {
-  for (const char* name : {"spring", "texture", "damper", "inertia", "friction"}) {
+  for (const char* name : {"spring", "texture", "damper", "inertia", "friction", "friction_again"}) {
     INFO(name);
     const auto played = test::play(std::string{"effects/arm/"} + name + ".toml");
     CHECK_FALSE(played.recording.ports.front().active_at_s);
@@ -444,6 +444,35 @@ TEST_CASE("effects: passive effects give no more than they store, and friction h
   CHECK(at(0.5) == Approx(0.35e-3).epsilon(0.01));
   CHECK(std::abs(at(1.1) - at(0.5)) < 2e-6);
   CHECK(std::abs(at(2.4) - at(1.7)) < 2e-6);
+}
+
+TEST_CASE("effects: friction starts at 30 mm and again elsewhere, both times without a force",
+          "[instruments]") {
+  const auto again = test::play("effects/arm/friction_again.toml").recording;
+  const auto at = [&](const char* name, double time) {
+    return signal(again, name)[static_cast<std::size_t>(std::lround(time * 20000))];
+  };
+  for (const double time : {0.2, 0.25, 1.8, 1.85}) CHECK(std::abs(at("plant.motor", time)) < 4e-3);
+  CHECK(at("plant.arm", 0.29) == Approx(30e-3));
+  CHECK(at("plant.arm", 0.29) - at("plant.arm", 1.85) > 10e-3);
+  // 0.7 N at 2 kN/m from where it started, to either side.
+  CHECK(at("plant.arm", 0.6) - at("plant.arm", 0.29) == Approx(0.35e-3).epsilon(0.01));
+  CHECK(at("plant.arm", 2.4) - at("plant.arm", 1.85) == Approx(-0.35e-3).epsilon(0.01));
+}
+
+TEST_CASE("effects: friction in repetitions gives way by the force over the stiffness, and gives no energy",
+          "[instruments]") {
+  SceneOptions repeated;
+  repeated.set = {{"duration", 0.1}, {"repeat", 0.0}};
+  const auto played = test::play("effects/arm/friction.toml", repeated).recording;
+  const auto& arm = signal(played, "plant.arm");
+  // The force drops to 0 every 100 ms. From 0.25 s to 1.05 s the load is 0.7 N: eight times 0.35 mm, and what
+  // the arm slides while it swings. Undamped it would swing by X with 0.7 N X = (1 N)^2 / (2 2 kN/m) + 1 N (X
+  // - 0.5 mm): 0.833 mm, which leaves the anchor 0.333 mm further on.
+  const double moved = arm[21000] - arm[5000];
+  CHECK(moved > 8 * 0.35e-3);
+  CHECK(moved < 8 * (0.333e-3 + 0.35e-3));
+  CHECK_FALSE(played.ports.front().active_at_s);
 }
 
 TEST_CASE("effects: a tick doubles the peak acceleration of a wall, and is as deep", "[instruments]") {
