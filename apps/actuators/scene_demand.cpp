@@ -57,10 +57,10 @@ void measure(const PlayedScene& played, Demand& demand) {
 }
 
 /// The delay is that of the scene; the analysis alone, as by check --quick.
-Stability stability_of(const Target& target) {
-  const auto loaded = load_scene_leniently(target);
+Stability stability_of(const SceneSpec& scene) {
+  const LoadedScene loaded{scene};
   StabilityOptions options;
-  options.world.delay = loaded.scene->delay;
+  options.world.delay = scene.delay;
   return or_exit(check_stability({&loaded, nullptr, &standard_nodes()}, options, true)).stability();
 }
 
@@ -89,7 +89,7 @@ Demand demand_of(const std::string& text) {
   for (const auto& part : played.scene.parts)
     if (part.name != "instrument" && part.graph && part.graph->file.file)
       demand.plants.push_back(*part.graph->file.file);
-  if (demand.senses && target.scene) demand.stability = stability_of(target);
+  if (demand.senses && target.scene) demand.stability = stability_of(played.scene);
   return demand;
 }
 
