@@ -184,14 +184,42 @@ struct Verdict {
   std::vector<std::string> against, close, open;
 };
 
-/// The scene's own limits where it names the profile of the actuator; else those with full scale at the
-/// largest voltage.
+/// The limits of the scene where it names the profile of the actuator.
+const DriveLimits* own_limits(const Drive& drive, const Actuator& actuator) {
+  const auto named = "profile '" + actuator.figures.profile + "' ";
+  const auto found = std::ranges::find_if(drive.limits, [&](const LimitSource& source) {
+    return source.kind == LimitSource::Kind::Profile && source.name.starts_with(named);
+  });
+  return found == drive.limits.end() ? nullptr : &found->limits;
+}
+
+/// Those, else the limits with full scale at the largest voltage.
 DriveLimits limits_of(const Drive& drive, const Actuator& actuator, const ActuatorProfile& profile) {
-  for (const auto& source : drive.limits)
-    if (source.kind == LimitSource::Kind::Profile &&
-        source.name.starts_with("profile '" + actuator.figures.profile + "' "))
-      return source.limits;
-  return limits_for(profile, profile.at("drive.peak"));
+  const auto* own = own_limits(drive, actuator);
+  return own != nullptr ? *own : limits_for(profile, profile.at("drive.peak"));
+}
+
+/// The largest force on the case of an actuator in a scene; nothing: its profile has no moving mass.
+std::optional<double> force_on_case(const Actuator& actuator, const ActuatorProfile& profile,
+                                    const Drive& drive, double rate_hz) {
+  if (!profile.contains("travel.mass")) return std::nullopt;
+  return drive.force_on_case(*limits_of(drive, actuator, profile).excursion, profile.at("travel.mass"),
+                             rate_hz);
+}
+
+/// What the drives of a scene without a sensor do to the actuators that it names. Nothing: one of them is
+/// not known.
+std::optional<double> force_on_case(const std::vector<Actuator>& all, const Demand& demand) {
+  double most = 0.0;
+  for (const auto& drive : demand.drives) {
+    const auto own = std::ranges::find_if(
+        all, [&](const Actuator& actuator) { return own_limits(drive, actuator) != nullptr; });
+    if (own == all.end()) return std::nullopt;
+    const auto force = force_on_case(*own, *profile_of(*own), drive, demand.rate_hz);
+    if (!force) return std::nullopt;
+    most = std::max(most, *force);
+  }
+  return most;
 }
 
 /// What the drive guard does to a drive.
@@ -237,20 +265,53 @@ void compare_band(const ActuatorFigures& figures, const Drive& drive, bool holds
 void compare_travel(const ActuatorFigures& figures, const std::optional<ActuatorProfile>& profile,
                     const Demand& demand, Verdict& verdict) {
   const auto& has = figures.excursion.high;
-  // Without a sensor the plant moves by its drive alone, and the drive guard compares its excursion.
-  if (!demand.senses && !demand.travel && profile && profile->contains("travel.limit")) return;
-  if (!demand.travel || !has || turns(figures)) return verdict.open.push_back("travel");
+  const bool endless = turns(figures);
+  if (!demand.travel && !demand.angle) {
+    // Without a sensor the plant moves by its drive alone, and the drive guard compares its excursion.
+    if (demand.senses || !(endless || (profile && profile->contains("travel.limit"))))
+      verdict.open.emplace_back("travel");
+    return;
+  }
+  if (endless && (!demand.travel || figures.arm)) return;  // the tip of an arm goes as far as its angle
+  if (demand.angle || !has || endless) return verdict.open.push_back("travel");
   if (*has < *demand.travel)
     verdict.against.push_back(fmt::format("the plant moves {} to either side, and it has {}",
                                           number_text(*demand.travel, "m"), number_text(*has, "m")));
 }
 
-void compare_force(const ActuatorFigures& figures, const Demand& demand, Verdict& verdict) {
-  if (!demand.force || !figures.force.high) return verdict.open.push_back("force");
-  if (*figures.force.high < *demand.force)
-    verdict.against.push_back(fmt::format("the force reaches {}, and it has {}",
-                                          number_text(*demand.force, "N"),
-                                          number_text(*figures.force.high, "N")));
+/// `needed`: largest of the scene; `has`: of the actuator.
+void compare_largest(const char* what, const char* unit, double needed, std::optional<double> has,
+                     Verdict& verdict) {
+  if (!has) return verdict.open.push_back(what);
+  if (*has < needed)
+    verdict.against.push_back(fmt::format("the {} reaches {}, and it has {}", what, number_text(needed, unit),
+                                          number_text(*has, unit)));
+}
+
+/// By the models of both; of an actuator without one, the figure.
+void compare_case_force(const Actuator& actuator, const std::optional<ActuatorProfile>& profile,
+                        const Demand& demand, Verdict& verdict) {
+  std::optional<double> given;
+  for (const auto& drive : demand.drives)
+    if (profile)
+      if (const auto force = force_on_case(actuator, *profile, drive, demand.rate_hz))
+        given = std::max(given.value_or(0.0), *force);
+  if (!given) return compare_largest("force", "N", *demand.case_force, actuator.figures.force.high, verdict);
+  if (*given < *demand.case_force)
+    verdict.against.push_back(fmt::format("the force reaches {}, and with this drive it gives {}",
+                                          number_text(*demand.case_force, "N"), number_text(*given, "N")));
+}
+
+void compare_force(const Actuator& actuator, const std::optional<ActuatorProfile>& profile,
+                   const Demand& demand, Verdict& verdict) {
+  const auto& figures = actuator.figures;
+  if (demand.force) compare_largest("force", "N", *demand.force, figures.force.high, verdict);
+  if (demand.torque) compare_largest("torque", "N m", *demand.torque, figures.torque(), verdict);
+  if (demand.force || demand.torque) return;
+  if (demand.case_force)
+    compare_case_force(actuator, profile, demand, verdict);
+  else
+    verdict.open.emplace_back("force");
 }
 
 /// A stable scene is stable with the actuator that it simulates; with the mass of another one that is not
@@ -272,7 +333,7 @@ Verdict compare(const Actuator& actuator, const Demand& demand) {
   Verdict verdict;
   const auto& figures = actuator.figures;
   const auto profile = profile_of(actuator);
-  compare_force(figures, demand, verdict);
+  compare_force(actuator, profile, demand, verdict);
   compare_travel(figures, profile, demand, verdict);
   if (demand.senses && figures.no_sensor) verdict.against.emplace_back("it needs a sensor of its own");
   if (!figures.band.high && !(figures.drive_to && !demand.holds_force())) verdict.open.emplace_back("band");
@@ -354,13 +415,31 @@ Json actuator_json(const ActuatorFigures& figures) {
           {"resolution_m", figure_json(figures.resolution)}};
 }
 
+struct DemandFigure {
+  const char *what, *unit;
+  double value;
+};
+
+std::vector<DemandFigure> figures_of(const Demand& demand) {
+  std::vector<DemandFigure> known;
+  const auto add = [&](const char* what, const char* unit, const std::optional<double>& value) {
+    if (value) known.push_back({what, unit, *value});
+  };
+  add("largest force on the player", "N", demand.force);
+  add("largest torque on the player", "N m", demand.torque);
+  add("largest force on the case of its actuator", "N", demand.case_force);
+  add("travel to either side", "m", demand.travel);
+  add("angle to either side", "rad", demand.angle);
+  return known;
+}
+
 void print_demand(const Demand& demand) {
   fmt::print("{}\n", demand.scene);
   for (const auto& drive : demand.drives)
     fmt::print("  '{}': nine tenths of its energy between {} and {}\n", drive.name,
                number_text(drive.band().low, "Hz"), number_text(drive.band().high, "Hz"));
-  if (demand.force) fmt::print("  largest force on the player: {}\n", number_text(*demand.force, "N"));
-  if (demand.travel) fmt::print("  travel: {} to either side\n", number_text(*demand.travel, "m"));
+  for (const auto& [what, unit, value] : figures_of(demand))
+    fmt::print("  {}: {}\n", what, number_text(value, unit));
   if (demand.senses) fmt::print("  the instrument reads a sensor\n");
   if (demand.stability)
     fmt::print("  with the plant of the scene: {} (see tactus check)\n", name_of(*demand.stability));
@@ -383,7 +462,9 @@ int run_actuators(const ActuatorOptions& options) {
     exit_with({Errc::BadFile, "actuators", "the figures of actuators are not installed",
                "install the shipped instruments"},
               kBadFile);
-  const auto demand = options.scene.empty() ? std::nullopt : std::optional{demand_of(options.scene)};
+  auto demand = options.scene.empty() ? std::nullopt : std::optional{demand_of(options.scene)};
+  if (demand && !demand->senses && !demand->force && !demand->torque)
+    demand->case_force = force_on_case(all, *demand);
   const auto sensors =
       demand || need.any() ? std::erase_if(all, [](const Actuator& one) { return one.figures.sensor; }) : 0;
   Json json{{"actuators", Json::array()}};

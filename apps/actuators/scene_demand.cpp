@@ -1,5 +1,8 @@
 #include "apps/actuators/scene_demand.h"
 
+#include <complex>
+#include <numbers>
+
 #include "apps/cli/console.h"
 #include "apps/cli/target.h"
 #include "apps/play/play_report.h"
@@ -29,30 +32,34 @@ bool reads_plant(const SceneSpec& scene, const Value& wire) {
          });
 }
 
+/// Raises `most` to `value` where the signal has this unit.
+void raise(std::optional<double>& most, const RecordedSignal& signal, const char* unit, double value) {
+  if (to_string(signal.dimension) == unit) most = std::max(most.value_or(0.0), value);
+}
+
 /// Force and travel at the ports and sensors. A port with a constant force counts the work of several, and
 /// its position is no travel.
 void measure(const PlayedScene& played, Demand& demand) {
-  const auto newton = parse_unit("N")->dimension, metre = parse_unit("m")->dimension;
-  const auto signal = [&](const std::string& name, const Dimension& dimension) {
-    const auto* found = played.recording.find(name);
-    return found != nullptr && found->dimension == dimension ? found : nullptr;
-  };
-  const auto travels = [&](const RecordedSignal* position) {
-    if (position != nullptr) demand.travel = std::max(demand.travel.value_or(0.0), half_range(*position));
+  const auto travels = [&](const std::string& name) {
+    const auto* position = played.recording.find(name);
+    if (position == nullptr) return;
+    raise(demand.travel, *position, "m", half_range(*position));
+    raise(demand.angle, *position, "rad", half_range(*position));
   };
   for (const auto& port : played.scene.ports) {
-    const auto* force = signal(port.force.name, newton);
+    const auto* force = played.recording.find(port.force.name);
     if (force == nullptr || !(half_range(*force) > 0)) continue;
-    demand.force = std::max(demand.force.value_or(0.0), largest(*force));
-    travels(signal(port.position.name, metre));
+    raise(demand.force, *force, "N", largest(*force));
+    raise(demand.torque, *force, "N m", largest(*force));
+    travels(port.position.name);
   }
+  const bool at_ports = (demand.force || demand.torque) && (demand.travel || demand.angle);
   const auto* instrument = played.scene.part("instrument");
   if (instrument == nullptr) return;
   for (const auto& [input, at, wire] : instrument->wires) {
     if (!reads_plant(played.scene, wire)) continue;
     demand.senses = true;
-    if (demand.force && demand.travel) continue;
-    travels(signal(wire.text() != nullptr ? *wire.text() : "", metre));
+    if (!at_ports && wire.text() != nullptr) travels(*wire.text());
   }
 }
 
@@ -65,6 +72,18 @@ Stability stability_of(const SceneSpec& scene) {
 }
 
 }  // namespace
+
+double Drive::force_on_case(const ExcursionLimits& model, double mass, double rate_hz) const {
+  Fourier fourier{2 * samples.size()};  // the mass is at rest again before the spectrum repeats the drive
+  auto force = fourier.forward(samples);
+  for (std::size_t bin = 0; bin < force.size(); ++bin) {
+    const double w = angular_frequency(bin, fourier.size()) * rate_hz;
+    const double turns = w / (2 * std::numbers::pi * model.resonance.value);
+    force[bin] *=
+        -mass * w * w * model.metres_at_full_scale / std::complex{1 - turns * turns, turns / model.q};
+  }
+  return std::abs(std::ranges::max(fourier.inverse(force), {}, [](double f) { return std::abs(f); }));
+}
 
 Demand demand_of(const std::string& text) {
   const auto target = resolve_target(text);

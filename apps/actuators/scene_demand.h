@@ -58,6 +58,10 @@ struct Drive {
   std::vector<LimitSource> limits;  ///< of the scene
 
   Interval band() const { return spectrum.band(); }
+  /// [N] The largest force on the case of an actuator whose mass this drive moves, mass x'', with
+  ///   X / Y(jw) = metres_at_full_scale / (1 - (w/w0)^2 + j w / (w0 Q))
+  /// the model of the excursion limiter: without inductance, load or stops.
+  double force_on_case(const ExcursionLimits& model, double mass, double rate_hz) const;
 };
 
 /// What a scene needs.
@@ -65,15 +69,18 @@ struct Demand {
   std::string scene;
   double rate_hz = 0.0;
   std::vector<Drive> drives;
-  std::optional<double> force;   ///< [N] the largest on the player, where a port measures it
-  std::optional<double> travel;  ///< [m] to either side, where a sensor or a port measures it
-  bool senses = false;           ///< an input of the instrument comes from the plant
+  // Nothing: no port measures it, of travel no sensor either.
+  std::optional<double> force, torque;  ///< [N], [N m] the largest on the player
+  std::optional<double> travel, angle;  ///< [m], [rad] to either side
+  std::optional<double>
+      case_force;       ///< [N] where nothing is measured or sensed: of the scene's own actuators
+  bool senses = false;  ///< an input of the instrument comes from the plant
   std::optional<Stability>
       stability;                    ///< with the plant of the scene; nothing: the instrument senses nothing
   std::vector<std::string> plants;  ///< files of the other parts
 
   /// A force must be there at rest.
-  bool holds_force() const { return force.has_value() || senses; }
+  bool holds_force() const { return force || torque || senses; }
 };
 
 /// Plays the scene that a command line names. Throws a CommandError, also where it drives no actuator.

@@ -26,6 +26,7 @@ constexpr Property kProperties[] = {
 };
 
 constexpr const char* kDriveTo = "drive_to";
+constexpr const char* kArm = "arm";
 constexpr const char* kNoSensor = "no_sensor";
 constexpr const char* kSensor = "sensor";
 
@@ -37,6 +38,8 @@ SectionType section_of(const Property& property) {
       required(text_field("source", "where it comes from"))};
   for (const auto* key : {property.low, property.high})
     if (key != nullptr) fields.push_back(quantity_field(key, property.unit, 0, 1e9, property.doc));
+  if (property.figure == &ActuatorFigures::force)
+    fields.push_back(quantity_field(kArm, "m", 1e-3, 10, "length of the arm at whose tip it is measured"));
   if (property.figure == &ActuatorFigures::excursion)
     fields.push_back(field("endless", FieldType::Kind::Flag, "it turns without end"));
   if (property.figure == &ActuatorFigures::band)
@@ -60,6 +63,7 @@ void read_figure(const Value::Table& table, const Property& property, ActuatorFi
       fields.choice("kind").value_or(static_cast<int>(ActuatorFigure::Kind::Unknown)));
   if (property.low != nullptr) figure.low = fields.number(property.low);
   if (property.high != nullptr) figure.high = fields.number(property.high);
+  if (property.figure == &ActuatorFigures::force) figures.arm = fields.number(kArm);
   if (property.figure == &ActuatorFigures::excursion && fields.flag("endless"))
     figure.high = std::numeric_limits<double>::infinity();
   if (property.figure == &ActuatorFigures::band) figures.drive_to = fields.number(kDriveTo);

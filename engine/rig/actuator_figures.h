@@ -43,8 +43,14 @@ struct ActuatorFigures {
   /// [Hz] Changes of the drive that it follows, where the drive has other frequencies than the movement: the
   /// DC of a vibration motor.
   std::optional<double> drive_to;
-  bool no_sensor = false;  ///< it has none of its own
-  bool sensor = false;     ///< it is one, and moves nothing
+  std::optional<double> arm;  ///< [m] The length of the arm at whose tip a motor has this force.
+  bool no_sensor = false;     ///< it has none of its own
+  bool sensor = false;        ///< it is one, and moves nothing
+
+  /// [N m]
+  std::optional<double> torque() const {
+    return arm && force.high ? std::optional{*arm * *force.high} : std::nullopt;
+  }
 };
 
 /// [any] All keys of such a file.

@@ -112,6 +112,47 @@ TEST_CASE("actuators command: a port that counts the work of two forces measures
   CHECK(says(actuator_of(all, "woofer")["objections"], "to either side, and it has 6 mm"));
 }
 
+TEST_CASE("actuators command: the force on the case is that of the model of the scene's own actuator",
+          "[apps][actuators]") {
+  const auto text_for = [](const std::string& scene) {
+    return actuators_text("--for " TACTUS_SOURCE_DIR "/instruments/actuators/" + scene + "/scene.toml");
+  };
+  // m w^2 |X|, with X / V = Bl / (R (k - m w^2 + j w (c + Bl^2 / R))).
+  // 5 V at 40 Hz: X = 6 5 / (3.6 |-33 + j 251.33 16.8|) = 1.974 mm; 0.2 251.33^2 1.974e-3 = 24.93 N
+  const auto shaker = text_for("bass_shaker");
+  CHECK(shaker.find("largest force on the case of its actuator: 24.9 N") != std::string::npos);
+  CHECK(shaker.find("bass shaker: renders it\n") != std::string::npos);
+  CHECK(shaker.find("vibration motor: the force reaches 24.9 N, and it has 1 N") != std::string::npos);
+  // 0.98 2.83 V at 170 Hz: 0.0015 1068.1^2 0.787e-3 = 1.347 N
+  const auto tactor = text_for("tactor_lra");
+  CHECK(tactor.find("largest force on the case of its actuator: 1.35 N") != std::string::npos);
+  CHECK(tactor.find("linear resonant actuator: renders it\n") != std::string::npos);
+  // The same 5 V from 10 V, of the woofer's 20 V: X = 6 10 / (6.5 |-1210.8 + j 251.33 6.738|) = 4.43 mm in
+  // the steady state, 0.035 251.33^2 4.43e-3 = 9.8 N, and a little more where the tone starts and stops.
+  const auto woofer_there = actuator_of(judged_for("actuators/bass_shaker/scene.toml"), "woofer");
+  CHECK(says(woofer_there["objections"], "the force reaches 24.9 N, and with this drive it gives 10"));
+  const auto woofer = text_for("woofer");
+  CHECK(woofer.find("woofer: renders it\n") != std::string::npos);
+}
+
+TEST_CASE("actuators command: torques and angles are compared with a motor that has an arm",
+          "[apps][actuators]") {
+  const auto scene = "--for " TACTUS_SOURCE_DIR "/instruments/actuators/servomotor/scene.toml";
+  // 2 pi 0.5 N m 0.00833 rad / 15 deg = 0.09996 N m; the motor has 6.37 N at 10 cm.
+  CHECK(actuators_text(scene).find("largest torque on the player: 100 mN m") != std::string::npos);
+  const auto all = actuators_json(scene);
+  const auto servomotor = actuator_of(all, "servomotor with an encoder");
+  CHECK(servomotor["objections"].empty());
+  CHECK(servomotor["not_compared"] == ActuatorJson{"band"});  // unknown
+  CHECK(says(actuator_of(all, "woofer")["not_compared"], "torque"));
+}
+
+TEST_CASE("actuators command: the tip of an arm goes as far as its motor turns", "[apps][actuators]") {
+  const auto servomotor = actuator_of(judged_for("effects/arm/spring.toml"), "servomotor with an encoder");
+  CHECK_FALSE(says(servomotor["not_compared"], "travel"));
+  CHECK_FALSE(says(servomotor["not_compared"], "force"));
+}
+
 TEST_CASE("actuators command: nothing renders a scene of which a criterion was not compared",
           "[apps][actuators]") {
   const auto text =
