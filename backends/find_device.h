@@ -20,6 +20,10 @@ Result<Device> device_with_id(const std::vector<Device>& devices, const std::str
 /// listing what there is; BadArgument, listing those that it may mean.
 Result<Device> find_device(const std::vector<Device>& devices, const std::string& text);
 
+/// The rate of a joystick, wheel or gamepad where none is requested. It is read and written every
+/// millisecond, whatever the rate is.
+inline constexpr Hertz kHapticRate{8000};
+
 /// What a request comes to. Where one direction has no channels, both are the device of the other.
 struct DeviceChoice {
   Device input, output;

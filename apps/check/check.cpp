@@ -6,11 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "apps/cli/backends.h"
 #include "apps/cli/console.h"
 #include "apps/cli/json.h"
 #include "apps/cli/rig_files.h"
 #include "apps/cli/target.h"
 #include "apps/cli/warnings.h"
+#include "backends/find_device.h"
 #include "engine/core/decibels.h"
 #include "engine/core/index.h"
 #include "engine/core/port_name.h"
@@ -348,13 +350,19 @@ std::string load(const CheckOptions& options, CheckJob& job) {
   return job.instrument->spec->name;
 }
 
-/// The card's high-passes are part of the loops of an instrument; a scene has a plant of its own.
+/// The rate of its device, and the card's high-passes, which are part of the loops of an instrument; a scene
+/// has a plant of its own.
 void read_rig(const CheckOptions& options, CheckJob& job) {
   if (options.rig.empty()) return;
   if (job.scene)
     exit_with({Errc::BadArgument, "--rig", "a scene has its own plant and delay",
                "omit --rig, or check the instrument of the scene"});
   job.rig = open_rig(options.rig);
+  fit(*job.instrument, *job.rig);
+  const auto& device = job.rig->device;
+  auto& rate = job.options.world.rate;
+  if (!rate) rate = device.rate;
+  if (!rate && is_haptic(backend_of(device.output))) rate = kHapticRate;
   for (const auto& output : job.rig->outputs)
     if (output.highpass) job.options.world.output_highpass[output.name] = *output.highpass;
 }
@@ -395,13 +403,13 @@ std::string choose_delay(const CheckOptions& options, CheckJob& job) {
   if (!options.rig.empty()) {
     const auto& rig = *job.rig;
     if (!rig.measured_delay)
-      exit_with(
-          {Errc::Missing, options.rig, "this rig has no measured delay",
-           "measure the delay with 'tactus latency measure --rig " + options.rig + "', or give --delay"},
-          kBadFile);
+      exit_with({Errc::Missing, options.rig, "this rig has no delay",
+                 delay_remedy(rig.device.output, options.rig) +
+                     "; write it into the rig (measured, under [delay]), or give --delay"},
+                kBadFile);
     world.delay = *rig.measured_delay;
     for (const auto& control : rig.controls) world.set.try_emplace(control.name, control.value.si);
-    return "delay as measured on the rig";
+    return "delay of the rig";
   }
   const auto& tested = job.instrument->spec->tested;
   if (!tested) return "delay not known";
@@ -464,10 +472,11 @@ void add_check(CLI::App& app, int& exit_code) {
           "FILE", options.target,
           "instrument or scene file; for a folder, its scene.toml, or its instrument.toml if --rig is given")
       ->required();
-  command.add_option("--rate", options.rate, "sample rate; default: the scene's, or 48 kHz");
+  command.add_option("--rate", options.rate,
+                     "sample rate; default: that of the scene or of the rig's device, or 48 kHz");
   command.add_option("--delay", options.delay, "system delay; default: the scene's or the rig's");
   command.add_option("--rig", options.rig,
-                     "rig file: measured delay, and high-passes of its outputs (output_highpass)");
+                     "rig file: rate, delay, and high-passes of its outputs (output_highpass)");
   command.add_option("--set", options.set, "NAME=VALUE: sets a control");
   for (const auto& [name, value, help] :
        {std::tuple{"--hand-damping", &options.hand_damping, "damping added to the device by a fingertip"},

@@ -35,6 +35,33 @@ std::string backend_of(const std::string& device) { return device.substr(0, devi
 
 bool is_haptic(const std::string& backend) { return find_named(haptic_backends(), backend) != nullptr; }
 
+Status check_devices(const Rig::Device& device) {
+  const auto& second = device.second;
+  const auto backend = backend_of(second);
+  if (second.empty()) return {};
+  std::string why;
+  if (backend == second)
+    why = "its id names no backend";
+  else if (!backends_called(backend))
+    why = "this program was built without the backend '" + backend + "'";
+  else if (!is_haptic(backend))
+    why = "it is no joystick, wheel or gamepad";
+  else if (backend == backend_of(device.output))
+    why = "the first device is a joystick, wheel or gamepad too";
+  if (why.empty()) return {};
+  return fail(
+      Errc::BadArgument, device.at.text(),
+      fmt::format("second: '{}' cannot be a second device: {}", second, why),
+      "name a joystick, wheel or gamepad, such as \"sdl:Xbox Wireless Controller\", beside a sound card");
+}
+
+std::string delay_remedy(const std::string& device, const std::string& rig_file) {
+  if (is_haptic(backend_of(device)))
+    return "estimate its delay: the time between two reports of the device, which tactus play prints, plus 3 "
+           "ms";
+  return "run tactus latency measure" + (rig_file.empty() ? "" : " --rig " + rig_file);
+}
+
 Result<ChosenDevices> choose_devices(const std::string& backend, const std::string& output,
                                      const std::string& input, DeviceNames names) {
   const auto find = [names](const std::vector<Device>& devices, const std::string& text) {
@@ -94,11 +121,6 @@ ChosenDevices choose_devices(const DeviceOptions& options, const Rig::Device& ri
     auto chosen = or_exit(choose_devices("", rig.output, rig.input, DeviceNames::Exact), kDevice);
     if (rig.second.empty()) return chosen;
     auto second = or_exit(choose_devices("", rig.second, "", DeviceNames::Exact), kDevice);
-    if (second.backend->name() == chosen.backend->name() || !is_haptic(second.backend->name()))
-      exit_with({Errc::BadArgument, "[device] second", "'" + rig.second + "' cannot be a second device",
-                 "name a joystick, wheel or gamepad, such as \"sdl:Xbox Wireless Controller\", beside a "
-                 "sound card"},
-                kDevice);
     chosen.backend = make_two_devices(std::move(chosen.backend), std::move(second.backend));
     chosen.second = second.output.id;
     return chosen;

@@ -44,8 +44,13 @@ enum class DeviceNames { Partial, Exact };
 /// backends_called; Device if no backend has any.
 Result<ChosenDevices> choose_devices(const std::string& backend, const std::string& output,
                                      const std::string& input, DeviceNames names = DeviceNames::Partial);
-/// The devices of the rig by their exact ids, or without one those of the command line: what a part of a name
-/// means is printed. Throws a CommandError.
+/// Can the devices of a rig be played together, as far as their ids say? Nothing is opened. Errors:
+/// BadArgument for a second device that is none, at the place of [device].
+Status check_devices(const Rig::Device& device);
+/// How the delay of a device becomes known, which is in no rig: an error's remedy. `rig_file` may be empty.
+std::string delay_remedy(const std::string& device, const std::string& rig_file);
+/// The devices of the rig, which passed `check_devices`, by their exact ids, or without one those of the
+/// command line: what a part of a name means is printed. Throws a CommandError.
 ChosenDevices choose_devices(const DeviceOptions& options, const Rig::Device& rig);
 
 /// A request for them. `rate`, `block` and `periods`, as options give them, go before the setting of a rig,

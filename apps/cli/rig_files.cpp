@@ -4,10 +4,12 @@
 
 #include <numbers>
 
+#include "apps/cli/backends.h"
 #include "apps/cli/console.h"
 #include "apps/cli/target.h"
 #include "engine/core/files.h"
 #include "engine/core/prefixed.h"
+#include "engine/rig/check_rig.h"
 
 namespace tactus::app {
 
@@ -32,7 +34,16 @@ ProfileFolders option_profile_folders() {
   return folders;
 }
 
-Rig open_rig(const fs::path& file) { return or_exit(load_rig(file, profile_places(file)), kBadFile); }
+Rig open_rig(const fs::path& file) {
+  auto rig = or_exit(load_rig(file, profile_places(file)), kBadFile);
+  or_exit(check_devices(rig.device), kBadFile);
+  return rig;
+}
+
+void fit(LoadedGraph& instrument, const Rig& rig) {
+  for (auto& error : check_rig(rig, *instrument.spec)) instrument.errors.push_back(std::move(error));
+  instrument.spec = without_left_out(rig, instrument.spec);
+}
 
 std::vector<Error> change_rig(const fs::path& file, const Rig::Device& device,
                               const std::function<void(Rig&)>& change) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/core/error.h"
+#include "engine/graph/file/load.h"
 #include "engine/rig/profile.h"
 #include "engine/rig/rig.h"
 
@@ -26,8 +27,12 @@ ProfileFolders option_profile_folders();
 /// does.
 std::string decay_text(Hertz highpass);
 
-/// Throws a CommandError with all errors of the file.
+/// Throws a CommandError with all errors of the file, and for devices that cannot be played together.
 Rig open_rig(const std::filesystem::path& file);
+
+/// The instrument as the rig plays it: outputs that are left out are gone, inputs that are left out rest at
+/// 0. What of the rig does not fit the instrument is among its errors.
+void fit(LoadedGraph& instrument, const Rig& rig);
 
 /// Reads a rig again, changes it and writes it over its file, whose former version gets the ending "~". What
 /// was edited since the rig was read first stays. Gives the errors: those of the file; BadFile if the rig is

@@ -29,8 +29,7 @@ const std::vector<std::string> kRecurrences = {"grid", "plain"};  // in the orde
 /// What the rig says of its outputs.
 LimitBook limits_of(const Rig& rig, const LoadedGraph& graph, const ExportOptions& options) {
   auto loaded = graph;
-  for (auto& error : check_rig(rig, *loaded.spec)) loaded.errors.push_back(std::move(error));
-  loaded.spec = without_left_out(rig, loaded.spec);
+  fit(loaded, rig);
   CompileOptions compiling;
   compiling.sample_rate = options.sample_rate;
   compiling.controls = options.controls;

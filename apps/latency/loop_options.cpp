@@ -125,7 +125,14 @@ Loop make_loop(const LoopOptions& options) {
     loop.rig = open_rig(options.rig);
   }
   const auto device = loop.rig ? loop.rig->device : Rig::Device{};
+  const auto refuse_haptic = [&](const std::string& id) {
+    if (is_haptic(backend_of(id)))
+      exit_with({Errc::BadArgument, loop.rig ? device.at.text() : "--device",
+                 "'" + id + "' is no sound card, and plays no probe", delay_remedy(id, options.rig)});
+  };
+  refuse_haptic(loop.rig ? device.output : options.device);  // whether it is connected or not
   loop.devices = choose_devices(options, device);
+  refuse_haptic(loop.devices.output.id);  // of a part of its name
   settings.request = request_for(loop.devices, device, options.rate, options.block, options.periods);
   set_channels(options, loop);
   set_level(options, loop);

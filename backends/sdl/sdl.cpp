@@ -295,7 +295,7 @@ Device described(int index) {
   device.index = index;
   device.api = "sdl";
   device.hardware = hardware_of(index);
-  device.default_rate = 8_kHz;
+  device.default_rate = kHapticRate;
   device.block_frames = 8;
   if (const auto opened = OpenDevice::open(index)) {
     device.in_channels = static_cast<int>(opened->inputs.size());

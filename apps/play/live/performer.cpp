@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "apps/cli/console.h"
+#include "apps/cli/rig_files.h"
 #include "apps/cli/take_files.h"
 #include "apps/cli/warnings.h"
 #include "apps/play/world.h"
@@ -119,10 +120,7 @@ class LiveInstrument final : public Performer {
   }
 
   std::unique_ptr<Plan> compile_files(LoadedGraph loaded) const {
-    if (setup_.rig) {
-      for (auto& error : check_rig(*setup_.rig, *loaded.spec)) loaded.errors.push_back(std::move(error));
-      loaded.spec = without_left_out(*setup_.rig, loaded.spec);
-    }
+    if (setup_.rig) fit(loaded, *setup_.rig);
     CompileOptions options;
     options.sample_rate = setup_.rate;
     options.system_delay = system_delay();

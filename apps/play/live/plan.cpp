@@ -340,7 +340,8 @@ void check_delay(LivePlan& plan, const StreamGranted& granted) {
 }
 
 std::string delay_text(const LivePlan& plan) {
-  if (!plan.delay) return "delay     not measured: assumed to be 0; run tactus latency measure";
+  if (!plan.delay)
+    return "delay     not measured: assumed to be 0; " + delay_remedy(plan.devices.output.id, plan.rig_file);
   auto text = fmt::format("delay     {:.2f} ms {}", 1e3 * plan.delay->value,
                           plan.delay_assumed ? "assumed (--delay)" : "measured");
   const double padding_s = plan.padding_frames / plan.request.sample_rate->value;

@@ -4,6 +4,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "backends/backend.h"
+#include "tests/support/desk.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace tactus;
@@ -22,6 +24,14 @@ Answer check(const test::TemporaryFolder& folder, const std::string& arguments) 
           .c_str());
   std::ifstream text{out};
   return {status / 256, nlohmann::json::parse(text, nullptr, false)};
+}
+
+/// Of the spring below.
+std::string rig_of(const std::string& device, const std::string& delay = "[delay]\nmeasured = \"2 ms\"\n") {
+  return "format = 1\n[device]\n" + device +
+         "[inputs]\nplace = { channel = 1, volts_per_full_scale = \"1 V\", sensitivity = \"1 V/m\" }\n"
+         "[outputs]\npush = { channel = 1 }\n" +
+         delay;
 }
 
 std::string spring_of(double stiffness) {
@@ -56,8 +66,9 @@ TEST_CASE("check: a high-pass of the rig's output is part of the loop", "[check]
   const auto rig = (folder.path() / "desk.toml").string();
   std::ofstream{file} << spring_of(45);
   std::ofstream{rig}
-      << "format = 1\n[device]\noutput = \"x\"\n[inputs]\nplace = { channel = 1 }\n[outputs]\npush "
-         "= { channel = 1, output_highpass = \"2 Hz\" }\n[delay]\nmeasured = \"2 ms\"\n";
+      << "format = 1\n[device]\noutput = \"x\"\n[inputs]\nplace = { channel = 1, volts_per_full_scale "
+         "= \"1 V\", sensitivity = \"1 V/m\" }\n[outputs]\npush = { channel = 1, output_highpass = \"2 Hz\" "
+         "}\n[delay]\nmeasured = \"2 ms\"\n";
   // m s^2 + (b + m wc) s + b wc + k e^(-s T) = 0 on the border s = jw, with the device of 50 g and 0.1 N s/m:
   // k sin wT = w (b + m wc), k cos wT = m w^2 - b wc.
   const double m = 0.05, b = 0.1, wc = 2 * 3.14159265358979 * 2, T = 0.002 + 0.5 / 48000;
@@ -101,6 +112,63 @@ TEST_CASE("check: an instrument that must hold a force on an AC-coupled output i
   CHECK(lines.find("31.83 ms") != std::string::npos);  // 1 / (2 pi 5 Hz)
   CHECK((lines.find("'motor' (from 'place') must hold a force") != std::string::npos) ==
         (law == "-100 * place"));
+}
+
+TEST_CASE("check: a rig is judged at the rate of its device", "[check]") {
+  const test::Desk desk;
+  desk.folder.write("spring.toml", spring_of(45));
+  std::vector<std::tuple<std::string, std::string, double>> rates{
+      {"output = \"x\"\n", "", 48000},
+      {"output = \"x\"\nrate = \"96 kHz\"\n", "", 96000},
+      {"output = \"x\"\nrate = \"96 kHz\"\n", " --rate \"32 kHz\"", 32000}};
+  for (const auto& backend : haptic_backends()) {
+    rates.emplace_back("output = \"" + backend.name + ":Wheel\"\n", "", 8000);
+    rates.emplace_back("output = \"" + backend.name + ":Wheel\"\nrate = \"16 kHz\"\n", "", 16000);
+  }
+  for (const auto& [device, options, rate] : rates) {
+    CAPTURE(device, options);
+    desk.folder.write("rig.toml", rig_of(device));
+    const auto answer = desk.run("check spring.toml --quick --json --rig rig.toml" + options).json();
+    REQUIRE(answer.is_object());
+    CHECK(answer["sample_rate_hz"].get<double>() == rate);
+    CHECK(answer["regimes"][0]["stiff"][0]["stable_up_to_n_per_m"].get<double>() ==
+          Approx(0.1 / (0.002 + 0.5 / rate)).epsilon(0.01));
+  }
+}
+
+TEST_CASE("check: the remedy of a rig without a delay is one of its device", "[check]") {
+  const test::Desk desk;
+  desk.folder.write("spring.toml", spring_of(45));
+  desk.folder.write("rig.toml", rig_of("output = \"x\"\n", ""));
+  const std::string command = "check spring.toml --quick --rig rig.toml";
+  test::check_exit(desk.run(command), 3, "delay measure --rig rig.toml --delay");
+  for (const auto& backend : haptic_backends()) {
+    desk.folder.write("rig.toml", rig_of("output = \"" + backend.name + ":Wheel\"\n", ""));
+    const auto answer = desk.run(command);
+    test::check_exit(answer, 3, "delay reports --delay");
+    CHECK(answer.err.find("latency measure") == std::string::npos);
+  }
+}
+
+TEST_CASE("check: a rig is refused that play refuses", "[check]") {
+  const test::Desk desk;
+  desk.folder.write("spring.toml", spring_of(45));
+  std::vector<std::pair<std::string, std::string>> refused;  // rig, names in the error
+  const std::string card = "output = \"loop:cable\"\nsecond = ";
+  for (const std::string second : {"loop:cable", "nowhere:Wheel", "Wheel"})
+    refused.emplace_back(rig_of(card + "\"" + second + "\"\n"), "rig.toml:2 '" + second + "'");
+  for (const auto& backend : haptic_backends())
+    refused.emplace_back(
+        rig_of("output = \"" + backend.name + ":Pad\"\nsecond = \"" + backend.name + ":Wheel\"\n"),
+        "rig.toml:2 '" + backend.name + ":Wheel'");
+  refused.emplace_back("format = 1\n[device]\noutput = \"loop:cable\"\n[outputs]\npush = { channel = 1 }\n",
+                       "rig.toml:1 'place'");
+  for (const auto& [rig, names] : refused) {
+    CAPTURE(rig);
+    desk.folder.write("rig.toml", rig);
+    test::check_exit(desk.run("check spring.toml --quick --delay \"2 ms\" --rig rig.toml"), 3, names);
+    test::check_exit(desk.run("play spring.toml --duration \"0.1 s\" --rig rig.toml"), 3, names);
+  }
 }
 
 TEST_CASE("check: verdict first, one line of what was checked, tables when asked for", "[check]") {

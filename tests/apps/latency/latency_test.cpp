@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "apps/render/render.h"
+#include "backends/backend.h"
 #include "engine/dsp/generators/counter_noise.h"
 #include "engine/rig/rig.h"
 #include "latency/probe/probe.h"
@@ -261,6 +262,16 @@ TEST_CASE("latency measure: what was measured is what an instrument then reckons
                     "/instruments/haptic_drum --device loop:20ms --duration '0.1 s' --block ";
   check_exit(desk.run(play + "64"), 0, "delay 20.00 measured");
   check_exit(desk.run(play + "128"), 0, "delay not measured");
+}
+
+TEST_CASE("latency measure: a gamepad plays no probe", "[latency]") {
+  const Desk desk;
+  for (const auto& backend : haptic_backends()) {
+    const auto id = backend.name + ":Wheel";
+    check_exit(desk.run("latency measure --device " + id), 2, "--device '" + id + "' reports");
+    desk.folder.write("rig.toml", "format = 1\n[device]\noutput = \"" + id + "\"\n");
+    check_exit(desk.run("latency measure --rig rig.toml"), 3, "rig.toml:2 '" + id + "' reports");
+  }
 }
 
 TEST_CASE("latency measure: a refusal has no delay, and keeps none", "[latency]") {
