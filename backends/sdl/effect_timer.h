@@ -32,24 +32,26 @@ class EffectTimer {
   using Clock = std::chrono::steady_clock;
 
   static constexpr std::chrono::milliseconds kLength{500};   ///< of an effect in the device
-  static constexpr std::chrono::milliseconds kRestart{200};  ///< it is started again after this
+  static constexpr std::chrono::milliseconds kRestart{200};  ///< it is started again after at least this
   static constexpr double kStep = 1.0 / 32767;               ///< of a level
 
   enum class Order { None, Start, Change, Restart, Stop };
 
   /// What is to be sent for this level, from -1 to 1; it counts as sent. `allowed`: the device takes a report
-  /// now; a stop does not wait for that.
-  Order next(double level, Clock::time_point now, bool allowed) {
+  /// now; a stop does not wait for that. `changes`: something else than the level does. `restart`: an effect
+  /// is started again after this.
+  Order next(double level, Clock::time_point now, bool allowed, bool changes = false,
+             std::chrono::milliseconds restart = kRestart) {
     const bool silent = std::abs(level) < kStep;
     if (silent) return std::exchange(runs_, false) ? Order::Stop : Order::None;
     if (!allowed) return Order::None;
     const bool starts = !std::exchange(runs_, true);
-    if (starts || now - started_ >= kRestart) {
+    if (starts || now - started_ >= restart) {
       started_ = now;
       level_ = level;
       return starts ? Order::Start : Order::Restart;
     }
-    if (std::abs(level - level_) < kStep) return Order::None;
+    if (!changes && std::abs(level - level_) < kStep) return Order::None;
     level_ = level;
     return Order::Change;
   }

@@ -5,12 +5,14 @@
 #include <array>
 #include <atomic>
 #include <mutex>
+#include <span>
 #include <thread>
 
 #include "backends/card_callback.h"
 #include "backends/find_device.h"
 #include "backends/realtime_thread.h"
 #include "backends/sdl/effect_timer.h"
+#include "backends/sdl/wave_effect.h"
 
 namespace tactus {
 namespace {
@@ -51,20 +53,30 @@ tl::unexpected<Error> failed(const std::string& what) {
 
 /// What an output is in the device.
 struct Output {
-  enum class Kind { RumbleLow, RumbleHigh, Effect };
+  enum class Kind { RumbleLow, RumbleHigh, Effect, Wave, WaveSetting };
   Kind kind = Kind::Effect;
   std::string name;
-  Uint16 type = 0;  ///< of an effect
-  int axis = 0;     ///< of a force
+  Uint16 type = 0;           ///< of an effect
+  int axis = 0;              ///< of a force
+  std::size_t settings = 0;  ///< of a wave: the first of its outputs
 };
 
-/// The effects that a device may have, in the order of the outputs.
-constexpr std::array<std::pair<Uint16, const char*>, 5> kEffects{{{SDL_HAPTIC_SINE, "sine"},
-                                                                  {SDL_HAPTIC_SPRING, "spring"},
-                                                                  {SDL_HAPTIC_DAMPER, "damper"},
-                                                                  {SDL_HAPTIC_INERTIA, "inertia"},
-                                                                  {SDL_HAPTIC_FRICTION, "friction"}}};
-constexpr Uint16 kSinePeriod_ms = 10;
+struct EffectType {
+  Uint16 type;
+  const char* name;
+  Output::Kind kind = Output::Kind::Effect;
+};
+
+/// The effects that a device may have, in the order of the outputs. SDL 2 has no square wave.
+constexpr std::array<EffectType, 8> kEffects{
+    {{SDL_HAPTIC_SINE, "sine", Output::Kind::Wave},
+     {SDL_HAPTIC_SPRING, "spring"},
+     {SDL_HAPTIC_DAMPER, "damper"},
+     {SDL_HAPTIC_INERTIA, "inertia"},
+     {SDL_HAPTIC_FRICTION, "friction"},
+     {SDL_HAPTIC_TRIANGLE, "triangle", Output::Kind::Wave},
+     {SDL_HAPTIC_SAWTOOTHUP, "sawtooth up", Output::Kind::Wave},
+     {SDL_HAPTIC_SAWTOOTHDOWN, "sawtooth down", Output::Kind::Wave}}};
 constexpr int kMostForceAxes = 2;
 constexpr Uint16 kConditions =  // a report for each axis
     SDL_HAPTIC_SPRING | SDL_HAPTIC_DAMPER | SDL_HAPTIC_INERTIA | SDL_HAPTIC_FRICTION;
@@ -84,12 +96,6 @@ SDL_HapticEffect effect_of(const Output& output, double level) {
     effect.constant.direction.dir[output.axis] = -1;  // where it comes from
     effect.constant.length = length;
     effect.constant.level = scaled(level);
-  } else if (output.type == SDL_HAPTIC_SINE) {
-    effect.periodic.direction.type = SDL_HAPTIC_CARTESIAN;
-    effect.periodic.direction.dir[0] = 1;
-    effect.periodic.length = length;
-    effect.periodic.period = kSinePeriod_ms;
-    effect.periodic.magnitude = strength;
   } else {
     effect.condition.direction.type = SDL_HAPTIC_CARTESIAN;
     effect.condition.direction.dir[0] = 1;
@@ -99,6 +105,23 @@ SDL_HapticEffect effect_of(const Output& output, double level) {
       effect.condition.right_coeff[axis] = effect.condition.left_coeff[axis] = strength;
     }
   }
+  return effect;
+}
+
+SDL_HapticEffect effect_of(const Output& output, const Wave& wave) {
+  SDL_HapticEffect effect{};
+  auto& periodic = effect.periodic;
+  periodic.type = output.type;
+  periodic.direction.type = SDL_HAPTIC_CARTESIAN;
+  periodic.direction.dir[0] = 1;
+  periodic.length = static_cast<Uint32>(wave.length_ms);
+  periodic.period = static_cast<Uint16>(wave.period_ms);
+  periodic.magnitude = static_cast<Sint16>(wave.magnitude);
+  periodic.offset = static_cast<Sint16>(wave.offset);
+  periodic.phase = static_cast<Uint16>(wave.phase);
+  periodic.attack_length = static_cast<Uint16>(wave.attack_ms);
+  periodic.attack_level = static_cast<Uint16>(wave.attack_level);
+  periodic.fade_length = static_cast<Uint16>(wave.fade_ms);
   return effect;
 }
 
@@ -154,6 +177,7 @@ class OpenDevice {
       const auto output = (first + n) % outputs.size();
       const auto kind = outputs[output].kind;
       const int reports = kind == Output::Kind::Effect      ? write_effect(output, levels, now)
+                          : kind == Output::Kind::Wave      ? write_wave(output, levels, now)
                           : kind == Output::Kind::RumbleLow ? write_rumble(levels, now)
                                                             : 0;
       if (reports == 0) continue;
@@ -176,6 +200,7 @@ class OpenDevice {
   struct Effect {
     int id = -1;
     EffectTimer timer;
+    WaveEffect wave;  ///< in place of the timer
   };
 
   void name_inputs() {
@@ -189,7 +214,7 @@ class OpenDevice {
       for (const auto* axis : {"x", "y", "z"}) inputs.push_back(fmt::format("gyroscope {}", axis));
   }
 
-  /// Forces and effects need a slot each, and both motors one.
+  /// Forces and effects need a slot each, and both motors one. The settings of waves are the last outputs.
   void name_outputs() {
     rumbles_ = SDL_JoystickHasRumble(joystick_) == SDL_TRUE;
     if (rumbles_) {
@@ -200,12 +225,20 @@ class OpenDevice {
     const auto can = SDL_HapticQuery(haptic_);
     rumble_is_effect_ = rumbles_ && (can & SDL_HAPTIC_LEFTRIGHT) != 0;
     auto slots = SDL_HapticNumEffects(haptic_) - (rumbles_ ? 1 : 0);
-    const auto add = [&](Uint16 type, const std::string& name, int axis) {
-      if ((can & type) != 0 && slots-- > 0) outputs.push_back({Output::Kind::Effect, name, type, axis});
+    const auto add = [&](const EffectType& effect, int axis = 0) {
+      if ((can & effect.type) != 0 && slots-- > 0)
+        outputs.push_back({effect.kind, effect.name, effect.type, axis});
     };
     for (int axis = 0; axis < std::clamp(SDL_HapticNumAxes(haptic_), 1, kMostForceAxes); ++axis)
-      add(SDL_HAPTIC_CONSTANT, fmt::format("force {}", axis == 0 ? "x" : "y"), axis);
-    for (const auto& [type, name] : kEffects) add(type, name, 0);
+      add({SDL_HAPTIC_CONSTANT, axis == 0 ? "force x" : "force y"}, axis);
+    for (const auto& effect : kEffects) add(effect);
+    const auto effects = outputs.size();
+    for (std::size_t o = 0; o < effects; ++o) {
+      if (outputs[o].kind != Output::Kind::Wave) continue;
+      outputs[o].settings = outputs.size();
+      for (const auto& setting : kWaveSettings)
+        outputs.push_back({Output::Kind::WaveSetting, outputs[o].name + " " + setting.name});
+    }
   }
 
   // These return how many reports a device of the USB PID class gets.
@@ -253,10 +286,23 @@ class OpenDevice {
     }
     return order == Order::Change ? reports : reports + run(id);
   }
-  /// Creates the effect, or changes it.
-  int upload(int& id, SDL_HapticEffect& effect) {
-    const int reports =
-        ((effect.type & kConditions) != 0 ? kMostForceAxes : 1) + (id < 0 ? kReportsOfCreation : 0);
+  int write_wave(std::size_t output, const std::vector<double>& levels, Clock::time_point now) {
+    auto& [id, timer, effect] = effects_[output];
+    const auto settings = std::span{levels}.subspan(outputs[output].settings, kWaveSettings.size());
+    const auto step = effect.next(wave_of(levels[output], settings), now, budget_.allows(now));
+    if (step.stops) return stop(id);
+    int reports = 0;
+    if (step.uploads && (id >= 0 || step.runs)) {
+      auto sent = effect_of(outputs[output], step.wave);
+      reports = upload(id, sent, step.reports);
+    }
+    if (id < 0) effect.forget();
+    return step.runs ? reports + run(id) : reports;
+  }
+  /// Creates the effect, or changes it. `reports`: of the change.
+  int upload(int& id, SDL_HapticEffect& effect, int reports = 1) {
+    if (id < 0) reports = 1 + kReportsOfCreation;
+    if ((effect.type & kConditions) != 0) reports += kMostForceAxes - 1;
     const bool sent = id < 0 ? (id = SDL_HapticNewEffect(haptic_, &effect)) >= 0
                              : SDL_HapticUpdateEffect(haptic_, id, &effect) == 0;
     if (!sent) ++refused_;
@@ -429,7 +475,8 @@ class SdlStream final : public CardStream<Line> {
 /// Joysticks, wheels and gamepads through SDL 2. A device is "sdl:<its name>". Its inputs are axes, hats and
 /// buttons (-1 to 1, 0 or 1) and the gyroscope (2,000 degrees a second are full scale), its outputs the
 /// motors of a gamepad, the forces of a wheel or joystick, and the device's own effects, whose strength is
-/// the output. It is read and written every millisecond, whatever the rate is; none is the default device.
+/// the output; periodic ones have further outputs (kWaveSettings). It is read and written every millisecond,
+/// whatever the rate is; none is the default device.
 class SdlBackend final : public Backend {
  public:
   std::string name() const override { return "sdl"; }

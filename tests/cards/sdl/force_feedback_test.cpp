@@ -22,7 +22,7 @@ using namespace tactus::test;
 
 namespace {
 
-constexpr int kSlots = 8;  // those of its seven effects, and one for both motors
+constexpr int kSlots = 11;  // those of its ten effects, and one for both motors
 constexpr std::size_t kForceX = 2, kSpring = 5;
 
 class Wheel {
@@ -31,8 +31,8 @@ class Wheel {
     REQUIRE(file_ >= 0);
     for (const int type : {EV_KEY, EV_ABS, EV_FF}) REQUIRE(ioctl(file_, UI_SET_EVBIT, type) == 0);
     for (const int key : {BTN_TRIGGER, BTN_THUMB}) REQUIRE(ioctl(file_, UI_SET_KEYBIT, key) == 0);
-    for (const int effect :
-         {FF_CONSTANT, FF_SPRING, FF_DAMPER, FF_INERTIA, FF_FRICTION, FF_PERIODIC, FF_SINE})
+    for (const int effect : {FF_CONSTANT, FF_SPRING, FF_DAMPER, FF_INERTIA, FF_FRICTION, FF_PERIODIC, FF_SINE,
+                             FF_TRIANGLE, FF_SAW_UP, FF_SAW_DOWN})
       REQUIRE(ioctl(file_, UI_SET_FFBIT, effect) == 0);
     for (const int axis : {ABS_X, ABS_Y}) {
       uinput_abs_setup setup{};
@@ -136,7 +136,7 @@ class Wheel {
   std::thread thread_;
 };
 
-Device wheel_of(Backend& backend) { return listed(backend, "sdl:Test Wheel", kSlots + 1); }
+Device wheel_of(Backend& backend) { return listed(backend, "sdl:Test Wheel", kMostOutputs); }
 
 }  // namespace
 
@@ -145,8 +145,12 @@ TEST_CASE("sdl: forces and effects of a wheel are uploaded, changed, played and 
   const auto backend = sdl();
   const auto device = wheel_of(*backend);
   CHECK(device.in_names == std::vector<std::string>{"axis 0", "axis 1", "button 0", "button 1"});
-  CHECK(device.out_names == std::vector<std::string>{"rumble low", "rumble high", "force x", "force y",
-                                                     "sine", "spring", "damper", "inertia", "friction"});
+  std::vector<std::string> names{"rumble low", "rumble high", "force x",     "force y",
+                                 "sine",       "spring",      "damper",      "inertia",
+                                 "friction",   "triangle",    "sawtooth up", "sawtooth down"};
+  for (const std::string wave : {"sine", "triangle", "sawtooth up", "sawtooth down"})
+    for (const auto& setting : kWaveSettings) names.push_back(wave + " " + setting.name);
+  CHECK(device.out_names == names);
   Levels levels;
   Guarded guarded{levels, kUnguarded};
   guarded.disable_sensor_watch();
@@ -168,7 +172,7 @@ TEST_CASE("sdl: forces and effects of a wheel are uploaded, changed, played and 
   levels.levels[kSpring] = 0.75;  // the loop of the spring is in the device
   REQUIRE(waits([&] { return wheel.plays(FF_SPRING); }));
   CHECK(wheel.uploaded(FF_SPRING)->u.condition[0].right_coeff == Approx(0.75 * 32767).margin(2));
-  for (const std::size_t other : {0u, 3u, 4u, 6u, 7u, 8u}) levels.levels[other] = 0.5;
+  for (const std::size_t other : {0u, 3u, 4u, 6u, 7u, 8u, 9u, 10u, 11u}) levels.levels[other] = 0.5;
   REQUIRE(
       waits([&] { return wheel.plays(FF_FRICTION) && wheel.plays(FF_PERIODIC) && wheel.plays(FF_INERTIA); }));
   CHECK(waits([&] { return wheel.slots_in_use() == kSlots; }));
@@ -179,6 +183,60 @@ TEST_CASE("sdl: forces and effects of a wheel are uploaded, changed, played and 
   REQUIRE((*stream)->stop());
   CHECK(waits(
       [&] { return !wheel.plays(FF_CONSTANT) && !wheel.plays(FF_DAMPER) && !wheel.plays(FF_FRICTION); }));
+}
+
+TEST_CASE("sdl: waves of a wheel have shape and period and offset and envelope", "[.alsa]") {
+  Wheel wheel;
+  const auto backend = sdl();
+  const auto device = wheel_of(*backend);
+  Levels levels;
+  const auto level = [&](const std::string& output) -> std::atomic<double>& {
+    const auto at = std::ranges::find(device.out_names, output) - device.out_names.begin();
+    return levels.levels.at(static_cast<std::size_t>(at));
+  };
+  Guarded guarded{levels, kUnguarded};
+  guarded.disable_sensor_watch();
+  auto stream = backend->open(request_for(device), guarded);
+  REQUIRE(stream);
+  REQUIRE((*stream)->start());
+  const std::vector<std::pair<std::string, int>> waves{{"sine", FF_SINE},
+                                                       {"triangle", FF_TRIANGLE},
+                                                       {"sawtooth up", FF_SAW_UP},
+                                                       {"sawtooth down", FF_SAW_DOWN}};
+  for (const auto& [name, shape] : waves) {
+    CAPTURE(name);
+    const auto plays_as = [&](const auto& is) {
+      return waits([&] {
+        const auto effect = wheel.uploaded(FF_PERIODIC);
+        return wheel.plays(FF_PERIODIC) && effect->u.periodic.waveform == shape && is(*effect);
+      });
+    };
+    level(name + " period") = 0.025;
+    level(name + " offset") = 0.25;
+    level(name + " attack") = 0.1;
+    level(name + " fade") = 0.15;
+    level(name) = 0.5;
+    CHECK(plays_as([](const ff_effect& effect) {
+      return effect.u.periodic.period == 25 && effect.u.periodic.envelope.attack_length == 100;
+    }));
+    CHECK(plays_as([](const ff_effect& effect) {  // started again
+      return effect.u.periodic.envelope.attack_length == 0 && effect.replay.length == 500;
+    }));
+    CHECK(wheel.uploaded(FF_PERIODIC)->u.periodic.magnitude == Approx(16384).margin(2));
+    CHECK(wheel.uploaded(FF_PERIODIC)->u.periodic.offset == Approx(8192).margin(2));
+    level(name) = 0.0;
+    CHECK(plays_as([](const ff_effect& effect) {
+      return effect.u.periodic.envelope.fade_length == 150 && effect.replay.length == 150;
+    }));
+    REQUIRE((*stream)->stop());
+    CHECK(waits([&] { return !wheel.plays(FF_PERIODIC); }));
+    stream->reset();
+    for (auto& each : levels.levels) each = 0.0;
+    stream = backend->open(request_for(device), guarded);
+    REQUIRE(stream);
+    REQUIRE((*stream)->start());
+  }
+  REQUIRE((*stream)->stop());
 }
 
 TEST_CASE("sdl: a wheel that is unplugged while it plays is lost, and comes back", "[.alsa]") {

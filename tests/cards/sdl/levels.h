@@ -10,10 +10,14 @@
 #include <vector>
 
 #include "backends/backend.h"
+#include "backends/sdl/wave_effect.h"
 #include "engine/core/named.h"
 #include "tests/support/wait_until.h"
 
 namespace tactus::test {
+
+/// Motors, forces and effects, and the settings of four waves.
+inline constexpr int kMostOutputs = 12 + 4 * static_cast<int>(kWaveSettings.size());
 
 /// All outputs of a force-feedback device have the levels that a test gives.
 class Levels final : public BlockProcessor {
@@ -28,7 +32,7 @@ class Levels final : public BlockProcessor {
     for (int c = 0; c < outputs_; ++c)
       std::fill_n(io.out[c], io.frames, gain * levels[static_cast<std::size_t>(c)]);
   }
-  std::array<std::atomic<double>, 9> levels{};
+  std::array<std::atomic<double>, kMostOutputs> levels{};
   std::atomic<int> changes{0};     ///< blocks that still follow in which all levels change
   std::atomic<double> input{0.0};  ///< the first
 
@@ -37,9 +41,9 @@ class Levels final : public BlockProcessor {
 };
 
 /// The guard lets everything through.
-inline const std::vector<GuardedChannel> kUnguarded(9, {DriveGuard::Kind::Audio,
-                                                        {.ceiling = 1.0},
-                                                        {false, false}});
+inline const std::vector<GuardedChannel> kUnguarded(kMostOutputs, {DriveGuard::Kind::Audio,
+                                                                   {.ceiling = 1.0},
+                                                                   {false, false}});
 
 /// In the virtual machine, which is slow.
 inline bool waits(const std::function<bool()>& holds) { return wait_until(holds, std::chrono::seconds{120}); }

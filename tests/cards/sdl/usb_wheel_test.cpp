@@ -13,7 +13,8 @@ using namespace tactus::test;
 namespace {
 
 const std::string kUsbWheel = std::string{"sdl:"} + UsbWheel::kName;
-constexpr int kEffects = 8;  // seven, and one for both motors
+constexpr int kEffects = 8;                                        // seven, and one for both motors
+constexpr int kSettings = static_cast<int>(kWaveSettings.size());  // of its sine
 constexpr int kFromWest = 27000, kFromNorth = 0, kAnyDirection = -1;
 
 struct Played {
@@ -42,7 +43,7 @@ const std::vector<Played> kPlayed{
 constexpr double kRounding = 1.5;
 
 struct OpenWheel {
-  explicit OpenWheel(Backend& backend) : device(listed(backend, kUsbWheel, kEffects + 1)) {
+  explicit OpenWheel(Backend& backend) : device(listed(backend, kUsbWheel, kEffects + 1 + kSettings)) {
     guarded.disable_sensor_watch();
     auto opened = backend.open(request_for(device), guarded);
     INFO((opened ? "" : to_string(opened.error())));
@@ -54,9 +55,8 @@ struct OpenWheel {
     const auto at = std::ranges::find(device.out_names, output) - device.out_names.begin();
     return levels.levels.at(static_cast<std::size_t>(at));
   }
-  void set_all(double level) {
-    for (auto& each : levels.levels) each = level;
-  }
+  /// But not the settings of the sine.
+  void set_all(double level) { std::fill_n(levels.levels.begin(), kEffects + 1, level); }
 
   Device device;
   Levels levels;
@@ -125,6 +125,35 @@ TEST_CASE("sdl: a USB wheel gets what its outputs play, as reports of the PID cl
   CHECK(wheel.errors() == "");
 }
 
+TEST_CASE("sdl: the sine of a USB wheel has settings", "[.alsa]") {
+  const UsbWheel wheel{kEffects};
+  const auto backend = sdl();
+  OpenWheel open{*backend};
+  const auto plays_with = [&](int field, double value, double margin) {
+    return waits([&] {
+      const auto effect = wheel.playing(kEtSine);
+      return effect && std::abs(effect->fields.at(field) - value) <= margin;
+    });
+  };
+  open.level("sine period") = 0.025;
+  open.level("sine offset") = 0.25;
+  open.level("sine attack") = 0.1;
+  open.level("sine fade") = 0.15;
+  open.level("sine") = 0.5;
+  CHECK(plays_with(kMagnitude, 0.5 * UsbWheel::kFullScale, kRounding));
+  CHECK(plays_with(kPeriod, 25, 0));
+  CHECK(plays_with(kOffset, 0.25 * UsbWheel::kFullScale, kRounding));
+  CHECK(plays_with(kAttackTime, 0, 0));  // started again
+  open.level("sine period") = 0.04;
+  CHECK(plays_with(kPeriod, 40, 0));
+  open.level("sine") = 0.0;
+  CHECK(plays_with(kDuration, 150, 0));
+  CHECK(plays_with(kFadeTime, 150, 0));
+  REQUIRE(open.stream->stop());
+  CHECK(waits([&] { return all_play(wheel, false); }));
+  CHECK(wheel.errors() == "");
+}
+
 TEST_CASE("sdl: a USB wheel whose outputs all change in every block is not sent more than it takes",
           "[.alsa]") {
   const UsbWheel wheel{kEffects};
@@ -160,11 +189,11 @@ TEST_CASE("sdl: a USB wheel that is unplugged while it plays is lost, and comes 
   Levels levels;
   Guarded guarded{levels, kUnguarded};
   guarded.disable_sensor_watch();
-  const auto device = listed(*backend, kUsbWheel, kEffects + 1);
+  const auto device = listed(*backend, kUsbWheel, kEffects + 1 + kSettings);
   auto stream = ReconnectingStream::open(*backend, request_for(device), guarded);
   REQUIRE(stream);
   REQUIRE((*stream)->start());
-  for (auto& each : levels.levels) each = 0.5;
+  std::fill_n(levels.levels.begin(), kEffects + 1, 0.5);
   for (int turn = 0; turn < 3; ++turn) {
     REQUIRE(waits([&] { return wheel.effects().size() == kEffects && all_play(wheel, true); }));
     wheel.unplug();
@@ -180,17 +209,18 @@ TEST_CASE("sdl: a USB wheel that is unplugged while it plays is lost, and comes 
 TEST_CASE("sdl: a USB wheel with four slots has four effects, both motors in one", "[.alsa]") {
   const UsbWheel wheel{4};
   const auto backend = sdl();
-  const auto device = listed(*backend, kUsbWheel, 4 + 1);
-  CHECK(device.out_names ==
-        std::vector<std::string>{"rumble low", "rumble high", "force x", "force y", "sine"});
+  const auto device = listed(*backend, kUsbWheel, 4 + 1 + kSettings);
+  CHECK(device.out_names == std::vector<std::string>{"rumble low", "rumble high", "force x", "force y",
+                                                     "sine", "sine period", "sine offset", "sine phase",
+                                                     "sine attack", "sine fade"});
   Levels levels;
   Guarded guarded{levels, kUnguarded};
   auto request = request_for(device);
-  request.out_channels = 6;
+  request.out_channels = 11;
   const auto refused = backend->open(request, guarded);
   REQUIRE_FALSE(refused);
   CHECK(to_string(refused.error()) ==
-        "'" + kUsbWheel + "' has 5 outputs, but number 6 is requested; choose channels from 1 to 5");
+        "'" + kUsbWheel + "' has 10 outputs, but number 11 is requested; choose channels from 1 to 10");
 }
 
 TEST_CASE("sdl: effects that the memory of a USB wheel does not hold are reported, and the others play",
