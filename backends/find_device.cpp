@@ -72,11 +72,13 @@ Status fits(int channels, const std::vector<int>& map, bool inputs, const Device
 Status fits(const StreamRequest& request, const Device& device) {
   if (!request.sample_rate) return {};
   const double rate = request.sample_rate->value;
-  if (!(std::isfinite(rate) && rate >= 8e3 && rate <= 192e3))
+  const auto& rates = device.sample_rates;
+  if (std::count(rates.begin(), rates.end(), *request.sample_rate) > 0) return {};
+  const bool is_sound_card = std::ranges::none_of(rates, [](Hertz each) { return each < 8_kHz; });
+  if (is_sound_card && !(std::isfinite(rate) && rate >= 8e3 && rate <= 192e3))
     return fail(Errc::OutOfRange, "", fmt::format("{} Hz is not a sample rate of sound cards", rate),
                 "choose 8 kHz to 192 kHz");
-  const auto& rates = device.sample_rates;
-  if (rates.empty() || std::count(rates.begin(), rates.end(), *request.sample_rate) > 0) return {};
+  if (rates.empty()) return {};
   std::string text;
   for (const auto& supported : rates)
     text += fmt::format("{}{:g}", text.empty() ? "" : ", ", supported.value);

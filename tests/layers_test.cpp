@@ -121,9 +121,11 @@ std::string judge_own(const std::string& file, const std::string& include) {
   const auto to = layer_of(include);
   if (to.empty()) return "not a path from the repository's root";
   if (!reaches(from, to)) return from + " must not include " + to;
-  // Apps choose a backend by name; below them, each backend stands alone.
+  // Apps choose a backend by name; below them, each backend stands alone, but for folders that its row names.
   const auto backend = backend_of(include);
-  if (begins(from, "backends") && !backend.empty() && backend != backend_of(file))
+  const auto& named = layers().at(from);
+  if (begins(from, "backends") && !backend.empty() && backend != backend_of(file) &&
+      std::count(named.begin(), named.end(), backend) == 0)
     return "a backend must not include another";
   return "";
 }

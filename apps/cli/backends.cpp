@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "apps/cli/console.h"
+#include "backends/described_devices.h"
 #include "backends/find_device.h"
 #include "backends/library_calls.h"
 #include "backends/loop/loop.h"
@@ -76,8 +77,9 @@ Result<ChosenDevices> choose_devices(const std::string& backend, const std::stri
   std::vector<std::string> reasons;
   for (const auto& called : *backends) {
     auto made = called.make();
-    // A simulated card is made from its description.
-    if (auto* loop = dynamic_cast<LoopBackend*>(made.get())) (void)loop->add(wanted);
+    if (auto* described = dynamic_cast<DescribedDevices*>(made.get()))
+      if (auto status = described->add(wanted); !status && status.error().code != Errc::UnknownName)
+        return tl::unexpected(status.error());
     const auto devices = made->devices();
     if (!devices || devices->empty()) {
       reasons.push_back(called.name + ": " + (devices ? "no device" : to_string(devices.error())));

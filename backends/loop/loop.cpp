@@ -185,12 +185,59 @@ class LoopStream final : public Stream {
   std::thread thread_;
 };
 
-Device device_called(const std::string& id, const std::string& about) {
+/// Single frames of a simulated card. An output that was skipped plays on.
+class LoopFrames final : public FrameDevice {
+ public:
+  LoopFrames(const LoopCard& card, const LoopTiming& timing, const StreamRequest& request)
+      : in_map_(channels_of(request.in_map, request.in_channels)),
+        out_map_(channels_of(request.out_map, request.out_channels)),
+        crossed_(card.cable == LoopCard::Cable::Crossed ? 1 : 0),
+        is_connected_(card.cable != LoopCard::Cable::None),
+        held_(out_map_.size()) {
+    for (int c = 0; c < kChannels; ++c) paths_.emplace_back(card, timing, c);
+  }
+  int in_channels() const override { return static_cast<int>(in_map_.size()); }
+  int out_channels() const override { return static_cast<int>(out_map_.size()); }
+  bool read(std::int64_t frame, float* in) noexcept override {
+    std::array<double, kChannels> recorded{};
+    for (; next_ <= frame; ++next_) {
+      for (std::size_t c = 0; c < kChannels; ++c) recorded[c] = paths_[c].record(next_, 0.0);
+      if (next_ < frame) play(next_);
+    }
+    for (std::size_t c = 0; c < in_map_.size(); ++c) in[c] = static_cast<float>(recorded[index(in_map_[c])]);
+    return true;
+  }
+  bool write(std::int64_t frame, const float* out) noexcept override {
+    for (std::size_t c = 0; c < held_.size(); ++c) held_[c] = static_cast<double>(out[c]);
+    play(frame);
+    return true;
+  }
+  void to_zero() noexcept override { std::fill(held_.begin(), held_.end(), 0.0); }
+
+ private:
+  void play(std::int64_t frame) noexcept {
+    for (std::size_t c = 0; c < held_.size() && is_connected_; ++c)
+      paths_[index((out_map_[c] + crossed_) % kChannels)].play(frame, held_[c]);
+  }
+
+  std::vector<int> in_map_, out_map_;
+  int crossed_;
+  bool is_connected_;
+  std::vector<LoopPath> paths_;
+  std::vector<double> held_;
+  std::int64_t next_ = 0;
+};
+
+Device device_called(const std::string& id, const std::string& about, bool per_sample) {
   Device device;
   device.id = id;
   device.name = about;
   device.in_channels = device.out_channels = kChannels;
-  device.default_rate = 48_kHz;
+  device.default_rate = per_sample ? Hertz{10e3} : 48_kHz;
+  if (per_sample) {
+    device.sample_rates = paced_rates();
+    device.block_frames = 1;
+  }
   return device;
 }
 
@@ -198,8 +245,9 @@ Device device_called(const std::string& id, const std::string& about) {
 
 Result<std::vector<Device>> LoopBackend::devices() {
   std::vector<Device> all;
-  for (const auto& card : loop_cards()) all.push_back(device_called(kPrefix + card.name, card.about));
-  for (const auto& [id, card] : cards_) all.push_back(device_called(id, "a simulated card"));
+  for (const auto& card : loop_cards())
+    all.push_back(device_called(kPrefix + card.name, card.about, loop_card(card.name)->per_sample));
+  for (const auto& [id, card] : cards_) all.push_back(device_called(id, "a simulated card", card.per_sample));
   all.front().is_default = true;
   return all;
 }
@@ -228,8 +276,8 @@ Result<std::unique_ptr<Stream>> LoopBackend::open(const StreamRequest& request, 
     return fail(Errc::BadArgument, "", "a simulated card has no path from another device",
                 "omit the input device");
   const auto card = this->card(choice->granted.device);
-  const auto timing =
-      timing_of(card, choice->granted.format.sample_rate, request.block_frames.value_or(kUsualBlock));
+  const auto timing = timing_of(card, choice->granted.format.sample_rate,
+                                card.per_sample ? 1 : request.block_frames.value_or(kUsualBlock));
   if (!timing) return tl::unexpected(timing.error());
 
   auto granted = choice->granted;
@@ -237,6 +285,9 @@ Result<std::unique_ptr<Stream>> LoopBackend::open(const StreamRequest& request, 
   granted.periods = card.delay_blocks;
   granted.input_latency_frames = timing->hardware_frames;
   granted.output_latency_frames = timing->buffer_frames;
+  if (card.per_sample && card.real_time)
+    return PacedStream::open(std::make_unique<LoopFrames>(card, *timing, request), std::move(granted),
+                             card.pace, processor);
   if (!card.real_time) processor.disable_dead_mans_switch();  // its 500 ms pass at once
   if (auto status = processor.prepare(granted.format); !status) return tl::unexpected(status.error());
   return std::make_unique<LoopStream>(card, *timing, request, std::move(granted), processor, openings_++);

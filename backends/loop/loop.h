@@ -6,6 +6,7 @@
 #include <string>
 
 #include "backends/backend.h"
+#include "backends/described_devices.h"
 #include "backends/loop/loop_card.h"
 
 namespace tactus {
@@ -15,7 +16,7 @@ namespace tactus {
 /// two inputs and two outputs at any rate. For trying out what measures a card, and for testing it.
 ///
 /// A thread of its own brings the blocks; `Health::seconds` counts by the clock of the card.
-class LoopBackend final : public Backend {
+class LoopBackend final : public Backend, public DescribedDevices {
  public:
   enum class Pace {
     RealTime,
@@ -26,7 +27,7 @@ class LoopBackend final : public Backend {
   /// [control] One more device, called `id`, "loop:" included.
   void add(const std::string& id, const LoopCard& card) { cards_[id] = card; }
   /// [control] The same for an id that describes the card, such as "loop:delay=960.25". Errors: UnknownName.
-  Status add(const std::string& id);
+  Status add(const std::string& id) override;
 
   std::string name() const override { return "loop"; }
   Result<std::vector<Device>> devices() override;

@@ -59,6 +59,12 @@ const Setting kSettings[] = {
     {"rate_factor", 0.1, 10, [](LoopCard& card, double value) { card.rate_factor = value; }},
     {"block_factor", 0.01, 1, [](LoopCard& card, double value) { card.block_factor = value; }},
     {"real_time", 0, 1, [](LoopCard& card, double value) { card.real_time = value != 0; }},
+    {"per_sample", 0, 1, [](LoopCard& card, double value) { card.per_sample = value != 0; }},
+    {"busy", 0, 1,
+     [](LoopCard& card, double value) {
+       card.pace.wait = value != 0 ? SystemTimer::Wait::Busy : SystemTimer::Wait::Timer;
+     }},
+    {"core", 0, 1023, [](LoopCard& card, double value) { card.pace.core = static_cast<int>(value); }},
 };
 
 /// Sets `key` to "-20dB" or "0.1"; false: there is no such key, or no such value.
@@ -130,6 +136,8 @@ const std::vector<NamedLoopCard>& loop_cards() {
        "delay=200,blocks=2,monitor=0.25,in_software=1"},
       {"noise", "more noise than signal", "gain=-50dB,noise=-36dB"},
       {"unstable", "a different delay each time it is opened", "unstable=200"},
+      {"per_sample", "blocks of one frame at 1 to 20 kHz, as of a data acquisition card of 16 bits",
+       "per_sample=1,delay=1,noise=0,bits=16"},
   };
   return all;
 }

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "backends/paced/paced_stream.h"
 #include "engine/core/error.h"
 #include "engine/core/units.h"
 
@@ -53,6 +54,9 @@ struct LoopCard {
   double rate_factor = 1.0;   ///< of the rate at which it truly runs
   double block_factor = 1.0;  ///< of the frames that a block truly has; (0, 1]
   bool real_time = true;      ///< false: blocks come as fast as they are processed
+  /// Blocks of one frame, at 1 to 20 kHz, by the loop that data acquisition cards have.
+  bool per_sample = false;
+  PacedSettings pace;  ///< of that loop
 };
 
 /// [any] A device id without its "loop:": the name of one of `loop_cards`, or settings such as

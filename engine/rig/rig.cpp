@@ -304,7 +304,7 @@ const SectionType& rig_fields() {
                                   {required(text_field("output", "id of the device")),
                                    text_field("input", "id of the device", "that of the output"),
                                    text_field("second", "id of a joystick, wheel or gamepad beside it"),
-                                   quantity_field("rate", "Hz", 8e3, 192e3, "sample rate"),
+                                   quantity_field("rate", "Hz", 1e3, 192e3, "sample rate"),
                                    whole_field("block", 1, 8192, "block size in frames"),
                                    whole_field("periods", 1, 64, "blocks in the driver's buffer")}};
   static const auto channel = required(
