@@ -8,7 +8,7 @@ find_package(tl-expected REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(SNDFILE REQUIRED IMPORTED_TARGET sndfile)
 
-# Libraries for sound cards, force-feedback devices and MIDI, each with the name of its package in pkg-config and the versions that can be
+# Libraries for sound cards, force-feedback devices, data acquisition cards and MIDI, each with the name of its package in pkg-config and the versions that can be
 # used. A line here registers the backend in the folder of that name, in the order in which they are asked for a device;
 # one that is not installed, or only in another version, is left out.
 set(sound_libraries
@@ -17,14 +17,17 @@ set(sound_libraries
   portaudio portaudio-2.0)
 set(haptic_libraries  # of force-feedback devices
   sdl sdl2)
+set(acquisition_libraries  # of data acquisition cards
+  comedi comedilib)
 set(midi_libraries
   rtmidi rtmidi)
 
-set(TACTUS_CARDS "" CACHE STRING "Libraries for sound cards, force-feedback devices and MIDI to use; empty: all that are installed")
+set(TACTUS_CARDS "" CACHE STRING "Libraries for sound cards, force-feedback devices, data acquisition cards and MIDI to use; empty: all that are installed")
 set(TACTUS_SOUND_LIBRARIES "")  # those found
 set(TACTUS_HAPTIC_LIBRARIES "")
+set(TACTUS_ACQUISITION_LIBRARIES "")
 set(TACTUS_MIDI_LIBRARIES "")
-foreach(kind sound haptic midi)
+foreach(kind sound haptic acquisition midi)
   string(TOUPPER ${kind} KIND)
   while(${kind}_libraries)
     list(POP_FRONT ${kind}_libraries library package)

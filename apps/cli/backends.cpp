@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "apps/cli/console.h"
+#include "backends/acquisition_backends.h"
 #include "backends/described_devices.h"
 #include "backends/find_device.h"
 #include "backends/library_calls.h"
@@ -61,6 +62,10 @@ std::string delay_remedy(const std::string& device, const std::string& rig_file)
     return "estimate its delay: the time between two reports of the device, which tactus play prints, plus 3 "
            "ms";
   return "run tactus latency measure" + (rig_file.empty() ? "" : " --rig " + rig_file);
+}
+
+bool has_capacitors(const std::string& backend) {
+  return !is_haptic(backend) && find_named(acquisition_backends(), backend) == nullptr;
 }
 
 Result<ChosenDevices> choose_devices(const std::string& backend, const std::string& output,

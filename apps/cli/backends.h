@@ -21,6 +21,8 @@ Result<std::vector<BackendType>> backends_called(const std::string& name);
 std::string backend_of(const std::string& device);
 /// Its devices are joysticks, wheels and gamepads, of which the outputs are motors and forces.
 bool is_haptic(const std::string& backend);
+/// Its outputs usually have coupling capacitors, as those of sound cards.
+bool has_capacitors(const std::string& backend);
 
 /// Options that say which card is played on.
 struct DeviceOptions {

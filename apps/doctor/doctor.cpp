@@ -453,7 +453,7 @@ std::vector<SystemFinding> check_system(const SystemState& system) {
 
 std::vector<SystemFinding> check_rig_outputs(const Rig& rig, const std::string& file) {
   Findings all;
-  if (is_haptic(backend_of(rig.device.output))) return {};  // no coupling capacitor precedes a motor
+  if (!has_capacitors(backend_of(rig.device.output))) return {};
   for (const auto& output : rig.outputs) {
     if (output.channels.empty() || output.on_second_device()) continue;
     const auto name = "output '" + output.name + "'";
