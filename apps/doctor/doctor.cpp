@@ -283,6 +283,31 @@ SystemFinding check_cards(const SystemState& system) {
               "sudo dmesg | tail   # shows what happened when it was connected");
 }
 
+/// For a loop of one frame a call; only where there is a data acquisition card.
+void check_acquisition(const SystemState& system, Findings& findings) {
+  const auto numbered = [&](const char* folder, const std::string& what) {
+    auto names = system.names(folder);
+    std::erase_if(names, [&](const std::string& name) {
+      return !name.starts_with(what) || name.size() == what.size() ||
+             name.find_first_not_of("0123456789", what.size()) != std::string::npos;
+    });
+    return names;
+  };
+  const auto cards = fmt::format("{}", fmt::join(numbered("dev", "comedi"), ", "));
+  if (cards.empty()) return;
+  const auto isolated = system.line("sys/devices/system/cpu/isolated");
+  if (!isolated.empty())
+    return findings.add("data acquisition", ok(cards + ": core " + isolated + " is isolated for its loop"));
+  const auto cores = numbered("sys/devices/system/cpu", "cpu").size();
+  findings.add(
+      "data acquisition",
+      warn(cards + ": other programs run on the core of its loop, and frames come late",
+           fmt::format("sudo sed -i 's/^GRUB_CMDLINE_LINUX=\"/&isolcpus={0} nohz_full={0} /' "
+                       "/etc/default/grub && sudo update-grub   # then boot, and add ,core={0} to the "
+                       "device",
+                       std::max<std::size_t>(cores, 2) - 1)));
+}
+
 /// A finding for each sound card on USB, or one that says that there is none.
 void check_usb(const SystemFiles& system, Findings& findings) {
   const auto before = findings.size();
@@ -447,6 +472,7 @@ std::vector<SystemFinding> check_system(const SystemState& system) {
   for (const auto& [name, check] : kChecks) all.add(name, check(system));
   check_servers(system, all);
   all.add("sound cards", check_cards(system));
+  check_acquisition(system, all);
   check_usb(system, all);
   return all;
 }

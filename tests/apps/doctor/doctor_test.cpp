@@ -6,6 +6,7 @@
 
 #include "apps/doctor/findings.h"
 #include "apps/doctor/support_report.h"
+#include "backends/acquisition_backends.h"
 #include "backends/backend.h"
 #include "engine/core/named.h"
 #include "tests/support/error_summary.h"
@@ -272,6 +273,31 @@ TEST_CASE("doctor: motors of a gamepad are not asked for AC coupling", "[doctor]
   for (const auto& backend : haptic_backends()) {
     rig.device.output = backend.name + ":Xbox Wireless Controller";
     CHECK(check_rig_outputs(rig, "pad.toml").empty());
+  }
+}
+
+TEST_CASE("doctor: a data acquisition card should have a core of its own", "[doctor]") {
+  const FakeSystem system;
+  system.version(kDebianRt, "quiet");
+  system.write("dev/comedi0_subd0", "");  // a part of a card
+  const auto none = check_system(system);
+  CHECK(find_named(none, "data acquisition") == nullptr);
+  system.write("dev/comedi0", "");
+  for (const auto* core : {"cpu0", "cpu1", "cpu2", "cpu3", "cpufreq"})
+    system.write(std::string{"sys/devices/system/cpu/"} + core + "/online", "1\n");
+  const auto shared = found(system, "data acquisition");
+  CHECK(shared.state == State::Warn);
+  CHECK(shared.command.find("isolcpus=3") != std::string::npos);
+  system.write("sys/devices/system/cpu/isolated", "3\n");
+  CHECK(found(system, "data acquisition").state == State::Ok);
+}
+
+TEST_CASE("doctor: outputs of a data acquisition card are not asked for AC coupling", "[doctor]") {
+  Rig rig;
+  rig.outputs.push_back({{"motor", {}, {1}, ""}, {}, {}});
+  for (const auto& backend : acquisition_backends()) {
+    rig.device.output = backend.name + ":/dev/comedi0";
+    CHECK(check_rig_outputs(rig, "arm.toml").empty());
   }
 }
 
