@@ -8,6 +8,11 @@ find_package(tl-expected REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(SNDFILE REQUIRED IMPORTED_TARGET sndfile)
 
+option(TACTUS_ODE "Worlds of rigid bodies, where the Open Dynamics Engine is installed" ON)
+if(TACTUS_ODE)
+  pkg_check_modules(ode QUIET IMPORTED_TARGET ode>=0.16)
+endif()
+
 # Libraries for sound cards, force-feedback devices, data acquisition cards and MIDI, each with the name of its package in pkg-config and the versions that can be
 # used. A line here registers the backend in the folder of that name, in the order in which they are asked for a device;
 # one that is not installed, or only in another version, is left out.

@@ -9,6 +9,7 @@
 #include "engine/nodes/networks/network_elements.h"
 #include "engine/nodes/reference.h"
 #include "engine/nodes/table.h"
+#include "engine/nodes/world/world_elements.h"
 
 namespace tactus::app {
 namespace {
@@ -70,7 +71,15 @@ Json entry_json(const ElementQuantity& quantity) {
   return json;
 }
 
+Json entry_json(const WorldQuantity& quantity) {
+  const bool trigger = quantity.reading == WorldReading::Trigger;
+  return {{"name", quantity.name}, {"unit", trigger ? "trigger" : quantity.unit}, {"doc", quantity.doc}};
+}
+
+template <class Element>
+Json element_json(const Element& element);
 Json entry_json(const ElementType& element);
+Json entry_json(const WorldElementType& element);
 
 template <class Items>
 Json json_list(const Items& items) {
@@ -89,7 +98,8 @@ Json entry_json(const NodeType& type) {
           {"settings", json_list(type.settings)}};
 }
 
-Json entry_json(const ElementType& element) {
+template <class Element>
+Json element_json(const Element& element) {
   static constexpr const char* kEnds[] = {"none", "on", "on, against", "between"};
   return {{"name", element.name},
           {"summary", element.doc},
@@ -101,22 +111,27 @@ Json entry_json(const ElementType& element) {
           {"outputs", json_list(element.quantities)}};
 }
 
+Json entry_json(const ElementType& element) { return element_json(element); }
+Json entry_json(const WorldElementType& element) { return element_json(element); }
+
 [[noreturn]] void exit_unknown(const NodeTable& table, const std::string& name) {
-  std::vector<std::string> names = {"network"};
+  std::vector<std::string> names = {"network", "world"};
   for (const auto* type : table.types) names.push_back(type->name);
   const auto other = table.other_name(name);
   exit_with({Errc::UnknownName, "", "there is no node type '" + name + "'",
-             find_element(name) ? "it is an element of networks, see `tactus nodes network`"
-             : !other.empty()   ? other
-                                : suggest(name, names, "`tactus nodes` lists them all")});
+             find_element(name)         ? "it is an element of networks, see `tactus nodes network`"
+             : find_world_element(name) ? "it is an element of worlds, see `tactus nodes world`"
+             : !other.empty()           ? other
+                                        : suggest(name, names, "`tactus nodes` lists them all")});
 }
 
 std::string json_text(const NodeTable& table, const std::string& name) {
   Json all;
-  if (name != "network") all["nodes"] = Json::array();
+  if (name != "network" && name != "world") all["nodes"] = Json::array();
   for (const auto* type : table.types)
     if (name.empty() || type->name == name) all["nodes"].push_back(entry_json(*type));
   if (name.empty() || name == "network") all["network_elements"] = json_list(network_elements());
+  if (name.empty() || name == "world") all["world_elements"] = json_list(world_elements());
   return all.dump(2) + "\n";
 }
 
@@ -124,12 +139,13 @@ int run_nodes(const NodesOptions& options) {
   const auto& table = standard_nodes();
   const auto& name = options.name;
   const auto* type = table.find(name);
-  if (!name.empty() && name != "network" && type == nullptr) exit_unknown(table, name);
+  if (!name.empty() && name != "network" && name != "world" && type == nullptr) exit_unknown(table, name);
   fmt::print("{}", options.json       ? json_text(table, name)
                    : options.schema   ? file_schema(table)
                    : options.markdown ? reference_markdown(table) + file_reference()
                    : name.empty()     ? reference_overview(table)
                    : type != nullptr  ? reference_text(*type)
+                   : name == "world"  ? world_reference()
                                       : network_reference());
   return kDone;
 }
@@ -137,10 +153,11 @@ int run_nodes(const NodesOptions& options) {
 }  // namespace
 
 void add_nodes(CLI::App& app, int& exit_code) {
-  auto [command, options] = add_command(
-      app, "nodes", "Print the reference for node types and network elements", exit_code, run_nodes);
+  auto [command, options] =
+      add_command(app, "nodes", "Print the reference for node types and elements of networks and worlds",
+                  exit_code, run_nodes);
   command.add_option("NAME", options.name,
-                     "node type to describe in full, or `network` for the elements of networks");
+                     "node type to describe in full, or `network` or `world` for the elements of those");
   command.add_flag("--json", options.json, "print the reference as JSON");
   command.add_flag("--markdown", options.markdown,
                    "print the whole reference as Markdown (the source of docs/nodes.md)");

@@ -10,6 +10,7 @@
 #include "engine/graph/semantics/operators.h"
 #include "engine/nodes/networks/network_elements.h"
 #include "engine/nodes/networks/solver_names.h"
+#include "engine/nodes/world/world_elements.h"
 #include "engine/rig/profile.h"
 #include "engine/rig/rig.h"
 #include "engine/scene/file/scene_spec.h"
@@ -186,7 +187,8 @@ Json section_schema(const SectionType& section) {
 }
 
 /// The keys that name other elements.
-void add_ends(const ElementType& type, Keys& keys) {
+template <class Element>
+void add_ends(const Element& type, Keys& keys) {
   using Ends = ElementType::Ends;
   if (type.ends == Ends::Between)
     keys.add("between", list("two points, the lower one first", text(""), 2, 2), true);
@@ -208,7 +210,8 @@ Json node(const NodeType& type) {
   return keys.object(type.summary);
 }
 
-Json element(const ElementType& type) {
+template <class Element>
+Json element(const Element& type) {
   Keys keys;
   keys.add("type", {{"const", type.name}}, true);
   add_ends(type, keys);
@@ -262,6 +265,13 @@ Json part() {
 Json network() {
   auto json = entries("masses on a line and the elements between them", reference("element"));
   json["properties"] = section_schema(network_options())["properties"];
+  json["minProperties"] = 1;
+  return json;
+}
+
+Json world() {
+  auto json = entries("rigid bodies in space and what acts on them", reference("world_element"));
+  json["properties"] = section_schema(world_options())["properties"];
   json["minProperties"] = 1;
   return json;
 }
@@ -339,8 +349,9 @@ std::string file_schema(const NodeTable& table) {
                    {"rig", section_schema(rig_fields())},
                    {"node", any_node()},
                    {"part", part()},
-                   {"network", network()}};
-  std::vector<std::string> nodes, elements;
+                   {"network", network()},
+                   {"world", world()}};
+  std::vector<std::string> nodes, elements, bodies;
   for (const auto* type : table.types) {
     nodes.push_back(type->name);
     definitions["node_" + type->name] = node(*type);
@@ -349,6 +360,11 @@ std::string file_schema(const NodeTable& table) {
     elements.push_back(type.name);
     definitions["element_" + type.name] = element(type);
   }
+  for (const auto& type : world_elements()) {
+    bodies.push_back(type.name);
+    definitions["world_element_" + type.name] = element(type);
+  }
+  definitions["world_element"] = by_type("world_element_", bodies);
   definitions["typed_node"] = by_type("node_", nodes);
   definitions["element"] = by_type("element_", elements);
   const Json all{

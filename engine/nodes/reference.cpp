@@ -9,6 +9,7 @@
 
 #include "engine/graph/file/quantity.h"
 #include "engine/nodes/networks/network_elements.h"
+#include "engine/nodes/world/world_elements.h"
 
 namespace tactus {
 namespace {
@@ -76,6 +77,11 @@ Row row_of(const ElementField& field) {
 
 Row row_of(const ElementQuantity& quantity) {
   return {quantity.name, unit_text(quantity.unit), "", "", quantity.doc};
+}
+
+Row row_of(const WorldQuantity& quantity) {
+  const bool trigger = quantity.reading == WorldReading::Trigger;
+  return {quantity.name, trigger ? "trigger" : unit_text(quantity.unit), "", "", quantity.doc};
 }
 
 constexpr std::size_t kWidth = 100;
@@ -220,6 +226,20 @@ const char* ends_text(ElementType::Ends ends) {
   return kTexts[static_cast<int>(ends)];
 }
 
+/// The elements of networks or of worlds.
+template <class Elements, class EndsText>
+void write_elements(Page& page, const Elements& elements, EndsText ends) {
+  for (const auto& element : elements) {
+    page.title(element.name, 3);
+    page.paragraph(element.doc + ends(element.ends));
+    page.equation(element.equation);
+    page.table("setting", element.settings);
+    page.table("field", element.fields);
+    page.table("output", element.quantities);
+    page.example(element.example);
+  }
+}
+
 void write_networks(Page& page) {
   page.title("Networks", 2);
   page.paragraph(
@@ -227,15 +247,27 @@ void write_networks(Page& page) {
       "the inputs act on the step to the next frame. An output is written `network.element.output`; "
       "`network.element` alone is the first output. Where a range has no end, it ends at " +
       short_number(kLargestField) + ", except for signals.");
-  for (const auto& element : network_elements()) {
-    page.title(element.name, 3);
-    page.paragraph(element.doc + ends_text(element.ends));
-    page.equation(element.equation);
-    page.table("setting", element.settings);
-    page.table("field", element.fields);
-    page.table("output", element.quantities);
-    page.example(element.example);
-  }
+  write_elements(page, network_elements(), ends_text);
+}
+
+/// The same for worlds.
+const char* body_ends_text(ElementType::Ends ends) {
+  return ends == ElementType::Ends::None ? ""
+         : ends == ElementType::Ends::On ? " `on` gives the body."
+                                         : " `on` gives the body, `against` another one.";
+}
+
+void write_worlds(Page& page) {
+  page.title("Worlds", 2);
+  page.paragraph(
+      "Elements of `[worlds.<name>]`: rigid bodies in space, in builds with the Open Dynamics Engine. z "
+      "points up. A world is stepped at its own rate; in the frames of a step positions move on a line to "
+      "the next state, and all else is held. Without an element of type gravity nothing falls. Also "
+      "`world.energy`, "
+      "`world.depth` and `world.refused` can be read.");
+  page.table("setting", world_options().fields);
+  page.table("output", world_quantities());
+  write_elements(page, world_elements(), body_ends_text);
 }
 
 std::vector<std::string> groups_of(const NodeTable& table) {
@@ -264,10 +296,13 @@ std::string reference_overview(const NodeTable& table) {
   text += "networks\n";
   for (const auto& element : network_elements())
     text += wrapped("  " + padded(element.name, kNameWidth), element.doc);
+  text += "worlds\n";
+  for (const auto& element : world_elements())
+    text += wrapped("  " + padded(element.name, kNameWidth), element.doc);
   return text + "\n" +
          wrapped("",
                  "`tactus nodes NAME` describes one type in full, `tactus nodes network` the elements of "
-                 "networks.");
+                 "networks, `tactus nodes world` those of worlds.");
 }
 
 std::string reference_text(const NodeType& type) {
@@ -279,6 +314,12 @@ std::string reference_text(const NodeType& type) {
 std::string network_reference() {
   Page page{false};
   write_networks(page);
+  return page.take();
+}
+
+std::string world_reference() {
+  Page page{false};
+  write_worlds(page);
   return page.take();
 }
 
@@ -297,6 +338,7 @@ std::string reference_markdown(const NodeTable& table) {
       if (type->group == group) write_type(page, *type);
   }
   write_networks(page);
+  write_worlds(page);
   auto text = page.take();
   text.pop_back();  // one line break at the end, not two
   return text;

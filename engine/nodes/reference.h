@@ -16,6 +16,8 @@ std::string reference_overview(const NodeTable& table);
 std::string reference_text(const NodeType& type);
 /// [control] The elements of networks.
 std::string network_reference();
+/// [control] Those of worlds.
+std::string world_reference();
 /// [control] All of it as docs/nodes.md.
 std::string reference_markdown(const NodeTable& table);
 

@@ -2,6 +2,7 @@
 
 #include "engine/nodes/networks/network.h"
 #include "engine/nodes/other_names.h"
+#include "engine/nodes/world/world.h"
 
 namespace tactus {
 
@@ -50,6 +51,10 @@ const Family kFamilies[] = {
       actuator_inverse_type}},
 };
 
+Checked<std::shared_ptr<const NodeType>> network_or_world_type(const NetworkSpec& spec) {
+  return spec.world ? world_type(spec) : network_type(spec);
+}
+
 }  // namespace
 
 const NodeTable& standard_nodes() {
@@ -60,7 +65,7 @@ const NodeTable& standard_nodes() {
     return all;
   }();
   static const NodeTable table = [] {
-    NodeTable all{.types = {}, .network = network_type, .other_name = other_name};
+    NodeTable all{.types = {}, .network = network_or_world_type, .other_name = other_name};
     for (const auto& type : types) all.types.push_back(&type);
     return all;
   }();

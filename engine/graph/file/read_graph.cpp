@@ -84,18 +84,18 @@ NodeSpec read_node(const Field& field, ErrorList& errors) {
   return node;
 }
 
-NodeSpec read_element(const Field& field, const std::string& network, ErrorList& errors) {
+NodeSpec read_element(const Field& field, const NetworkSpec& network, ErrorList& errors) {
   NodeSpec element{{field.key, field.at, *field.value.table()}, {}, {}, {}, field.at};
   if (find(element.fields, "type") == nullptr)
     errors.add(Errc::Missing, field.at,
-               "element '" + field.key + "' of network '" + network + "' has no 'type'",
-               "give its type, as in type = \"mass\"");
+               "element '" + field.key + "' of " + network.kind() + " '" + network.name + "' has no 'type'",
+               std::string{"give its type, as in type = \""} + (network.world ? "sphere\"" : "mass\""));
   element.type = take_text(element, "type", errors);
   return element;
 }
 
-NetworkSpec read_network(EntrySpec entry, ErrorList& errors) {
-  NetworkSpec network{{entry.name, entry.at, {}, entry.broken}, {}};
+NetworkSpec read_network(EntrySpec entry, bool world, ErrorList& errors) {
+  NetworkSpec network{{entry.name, entry.at, {}, entry.broken}, {}, world};
   NameSpace names{NameSpace::Names::AfterDots};
   for (auto& field : entry.fields) {
     if (field.value.table() == nullptr) {
@@ -103,7 +103,7 @@ NetworkSpec read_network(EntrySpec entry, ErrorList& errors) {
       continue;
     }
     names.add(field.key, "an element", field.at, errors);
-    network.elements.push_back(read_element(field, entry.name, errors));
+    network.elements.push_back(read_element(field, network, errors));
     network.broken = network.broken || network.elements.back().type.empty();
   }
   return network;
@@ -117,7 +117,8 @@ void check_names(const GraphSpec& spec, ErrorList& errors) {
   add_all(spec.inputs, "an input", inside);
   add_all(spec.controls, "a control", inside);
   add_all(spec.nodes, "a node", inside);
-  add_all(spec.networks, "a network", inside);
+  for (const auto& network : spec.networks)
+    inside.add(network.name, std::string{"a "} + network.kind(), network.at, errors);
   // An output may be called like the node that it gives out: nothing inside the file refers to outputs.
   add_all(spec.outputs, "an output", outputs);
 }
@@ -280,6 +281,7 @@ const SectionType& graph_fields() {
               entries_field("controls", control_fields(), "controls of the player"),
               {"nodes", Kind::Reference, "`tactus nodes` explains each type", {"node"}},
               {"networks", Kind::Reference, "`tactus nodes network` explains the elements", {"network"}},
+              {"worlds", Kind::Reference, "`tactus nodes world` explains the elements", {"world"}},
               entries_field("outputs", output_fields(), "drives and sound, or the outputs of a part"),
               section_field("delay", delay)})};
   return section;
@@ -336,7 +338,9 @@ GraphSpec read_graph(const Value::Table& table, const Source& file, ErrorList& e
   if (const auto* nodes = read_section(table, "nodes", errors))
     for (const auto& field : *nodes) spec.nodes.push_back(read_node(field, errors));
   for (auto& entry : read_entries(table, "networks", "{ mass = { type = \"mass\" } }", errors))
-    spec.networks.push_back(read_network(std::move(entry), errors));
+    spec.networks.push_back(read_network(std::move(entry), false, errors));
+  for (auto& entry : read_entries(table, "worlds", "{ ball = { type = \"sphere\" } }", errors))
+    spec.networks.push_back(read_network(std::move(entry), true, errors));
   if (const auto* delay = read_section(table, "delay", errors))
     spec.tested = FieldReader{*delay, *graph_fields()["delay"].inside, errors, "[delay]"}.range(
         "tested", *parse_unit("s"));

@@ -49,9 +49,13 @@ struct NodeSpec : EntrySpec {
   Source type_at;
 };
 
-/// `[networks.name]`, with its options ("solver", "oversample") as fields.
+/// `[networks.name]` or `[worlds.name]`, with its options ("solver", "oversample") as fields.
 struct NetworkSpec : EntrySpec {
   std::vector<NodeSpec> elements;  ///< name, type and fields of each element
+  bool world = false;              ///< rigid bodies in space, not masses on a line
+
+  /// As messages call it.
+  const char* kind() const { return world ? "world" : "network"; }
 };
 
 /// A graph file, read once: its document. Nothing here was looked up yet.
@@ -61,8 +65,8 @@ struct GraphSpec {
   std::vector<PortSpec> inputs, outputs;
   std::vector<ControlSpec> controls;
   std::vector<NodeSpec> nodes;
-  std::vector<NetworkSpec> networks;
-  std::optional<Interval> tested;  ///< system delays between which the instrument was tested [s]
+  std::vector<NetworkSpec> networks;  ///< and worlds
+  std::optional<Interval> tested;     ///< system delays between which the instrument was tested [s]
   bool incomplete = false;  ///< a section could not be read: names that are not here may be declared there
   /// Files that `use` names, by the text of `use`. A file used twice is read once.
   std::map<std::string, std::shared_ptr<const GraphSpec>> parts;

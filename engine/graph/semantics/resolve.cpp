@@ -236,14 +236,46 @@ class Instance {
       return scope_.hide(network.name);
     }
     EntrySpec entry{network.name, network.at, {}};
-    for (const auto& element : network.elements)
+    for (const auto& element : network.elements) {
+      const auto controls = declare_remote(network, element, **type);
       for (const auto& field : element.fields)
-        entry.fields.push_back({element.name + "." + field.key, field.at, field.value});
+        if (find(controls, element.name + "." + field.key) == nullptr)
+          entry.fields.push_back({element.name + "." + field.key, field.at, field.value});
+      entry.fields.insert(entry.fields.end(), controls.begin(), controls.end());
+    }
     network_entries_.push_back(std::make_unique<EntrySpec>(std::move(entry)));
     const auto& outputs = (*type)->outputs;
-    scope_.explain(network.name, "write an element of the network, such as '" + network.name + "." +
+    scope_.explain(network.name, std::string{"write an element of the "} + network.kind() + ", such as '" +
+                                     network.name + "." +
                                      (outputs.empty() ? "mass.position" : outputs.front().name) + "'");
     declare_outputs(*network_entries_.back(), *type, false);
+  }
+
+  /// The controls of an element of a world with `remote`, and the fields that read them: each signal that is
+  /// a number in the file, or left out. Those of parts stay numbers.
+  Value::Table declare_remote(const NetworkSpec& world, const NodeSpec& element, const NodeType& type) {
+    Value::Table read;
+    const auto* remote = world.world ? find(element.fields, "remote") : nullptr;
+    if (remote == nullptr || remote->text() == nullptr || *remote->text() != "yes" || !prefix_.empty())
+      return read;
+    for (const auto& port : type.inputs) {
+      if (port.fixed || !port.name.starts_with(element.name + ".")) continue;
+      const auto field = port.name.substr(element.name.size() + 1);
+      const auto* given = find(element.fields, field);
+      const auto unit = parse_unit(port.unit).value_or(Unit{});
+      const auto initial =
+          given != nullptr
+              ? read_quantity(*given, unit, field).map([](double si) { return std::optional{si}; })
+              : Result<std::optional<double>>{port.fallback};
+      if (!initial || !*initial) continue;
+      ControlSpec control{{world.name + "_" + element.name + "_" + field, element.at, {}}, {}, true};
+      control.control = {.name = control.name, .value = **initial, .unit = unit, .smooth_s = 0};
+      control.control.range = {port.low, port.high};
+      control.control.about = port.doc;
+      declare_control(control);
+      read.push_back({port.name, element.at, Value{control.name, element.at}});
+    }
+    return read;
   }
 
   void declare_outputs(const EntrySpec& entry, std::shared_ptr<const NodeType> type, bool bare_name) {

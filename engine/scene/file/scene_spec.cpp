@@ -414,7 +414,8 @@ std::vector<SceneControl> controls_of(const SceneSpec& scene) {
 
 bool is_scene(const Value::Table& file) {
   if (find(file, "parts") != nullptr) return true;
-  const bool graph = find(file, "nodes") != nullptr || find(file, "networks") != nullptr;
+  const bool graph =
+      find(file, "nodes") != nullptr || find(file, "networks") != nullptr || find(file, "worlds") != nullptr;
   return !graph && (find(file, "duration") != nullptr || find(file, "gestures") != nullptr);
 }
 

@@ -1,0 +1,51 @@
+#pragma once
+
+// Thread: [realtime], except where a function says otherwise
+#include <array>
+#include <cstddef>
+#include <memory>
+
+namespace tactus {
+
+/// Memory of the steps of one world, taken once. Blocks are powers of two; what is freed serves the next
+/// block of its size.
+class OdeArena {
+ public:
+  /// [control]
+  explicit OdeArena(std::size_t bytes) : bytes_(bytes), memory_(std::make_unique<std::byte[]>(bytes)) {}
+
+  /// nullptr: it is full.
+  void* allocate(std::size_t bytes) noexcept;
+  void release(void* block, std::size_t bytes) noexcept;
+  bool contains(const void* block) const noexcept {
+    const auto* at = static_cast<const std::byte*>(block);
+    return at >= memory_.get() && at < memory_.get() + bytes_;
+  }
+  std::size_t used() const noexcept { return used_; }
+
+  /// All that the library allocates on this thread comes from the arena, for as long as this lives; what it
+  /// frees goes back to where it came from.
+  class Use {
+   public:
+    explicit Use(OdeArena& arena) noexcept;
+    ~Use();
+    Use(const Use&) = delete;
+    Use& operator=(const Use&) = delete;
+
+   private:
+    OdeArena* before_;
+  };
+
+ private:
+  static int class_of(std::size_t bytes) noexcept;
+
+  std::size_t bytes_, used_ = 0;
+  std::unique_ptr<std::byte[]> memory_;
+  std::array<void*, 48> free_{};  ///< by class: a list through the first bytes of each block
+};
+
+/// [control] Starts the library, once in a process, with memory from arenas and without messages to stderr.
+/// False: it cannot be started.
+bool start_ode();
+
+}  // namespace tactus
