@@ -66,6 +66,7 @@ const std::vector<ThirdParty> kThirdParty = {
     {"unsupported/Eigen/", {"engine/physics/", "engine/study/", "latency/"}},
     {"toml++/", {"engine/graph/file/", "engine/rig/"}},
     {"sndfile.h", {"engine/nodes/", "backends/wav_file.cpp"}},
+    {"ode/", {"engine/nodes/world/"}},
     {"fmt/",
      {"engine/graph/", "engine/nodes/", "engine/runtime/", "engine/rig/", "engine/scene/", "engine/plot/",
       "engine/study/", "export/", "backends/", "latency/", "remote/", "apps/", "python/"}},
