@@ -8,6 +8,12 @@ namespace tactus {
 
 namespace {
 
+/// Of a world: the element that the port belongs to; "" of a node.
+std::string_view element_of(const OutputPort& port) {
+  const auto dot = port.name.rfind('.');
+  return std::string_view{port.name}.substr(0, dot == std::string::npos ? 0 : dot);
+}
+
 /// A node's bare name means its first output.
 std::string event_name(const ScopeSignal& signal, const Plan& plan) {
   auto name = signal.name;
@@ -26,7 +32,7 @@ std::vector<GraphEvent> graph_events(const Plan& plan) {
     if (signal.port == nullptr || signal.port->kind != OutputKind::Trigger || signal.in_part) continue;
     const auto level = std::ranges::find_if(signals, [&](const ScopeSignal& other) {
       return other.vertex == signal.vertex && other.lane == signal.lane && other.port != nullptr &&
-             other.port->event_level;
+             other.port->event_level && element_of(*other.port) == element_of(*signal.port);
     });
     events.push_back(
         {event_name(signal, plan), signal.place, level == signals.end() ? SignalPlace{} : level->place});

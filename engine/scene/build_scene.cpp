@@ -421,6 +421,14 @@ std::vector<std::string> event_taps(const GraphSpec& graph, const NodeTable& tab
       if (output.kind == OutputKind::Trigger || output.event_level)
         taps.push_back(node.name + "." + output.name);
   }
+  for (const auto& network : graph.networks) {
+    const auto type = network.world ? table.network(network) : Checked<std::shared_ptr<const NodeType>>{};
+    if (!type || *type == nullptr) continue;
+    for (const auto& output : (*type)->outputs)
+      if ((output.kind == OutputKind::Trigger || output.event_level) &&
+          output.name.find('.') != std::string::npos)
+        taps.push_back(network.name + "." + output.name);
+  }
   return taps;
 }
 
