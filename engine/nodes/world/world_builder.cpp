@@ -115,7 +115,7 @@ class WorldBuilder {
       return false;
     switch (one.type->part) {
       case WorldPart::Body:
-        return collides(i) && kept_collides();
+        return collides(i) && (kept_collides() || hits_what_is_watched(one));
       case WorldPart::Joint:
       case WorldPart::Handle:
         return kept_[index(one.ends[0])] || (one.ends[1] >= 0 && kept_[index(one.ends[1])]);
@@ -127,6 +127,15 @@ class WorldBuilder {
     return false;
   }
   bool collides(std::size_t i) const { return !layout_.elements[i].chosen(kCollides, kCollidesNot); }
+  /// A collision that is kept, of a body against anything.
+  bool hits_what_is_watched(const Element& body) const {
+    for (std::size_t i = 0; i < kept_.size(); ++i) {
+      const auto& one = layout_.elements[i];
+      if (!kept_[i] || one.type->part != WorldPart::Collision || one.ends[1] >= 0) continue;
+      if (collides(index(one.ends[0])) && (body.moves() || element(one.ends[0]).moves())) return true;
+    }
+    return false;
+  }
   /// Something that moves may touch every other body.
   bool kept_collides() const {
     for (std::size_t i = 0; i < kept_.size(); ++i)

@@ -292,6 +292,10 @@ TEST_CASE("world: what acts on nothing that is read is left out", "[physics]") {
                         world_ball("never", "mass = \"30 g\", present = 0") +
                         "knock = { type = \"collision\", on = \"two\" }\n";
   CHECK(left(touching, {"w.one.z / 1 m"}) == Left{"w.knock: reaches no output", "w.never: is never present"});
+  const auto watched = "floor = { type = \"plane\", normal = [0, 0, 1] }\n" + world_ball("ball", "mass = 1") +
+                       world_ball("ghost", "mass = 1, collides = \"none\"") +
+                       "landing = { type = \"collision\", on = \"floor\" }\n";
+  CHECK(left(watched, {"w.landing.hit"}) == Left{"w.ghost: reaches no output"});
   CHECK(left(touching, {"x"}).contains("w: reaches no output"));
 }
 
