@@ -138,6 +138,8 @@ void OscHost::obey(const OscMessage& message, Context& context) {
   if (address == "/subscribe") return subscribe(message.values, context);
   if (address == "/unsubscribe") return unsubscribe(message.values, context);
   if (address == "/list") return list(context);
+  if (address.starts_with(OscWorld::kBeginning) && OscWorld::has_bodies(*description_))
+    return change_world(message, context);
   if (turn(message, context)) return;
   error(context, "there is no message " + message.address);
 }
@@ -237,6 +239,11 @@ void OscHost::gesture(std::string_view name, const Values& values, Context& cont
   if (std::isnan(value)) return error(context, fmt::format("{}: give a number", name));
   context.orders.push_back(
       {.kind = RemoteOrder::Kind::Gesture, .number = gesture, .value = value, .received = {}});
+}
+
+void OscHost::change_world(const OscMessage& message, Context& context) {
+  if (const auto done = world_.obey(message, *description_, context.orders); !done)
+    error(context, to_string(done.error()));
 }
 
 void OscHost::preset(RemoteRequest::Kind kind, const Values& values, Context& context) {

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "remote/osc/osc_messages.h"
+#include "remote/osc/osc_world.h"
 #include "remote/remote.h"
 
 namespace tactus {
@@ -108,6 +109,7 @@ class OscHost {
   double clamped(const RemoteControl& control, double si, Context& context);
   void trigger(std::string_view name, const Values& values, Context& context);
   void gesture(std::string_view name, const Values& values, Context& context);
+  void change_world(const OscMessage& message, Context& context);
   void preset(RemoteRequest::Kind kind, const Values& values, Context& context);
   void request_arm(Context& context);
   void arm(const Values& values, Context& context);
@@ -141,7 +143,8 @@ class OscHost {
   std::optional<OscPeer> owner_;  ///< who had the drives armed, or asked for it
   int arming_ = 0;                ///< of the owner
   bool owner_armed_ = false;      ///< as last reported to the owner
-  std::set<int> clamped_;         ///< controls whose last value was outside of the range
+  OscWorld world_;
+  std::set<int> clamped_;  ///< controls whose last value was outside of the range
   RemoteMeters meters_;
   std::random_device random_;
   double answers_left_ = kMostAnswers;
