@@ -10,6 +10,8 @@
 #include "engine/nodes/world/world_builder.h"
 
 namespace tactus {
+#if defined(TACTUS_HAS_ODE)
+
 namespace {
 
 void declare_inputs(NodeType& type, const NodeSpec& spec, WorldElement& element) {
@@ -54,8 +56,6 @@ std::uint64_t fingerprint_of(const WorldLayout& layout) {
   }
   return print.value();
 }
-
-#if defined(TACTUS_HAS_ODE)
 
 /// What a handle needs from frame to frame.
 struct HandleState {
@@ -352,9 +352,9 @@ Result<std::unique_ptr<Node>> make_world_node(const WorldLayout& layout, const N
   return std::make_unique<WorldNode>(std::move(recipe), setup, std::move(*bodies));
 }
 
-#endif
-
 }  // namespace
+
+#endif
 
 Checked<std::shared_ptr<const NodeType>> world_type(const NetworkSpec& spec) {
   auto layout = read_world_layout(spec);
