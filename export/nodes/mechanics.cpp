@@ -1,6 +1,7 @@
 #include "engine/dsp/curves/curve.h"
 #include "engine/dsp/resonators/modal_body.h"
 #include "engine/nodes/mechanics/actuator_inverse_kernel.h"
+#include "engine/nodes/mechanics/arm_setup.h"
 #include "engine/nodes/mechanics/modal_body_setup.h"
 #include "engine/nodes/mechanics/terrain_kernel.h"
 #include "engine/nodes/mechanics/virtual_force_kernel.h"
@@ -77,6 +78,46 @@ void write_modal_body(NodeWriter& node) {
   node.give(3, "-" + answer + ".force");
 }
 
+/// `count` inputs from `first` on, as a list in braces.
+std::string braced(const NodeWriter& node, int first, int count) {
+  std::string list;
+  for (int i = first; i < first + count; ++i) list += (list.empty() ? "" : ", ") + node.in(i);
+  return "{" + list + "}";
+}
+
+/// The kernel of the entry is the function of the pose.
+template <const ArmPorts& kArm>
+void write_arm(NodeWriter& node) {
+  const auto bounds = *arm_limits(node.setup(), kArm.joints);
+  std::string low, high;
+  for (int joint = 0; joint < TACTUS_ARM_JOINTS; ++joint) {
+    low += (joint > 0 ? ", " : "") + NodeWriter::number(bounds.low[joint]);
+    high += (joint > 0 ? ", " : "") + NodeWriter::number(bounds.high[joint]);
+  }
+  const auto limits =
+      node.table("tactus_arm_limits", "limits", "{{" + low + "}, {" + high + "}}", sizeof(tactus_arm_limits));
+  const auto angles = node.local("tactus_arm_angles", "angles", "{" + braced(node, 0, kArm.joints) + "}");
+  const auto moment = kArm.pen ? braced(node, kArm.joints + kArm.axes, 3) : std::string{"{0}"};
+  const auto load =
+      node.local("tactus_arm_load", "load", "{" + braced(node, kArm.joints, kArm.axes) + ", " + moment + "}");
+  const auto sizes =
+      node.local("tactus_arm_sizes", "sizes", "{" + braced(node, kArm.first_size(), kArm.sizes()) + "}");
+  const auto pose = node.local("tactus_arm_pose", "pose", node.kernel() + "(" + angles + ", " + sizes + ")");
+  const auto at = [](const char* member, int i) {
+    return std::string{"."} + member + "[" + std::to_string(i) + "]";
+  };
+  for (int axis = 0; axis < kArm.axes; ++axis) node.give(axis, pose + at("tip", axis));
+  for (int joint = 0; joint < kArm.joints; ++joint)
+    node.give(kArm.axes + joint, "tactus_arm_torque(&" + pose + ", &" + load + ", " + angles + ", &" +
+                                     limits + ", " + node.in(kArm.stop()) + ", " + std::to_string(joint) +
+                                     ")");
+  node.give(kArm.conditioning(),
+            kArm.pen ? "tactus_six_axis_conditioning(&" + pose + ", " + sizes + ")"
+                     : "tactus_arm_conditioning(&" + pose + ", " + std::to_string(kArm.axes) + ")");
+  node.give(kArm.at_limit(), "tactus_arm_at_limit(&" + pose + ", " + angles + ", &" + limits + ")");
+  for (int axis = 0; kArm.pen && axis < 3; ++axis) node.give(kArm.first_pen() + axis, pose + at("pen", axis));
+}
+
 void refuse_network(NodeWriter& node) {
   node.refuse("solvers of networks are not exported",
               "use 'modal', 'modal_body', 'string' or 'waveguide' instead, or export the graph without it");
@@ -89,6 +130,10 @@ constexpr NodeExport kMechanics[] = {
     {"terrain", write_terrain},
     {"actuator_inverse", write_actuator_inverse},
     {"modal_body", write_modal_body},
+    {"two_link", write_arm<kTwoLink>, "tactus_two_link"},
+    {"five_bar", write_arm<kFiveBar>, "tactus_five_bar"},
+    {"delta", write_arm<kDelta>, "tactus_delta"},
+    {"six_axis", write_arm<kSixAxis>, "tactus_six_axis"},
     {"network", refuse_network},
 };
 

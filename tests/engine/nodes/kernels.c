@@ -177,6 +177,19 @@ static int run_interval(const double* const* in, int frames, double rate, double
   return 1;
 }
 
+/* The x of the tip of an arm, whose sizes come after its angles and its loads. */
+static int run_arm(tactus_arm_pose (*pose)(tactus_arm_angles, tactus_arm_sizes), const double* const* in,
+                   int joints, int loads, int count, int frames, double* out) {
+  for (int n = 0; n < frames; ++n) {
+    tactus_arm_angles angles = {{0}};
+    tactus_arm_sizes sizes = {{0}};
+    for (int i = 0; i < joints; ++i) angles.of[i] = in[i][n];
+    for (int i = 0; i < count; ++i) sizes.of[i] = in[joints + loads + i][n];
+    out[n] = pose(angles, sizes).tip[0];
+  }
+  return 1;
+}
+
 static int run_actuator_inverse(const double* const* in, int frames, double rate, double* out) {
   tactus_actuator_inverse state = {{0, 0}, {0, 0}, {0, 0, 0}, 0, 0};
   for (int n = 0; n < frames; ++n) {
@@ -218,6 +231,10 @@ int tactus_run_kernel(const char* node, const double* const* in, int frames, dou
   if (strcmp(node, "curve") == 0) return run_curve(in, frames, out);
   if (strcmp(node, "state") == 0) return run_state(in, frames, out);
   if (strcmp(node, "interval") == 0) return run_interval(in, frames, rate, out);
+  if (strcmp(node, "two_link") == 0) return run_arm(tactus_two_link, in, 2, 2, 2, frames, out);
+  if (strcmp(node, "five_bar") == 0) return run_arm(tactus_five_bar, in, 2, 2, 3, frames, out);
+  if (strcmp(node, "delta") == 0) return run_arm(tactus_delta, in, 3, 3, 3, frames, out);
+  if (strcmp(node, "six_axis") == 0) return run_arm(tactus_six_axis, in, 6, 6, 6, frames, out);
   if (strcmp(node, "actuator_inverse") == 0) return run_actuator_inverse(in, frames, rate, out);
   if (strcmp(node, "event_delay") == 0) return run_event_delay(in, frames, rate, out);
   if (strcmp(node, "sample") == 0) return run_sample(in, frames, out);
