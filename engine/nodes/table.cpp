@@ -19,7 +19,7 @@ NodeType clock_type(), sequence_type(), poly_type(), threshold_type(), sample_ho
     toggle_type(), counter_type(), state_type(), interval_type();
 NodeType spring_type(), damper_type(), wall_type(), terrain_type(), modal_body_type(), waveguide_type(),
     actuator_inverse_type();
-NodeType two_link_type(), five_bar_type(), delta_type(), six_axis_type();
+NodeType two_link_type(), five_bar_type(), delta_type(), six_axis_type(), proxy_type();
 
 namespace {
 
@@ -50,7 +50,7 @@ const Family kFamilies[] = {
     {"mechanics",
      {spring_type, damper_type, wall_type, terrain_type, modal_body_type, waveguide_type,
       actuator_inverse_type}},
-    {"arms", {two_link_type, five_bar_type, delta_type, six_axis_type}},
+    {"arms", {two_link_type, five_bar_type, delta_type, six_axis_type, proxy_type}},
 };
 
 Checked<std::shared_ptr<const NodeType>> network_or_world_type(const NetworkSpec& spec) {

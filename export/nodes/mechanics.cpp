@@ -3,6 +3,7 @@
 #include "engine/nodes/mechanics/actuator_inverse_kernel.h"
 #include "engine/nodes/mechanics/arm_setup.h"
 #include "engine/nodes/mechanics/modal_body_setup.h"
+#include "engine/nodes/mechanics/proxy_setup.h"
 #include "engine/nodes/mechanics/terrain_kernel.h"
 #include "engine/nodes/mechanics/virtual_force_kernel.h"
 #include "export/nodes/curve_text.h"
@@ -118,6 +119,38 @@ void write_arm(NodeWriter& node) {
   for (int axis = 0; kArm.pen && axis < 3; ++axis) node.give(kArm.first_pen() + axis, pose + at("pen", axis));
 }
 
+void write_proxy(NodeWriter& node) {
+  const auto setup = *proxy_setup(node.setup());
+  constexpr const char* kShapes[] = {"TACTUS_SOLID_PLANE", "TACTUS_SOLID_SPHERE", "TACTUS_SOLID_BOX",
+                                     "TACTUS_SOLID_HEIGHTS"};
+  const auto state = node.state<tactus_proxy>("tactus_proxy");
+  const auto heights = node.table("heights", setup.heights);
+  const auto count = std::to_string(kProxyInputs - kProxySolid);
+  const auto numbers = node.local("struct { tactus_real of[" + count + "]; }", "numbers",
+                                  "{" + braced(node, kProxySolid, kProxyInputs - kProxySolid) + "}");
+  const auto solid =
+      node.local("tactus_solid", "solid",
+                 std::string{"tactus_solid_of("} + kShapes[setup.shape] + ", " + numbers + ".of, " + heights +
+                     ", " + std::to_string(setup.rows) + ", " + std::to_string(setup.columns) + ")");
+  const auto place =
+      node.local("struct { tactus_real of[3]; }", "place", "{" + braced(node, kProxyPlace, 3) + "}");
+  std::string device;
+  for (int i = 0; i < 3; ++i)
+    device += (i > 0 ? ", " : "") + node.operand(i) + " - " + place + ".of[" + std::to_string(i) + "]";
+  const auto at = node.local("struct { tactus_real of[3]; }", "device", "{{" + device + "}}");
+  const auto felt = node.local("tactus_proxy_force", "felt",
+                               "tactus_proxy_step(&" + state + ", &" + solid + ", " + at + ".of, " +
+                                   node.in(3) + ", " + node.in(4) + ")");
+  for (int i = 0; i < 3; ++i) {
+    const auto axis = "[" + std::to_string(i) + "]";
+    node.give(i, felt + ".force" + axis);
+    node.give(3 + i, state + ".at" + axis + " + " + place + ".of" + axis);
+  }
+  node.give(6, felt + ".depth");
+  node.give(7, state + ".side > 0");
+  node.give(8, state + ".slips");
+}
+
 void refuse_network(NodeWriter& node) {
   node.refuse("solvers of networks are not exported",
               "use 'modal', 'modal_body', 'string' or 'waveguide' instead, or export the graph without it");
@@ -134,6 +167,7 @@ constexpr NodeExport kMechanics[] = {
     {"five_bar", write_arm<kFiveBar>, "tactus_five_bar"},
     {"delta", write_arm<kDelta>, "tactus_delta"},
     {"six_axis", write_arm<kSixAxis>, "tactus_six_axis"},
+    {"proxy", write_proxy},
     {"network", refuse_network},
 };
 

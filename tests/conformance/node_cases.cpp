@@ -32,6 +32,7 @@ std::map<std::string, std::string> example_settings() {
   return {{"sample.file", sound_file()},
           {"curve.points", "[[\"0 s\", 0], [\"10 ms\", 1]]"},
           {"map.points", "[[-1, 0.1], [0, 0.5], [1, 1]]"},
+          {"proxy.heights", "[0, 0.002, -0.001, 0.001]"},
           {"terrain.points", "[[-0.01, 0], [-0.003, 0.002], [0.001, -0.001], [0.01, 0]]"}};
 }
 

@@ -12,6 +12,7 @@ TYPES = json.loads((HERE / "node_types.json").read_text())
 
 SETTINGS = {"sample.file": '"sound.wav"', "curve.points": '[["0 s", 0], ["10 ms", 1]]',
             "map.points": "[[-1, 0.1], [0, 0.5], [1, 1]]",
+            "proxy.heights": "[0, 0.002, -0.001, 0.001]",
             "terrain.points": "[[-0.01, 0], [-0.003, 0.002], [0.001, -0.001], [0.01, 0]]"}
 BOXES = {"s": (0.0005, 0.02), "ms": (0.0005, 0.02), "Hz": (20, 8000), "m": (-0.01, 0.01), "N/m": (0, 1000)}
 

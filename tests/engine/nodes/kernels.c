@@ -190,6 +190,21 @@ static int run_arm(tactus_arm_pose (*pose)(tactus_arm_angles, tactus_arm_sizes),
   return 1;
 }
 
+/* A plane. */
+static int run_proxy(const double* const* in, int frames, double* out) {
+  tactus_proxy state = {{0}, 0, 0, 0};
+  for (int n = 0; n < frames; ++n) {
+    double device[3], numbers[7];
+    for (int i = 0; i < 3; ++i) device[i] = in[i][n] - in[5 + i][n];
+    for (int i = 0; i < 7; ++i) numbers[i] = in[8 + i][n];
+    {
+      const tactus_solid solid = tactus_solid_of(TACTUS_SOLID_PLANE, numbers, 0, 1, 2);
+      out[n] = tactus_proxy_step(&state, &solid, device, in[3][n], in[4][n]).force[0];
+    }
+  }
+  return 1;
+}
+
 static int run_actuator_inverse(const double* const* in, int frames, double rate, double* out) {
   tactus_actuator_inverse state = {{0, 0}, {0, 0}, {0, 0, 0}, 0, 0};
   for (int n = 0; n < frames; ++n) {
@@ -235,6 +250,7 @@ int tactus_run_kernel(const char* node, const double* const* in, int frames, dou
   if (strcmp(node, "five_bar") == 0) return run_arm(tactus_five_bar, in, 2, 2, 3, frames, out);
   if (strcmp(node, "delta") == 0) return run_arm(tactus_delta, in, 3, 3, 3, frames, out);
   if (strcmp(node, "six_axis") == 0) return run_arm(tactus_six_axis, in, 6, 6, 6, frames, out);
+  if (strcmp(node, "proxy") == 0) return run_proxy(in, frames, out);
   if (strcmp(node, "actuator_inverse") == 0) return run_actuator_inverse(in, frames, rate, out);
   if (strcmp(node, "event_delay") == 0) return run_event_delay(in, frames, rate, out);
   if (strcmp(node, "sample") == 0) return run_sample(in, frames, out);
