@@ -496,6 +496,11 @@ class Analysis {
       const auto& plan = world.instrument();
       std::vector<Doubt> doubts;
       auto stability = stability_of(*then, options_.push, kHeldRegimes, doubts);
+      // A place that is held is no equilibrium: what only creeps away from it comes to another one.
+      const bool places = std::ranges::none_of(
+          held, [&](const HeldInput& input) { return world.unit_of_place(input.channel).empty(); });
+      if (places && doubts.empty() && stability == Stability::Unstable && !at_place(*then, {}).grows)
+        stability = Stability::Stable;
       if (stability == Stability::Undecided || (stability == Stability::Unstable && first.alternates)) {
         stability = Stability::Undecided;
         add_doubt(verdict_.doubts,
