@@ -152,7 +152,7 @@ TEST_CASE("sdl: forces and effects of a wheel are uploaded, changed, played and 
     for (const auto& setting : kWaveSettings) names.push_back(wave + " " + setting.name);
   CHECK(device.out_names == names);
   Levels levels;
-  Guarded guarded{levels, kUnguarded};
+  Guarded guarded{levels, unguarded(device)};
   guarded.disable_sensor_watch();
   auto stream = backend->open(request_for(device), guarded);
   REQUIRE(stream);
@@ -194,7 +194,7 @@ TEST_CASE("sdl: waves of a wheel have shape and period and offset and envelope",
     const auto at = std::ranges::find(device.out_names, output) - device.out_names.begin();
     return levels.levels.at(static_cast<std::size_t>(at));
   };
-  Guarded guarded{levels, kUnguarded};
+  Guarded guarded{levels, unguarded(device)};
   guarded.disable_sensor_watch();
   auto stream = backend->open(request_for(device), guarded);
   REQUIRE(stream);
@@ -245,7 +245,7 @@ TEST_CASE("sdl: a wheel that is unplugged while it plays is lost, and comes back
   const auto device = wheel_of(*backend);
   Levels levels;
   levels.levels[kForceX] = 0.5;
-  Guarded guarded{levels, kUnguarded};
+  Guarded guarded{levels, unguarded(device)};
   guarded.disable_sensor_watch();
   auto stream = ReconnectingStream::open(*backend, request_for(device), guarded);
   REQUIRE(stream);

@@ -40,10 +40,11 @@ class Levels final : public BlockProcessor {
   int outputs_ = 0;
 };
 
-/// The guard lets everything through.
-inline const std::vector<GuardedChannel> kUnguarded(kMostOutputs, {DriveGuard::Kind::Audio,
-                                                                   {.ceiling = 1.0},
-                                                                   {false, false}});
+/// The guard lets everything through to all outputs of a device.
+inline std::vector<GuardedChannel> unguarded(const Device& device) {
+  return {static_cast<std::size_t>(device.out_channels),
+          {DriveGuard::Kind::Audio, {.ceiling = 1.0}, {false, false}}};
+}
 
 /// In the virtual machine, which is slow.
 inline bool waits(const std::function<bool()>& holds) { return wait_until(holds, std::chrono::seconds{120}); }

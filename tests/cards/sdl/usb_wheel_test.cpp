@@ -60,7 +60,7 @@ struct OpenWheel {
 
   Device device;
   Levels levels;
-  Guarded guarded{levels, kUnguarded};
+  Guarded guarded{levels, unguarded(device)};
   std::unique_ptr<Stream> stream;
 };
 
@@ -186,10 +186,10 @@ TEST_CASE("sdl: an effect of a USB wheel plays on while devices are listed", "[.
 TEST_CASE("sdl: a USB wheel that is unplugged while it plays is lost, and comes back", "[.alsa]") {
   UsbWheel wheel{kEffects};
   const auto backend = sdl();
-  Levels levels;
-  Guarded guarded{levels, kUnguarded};
-  guarded.disable_sensor_watch();
   const auto device = listed(*backend, kUsbWheel, kEffects + 1 + kSettings);
+  Levels levels;
+  Guarded guarded{levels, unguarded(device)};
+  guarded.disable_sensor_watch();
   auto stream = ReconnectingStream::open(*backend, request_for(device), guarded);
   REQUIRE(stream);
   REQUIRE((*stream)->start());
@@ -214,7 +214,7 @@ TEST_CASE("sdl: a USB wheel with four slots has four effects, both motors in one
                                                      "sine", "sine period", "sine offset", "sine phase",
                                                      "sine attack", "sine fade"});
   Levels levels;
-  Guarded guarded{levels, kUnguarded};
+  Guarded guarded{levels, unguarded(device)};
   auto request = request_for(device);
   request.out_channels = 11;
   const auto refused = backend->open(request, guarded);
