@@ -58,6 +58,13 @@ def logical_lines(text, prompt):
         joined = ""
 
 
+WORLD_ELEMENTS = ("sphere", "box", "capsule", "plane", "hinge", "slider", "ball", "fixed", "handle", "gravity", "collision")
+
+
+class NotBuilt(Exception):
+    """The program lacks an optional component."""
+
+
 class Examples:
     def __init__(self, program, work):
         self.program = program.resolve()
@@ -110,6 +117,8 @@ class Examples:
         except subprocess.TimeoutExpired:
             code, output = "none", f"not finished after {SECONDS} s"
         self.slow.append((time.monotonic() - began, command))
+        if missing := re.search(r"run (scripts/setup \S+) and build again", output):
+            raise NotBuilt(missing[1])
         return code, output
 
     def help_of(self, words):
@@ -232,6 +241,10 @@ class Examples:
         element = re.search(r"between = |\bon = |type = \"(?:mass|oscillator|ground|motion|chain|ring|grid)\"", text)
         bodies = {name.partition(".")[0] for names in re.findall(r"(?:between = \[|on = )([^\],}]*(?:, *\"[^\"]*\")?)", text)
                   for name in re.findall(r"\"([\w.]+)\"", names)} if element else set()
+        world = re.search(rf"type = \"(?:{'|'.join(WORLD_ELEMENTS)})\"", text)
+        if world:
+            named = set(re.findall(r"(?:on|against) = \"(\w+)\"", text)) or ({"body"} if "gravity" in text else set())
+            text = "[worlds.example]\n" + "".join(f'{body} = {{ type = "sphere", radius = "1 cm", mass = "10 g" }}\n' for body in sorted(named)) + text
         network = "[networks.example]\n" + "".join(
             f'{body} = {{ type = "chain", masses = 80, mass = "1 g", stiffness = "1 kN/m" }}\n' if f'"{body}.' in text else
             f'{body} = {{ type = "mass", mass = "10 g" }}\n' for body in sorted(bodies))
@@ -272,6 +285,8 @@ class Examples:
                     self.compare_output(fence, printed)
                 elif any(COMMAND.match(line) for line in fence.text.split("\n")):
                     self.error(fence.place, "has commands: write ```sh above them, or ```sh no-run=\"reason\" (docs/howto/write_a_page.md)")
+            except NotBuilt as missing:
+                self.not_run.append((f"the program is built without what '{missing}' installs", fence.place, "a file or command"))
             except Exception as error:
                 self.error(fence.place, f"{type(error).__name__}: {error}")
         for line, command in pages.indented_commands(page):

@@ -64,7 +64,7 @@ def shipped():
             continue
         content = tomllib.loads(file.read_text())
         kind = scenes if "parts" in content else graphs if "outputs" in content else None
-        if kind is not None:
+        if kind is not None and "world" not in file.parts:  # an optional library computes those, in its own version
             kind.append(str(file.relative_to(ROOT)))
     return graphs, scenes
 

@@ -56,7 +56,7 @@ a = { points = [[0, 0]] }
 [weather]
 rain = true
 )",
-     "test.toml:2:2 UnknownName 'weather' 'format' 'name' 'about' 'source' 'inputs' 'controls' 'nodes' 'networks' 'outputs' 'delay'"},
+     "test.toml:2:2 UnknownName 'weather' 'format' 'name' 'about' 'source' 'inputs' 'controls' 'nodes' 'networks' 'worlds' 'outputs' 'delay'"},
     {"an input in quotes",
      R"(format = 1
 [inputs]

@@ -144,7 +144,7 @@ TEST_CASE("graph: sections must be tables, and the format must be known", "[grap
         R"(drum.toml:1:10 OutOfRange format 1
 drum.toml:2:9 WrongType 'nodes' [nodes]
 drum.toml:3:10 WrongType 'inputs' [inputs]
-drum.toml:4:1 UnknownName 'xyz' 'format' 'name' 'about' 'source' 'inputs' 'controls' 'nodes' 'networks' 'outputs' 'delay')");
+drum.toml:4:1 UnknownName 'xyz' 'format' 'name' 'about' 'source' 'inputs' 'controls' 'nodes' 'networks' 'worlds' 'outputs' 'delay')");
 }
 
 TEST_CASE("graph: one letter may name a node although it is a unit, and an output may be called like a node",

@@ -257,7 +257,7 @@ TEST_CASE("bouncing ball: at rest it stays down below the acceleration of gravit
           "[instruments]") {
   const auto flies = [](double gamma) {
     SceneOptions options;
-    options.set = {{"plant.gamma", gamma}, {"plant.drop_height", -1e-6}, {"plant.thrown", 0.0}};
+    options.set = {{"plant.gamma", gamma}, {"plant.drop_height", 0.0}, {"plant.thrown", 0.0}};
     auto scene = scene_of("table_scene.toml");
     scene.duration = 1_s;
     const auto recording = play(scene, options);
