@@ -86,21 +86,22 @@ std::string braced(const NodeWriter& node, int first, int count) {
   return "{" + list + "}";
 }
 
-/// The kernel of the entry is the function of the pose.
-template <const ArmPorts& kArm>
-void write_arm(NodeWriter& node) {
-  const auto bounds = *arm_limits(node.setup(), kArm.joints);
+/// The limits of its joints, as a table.
+std::string arm_limits_of(NodeWriter& node, int joints) {
+  const auto bounds = *arm_limits(node.setup(), joints);
   std::string low, high;
   for (int joint = 0; joint < TACTUS_ARM_JOINTS; ++joint) {
     low += (joint > 0 ? ", " : "") + NodeWriter::number(bounds.low[joint]);
     high += (joint > 0 ? ", " : "") + NodeWriter::number(bounds.high[joint]);
   }
-  const auto limits =
-      node.table("tactus_arm_limits", "limits", "{{" + low + "}, {" + high + "}}", sizeof(tactus_arm_limits));
+  return node.table("tactus_arm_limits", "limits", "{{" + low + "}, {" + high + "}}",
+                    sizeof(tactus_arm_limits));
+}
+
+/// The kernel of the entry is the function of the pose.
+template <const ArmPorts& kArm>
+void write_arm(NodeWriter& node) {
   const auto angles = node.local("tactus_arm_angles", "angles", "{" + braced(node, 0, kArm.joints) + "}");
-  const auto moment = kArm.pen ? braced(node, kArm.joints + kArm.axes, 3) : std::string{"{0}"};
-  const auto load =
-      node.local("tactus_arm_load", "load", "{" + braced(node, kArm.joints, kArm.axes) + ", " + moment + "}");
   const auto sizes =
       node.local("tactus_arm_sizes", "sizes", "{" + braced(node, kArm.first_size(), kArm.sizes()) + "}");
   const auto pose = node.local("tactus_arm_pose", "pose", node.kernel() + "(" + angles + ", " + sizes + ")");
@@ -108,10 +109,22 @@ void write_arm(NodeWriter& node) {
     return std::string{"."} + member + "[" + std::to_string(i) + "]";
   };
   for (int axis = 0; axis < kArm.axes; ++axis) node.give(axis, pose + at("tip", axis));
-  for (int joint = 0; joint < kArm.joints; ++joint)
-    node.give(kArm.axes + joint, "tactus_arm_torque(&" + pose + ", &" + load + ", " + angles + ", &" +
-                                     limits + ", " + node.in(kArm.stop()) + ", " + std::to_string(joint) +
-                                     ")");
+  bool torques = false;
+  for (int joint = 0; joint < kArm.joints; ++joint) torques = torques || node.reads(kArm.axes + joint);
+  const auto limits =
+      torques || node.reads(kArm.at_limit()) ? arm_limits_of(node, kArm.joints) : std::string{};
+  if (torques) {
+    const auto moment = kArm.pen ? braced(node, kArm.joints + kArm.axes, 3) : std::string{"{0}"};
+    const auto load = node.local("tactus_arm_load", "load",
+                                 "{" + braced(node, kArm.joints, kArm.axes) + ", " + moment + "}");
+    for (int joint = 0; joint < kArm.joints; ++joint)
+      node.give(kArm.axes + joint, "tactus_arm_torque(&" + pose + ", &" + load + ", " + angles + ", &" +
+                                       limits + ", " + node.in(kArm.stop()) + ", " + std::to_string(joint) +
+                                       ")");
+  } else {  // what is computed for inputs that nothing needs is no unused variable
+    for (int i = kArm.joints; i <= kArm.stop(); ++i)
+      if (i < kArm.first_size() || i == kArm.stop()) node.step("(void)(" + node.in(i) + ");");
+  }
   node.give(kArm.conditioning(),
             kArm.pen ? "tactus_six_axis_conditioning(&" + pose + ", " + sizes + ")"
                      : "tactus_arm_conditioning(&" + pose + ", " + std::to_string(kArm.axes) + ")");

@@ -132,9 +132,11 @@ const std::set<std::string> kRemember = {
     "latch.set", "latch.reset",           // the last one of the two
     "curve.trigger",                      // stays at its last point
     "hysteresis.in", "hysteresis.width",  // where the play was left
-    "sample_hold.trigger",                // the sample held
-    "state.trigger",                      // the value taken over
-    "interval.trigger",                   // the time since
+    "proxy.x", "proxy.y", "proxy.z", "proxy.at_x", "proxy.at_y", "proxy.at_z", "proxy.pitch",
+    "proxy.friction",       // where friction holds the proxy
+    "sample_hold.trigger",  // the sample held
+    "state.trigger",        // the value taken over
+    "interval.trigger",     // the time since
     "toggle.trigger", "toggle.reset",
     "sequence.trigger",  // the place in the list
     "pitch.in",          // the last pitch that was clear

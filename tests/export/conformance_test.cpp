@@ -193,12 +193,16 @@ struct ErrorBound {
   double plain, single;
 };
 constexpr double kOneFrame = 2;  ///< rounded to another frame, a signal may be anything within its range
+/// At a singularity of a closed chain, and where a contact begins in another frame.
+constexpr double kAnything = std::numeric_limits<double>::infinity();
 constexpr ErrorBound kOthers = {"", 0, 1e-4};
 constexpr ErrorBound kErrorBounds[] = {
     {"low_pass", 1e-11, 1e-2}, {"band_pass", 1e-11, 1e-2},  {"high_pass", 1e-12, 1e-3},
     {"one_pole", 1e-13, 1e-4}, {"dc_blocker", 1e-13, 1e-4}, {"velocity", 1e-13, 1e-4},
     {"string", 1e-13, 1e-4},   {"waveguide", 1e-13, 1e-4},  {"adsr", 0, 1e-3},
-    {"stroke", 0, 1e-3},       {"delay", 0, kOneFrame},     {"event_delay", 0, kOneFrame}};
+    {"stroke", 0, 1e-3},       {"delay", 0, kOneFrame},     {"event_delay", 0, kOneFrame},
+    {"six_axis", 0, 1e-3},     {"five_bar", 0, kAnything},  {"delta", 0, kAnything},
+    {"proxy", 0, kAnything}};
 
 ErrorBound bound_of(const std::string& type) {
   const auto found =

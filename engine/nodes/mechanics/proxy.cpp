@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <span>
 
 #include "engine/core/index.h"
@@ -31,25 +32,31 @@ class ProxyNode final : public Node {
   }
 
   /// Of the position, where the proxy is now: none out of touch; in touch that of the spring, which friction
-  /// holds sideways.
+  /// holds sideways. nullopt where the proxy follows late, far towards the centre of a sphere.
   std::optional<std::complex<double>> response(int input, int output, std::complex<double>,
                                                std::span<const double> at) const override {
     if (input >= 3 || output >= kDepth) return std::nullopt;
     constexpr int kSettle = 64;
-    constexpr double kStep = 1e-7;
+    constexpr double kStep = 1e-7, kLate = 0.01;
     Inputs in;
     std::copy_n(at.begin(), in.size(), in.begin());
     std::array<double, kOutputs> out;
-    auto rest = state_;
-    for (int n = 0; n < kSettle; ++n) step(rest, in, out);
-    const auto moved = [&](double by) {
-      auto state = rest;
-      auto there = in;
-      there[index(input)] += by;
-      step(state, there, out);
+    const auto after = [&](tactus_proxy& state, const Inputs& there, int frames) {
+      for (int n = 0; n < frames; ++n) step(state, there, out);
       return out[index(output)];
     };
-    return (moved(kStep) - moved(-kStep)) / (2 * kStep);
+    auto rest = state_;
+    after(rest, in, kSettle);
+    const auto slope = [&](int frames) {
+      auto above = rest, below = rest;
+      auto up = in, down = in;
+      up[index(input)] += kStep;
+      down[index(input)] -= kStep;
+      return (after(above, up, frames) - after(below, down, frames)) / (2 * kStep);
+    };
+    const double soon = slope(1), settled = slope(kSettle);
+    if (std::abs(soon - settled) > kLate * std::max(std::abs(soon), std::abs(settled))) return std::nullopt;
+    return settled;
   }
 
  private:

@@ -21,7 +21,7 @@ typedef enum tactus_solid_shape {
 
 typedef struct tactus_solid {
   tactus_solid_shape shape;
-  tactus_real normal[3];       ///< of a plane, of length 1
+  tactus_real normal[3];       ///< of a plane, of length 1; else z
   tactus_real size[3];         ///< of a sphere, of a box; size[0]: pitch of heights
   const tactus_real* heights;  ///< row by row, rows in y
   int rows, columns;
@@ -52,7 +52,7 @@ static inline tactus_real tactus_height(const tactus_solid* solid, tactus_real x
   int cell[2], next[2], inside[2];
   const tactus_real* h = solid->heights;
   for (int i = 0; i < 2; ++i) {
-    const tactus_real place = tactus_clamp(at[i], 0.0, (tactus_real)last[i]);
+    const tactus_real place = at[i] > 0 ? tactus_min(at[i], (tactus_real)last[i]) : 0;  // of no number 0
     cell[i] = (int)place;
     if (cell[i] > 0 && cell[i] == last[i]) --cell[i];
     next[i] = cell[i] < last[i] ? cell[i] + 1 : cell[i];
@@ -80,7 +80,7 @@ static inline tactus_solid tactus_solid_of(tactus_solid_shape shape, const tactu
   solid.rows = rows;
   solid.columns = columns;
   for (int i = 0; i < 3; ++i) {
-    solid.normal[i] = length > 0 ? numbers[i] / length : i == 2;
+    solid.normal[i] = shape == TACTUS_SOLID_PLANE && length > 0 ? numbers[i] / length : i == 2;
     solid.size[i] = tactus_max(TACTUS_SOLID_SMALLEST, numbers[3 + i]);
   }
   if (shape == TACTUS_SOLID_HEIGHTS) solid.size[0] = tactus_max(TACTUS_SOLID_SMALLEST, numbers[6]);
@@ -205,6 +205,7 @@ static inline int tactus_proxy_leaves(const tactus_proxy* s, const tactus_solid*
 /// Draws the proxy along the surface towards the device, until it is the nearest place, or held by friction.
 static inline tactus_real tactus_proxy_slide(tactus_proxy* s, const tactus_solid* solid,
                                              const tactus_real* device, tactus_real friction) {
+  const tactus_real rounding = 1e-14;
   tactus_real depth = 0;
   for (int round = 0; round < 4; ++round) {
     tactus_real normal[3], pull[3], along[3], next[3], length, slip, distance;
@@ -214,7 +215,7 @@ static inline tactus_real tactus_proxy_slide(tactus_proxy* s, const tactus_solid
     for (int i = 0; i < 3; ++i) along[i] = pull[i] + depth * normal[i];
     length = sqrt(tactus_proxy_dot(along, along));
     slip = length - friction * tactus_max(0.0, depth);
-    if (!(slip > 1e-15)) return depth;
+    if (!(slip > rounding * (sqrt(tactus_proxy_dot(s->at, s->at)) + fabs(depth)))) return depth;
     s->slips |= round == 0;
     distance = tactus_proxy_dot(pull, pull);
     // A step across a valley would take it farther away: a shorter one does not.

@@ -10,8 +10,8 @@
 namespace tactus {
 namespace {
 
-/// Any z serves to ask whether there is a response at all; two, whether it depends on z.
-const std::complex<double> kSomewhere = std::polar(1.0, 0.01), kElsewhere = std::polar(1.0, 1.0);
+/// Any z serves to ask whether there is a response at all.
+const std::complex<double> kSomewhere = std::polar(1.0, 0.01);
 
 class PlanReader {
  public:
@@ -291,10 +291,6 @@ class PlanReader {
     } else if (type != nullptr && is_spring(*type, index(input), index(output))) {
       if (response->real() > 0 && restores) return graph_.unstable_equilibria.push_back(edge.path);
       return add_stiff(edge, from, -response->real());
-    } else if (response->imag() == 0.0 && response == node->response(input, output, kElsewhere, at)) {
-      if (*response == 0.0 && !regime_.all_paths) return;
-      edge.kind = LinearEdge::Kind::Gain;  // without memory: it need not be asked at every z
-      edge.gain = response->real();
     }
     graph_.edges.push_back(std::move(edge));
   }

@@ -146,6 +146,7 @@ const std::set<std::string> kOwnTimes = {
     "sample",                     // a recording has a rate
     "pitch",                      // every 5 ms
     "random_walk",                // times from 1 ms to a day
+    "six_axis",                   // holds masses against gravity, 9.80665 m/s^2
     "modal",       "modal_body",  // decays from 0.1 ms to 10,000 s
 };
 
