@@ -63,7 +63,7 @@ WallArm six_axis() {
 }  // namespace
 
 TEST_CASE("arms: the stiffest wall of the check is that of one axis with the mass and damping at the tip",
-          "[instruments]") {
+          "[instruments][slow]") {
   const auto arm = GENERATE(two_link(), five_bar(), delta(), six_axis());
   INFO(arm.folder);
   const auto scene = load_scene_leniently(kInstruments / "arms" / arm.folder / "bare.toml", kInstruments);
