@@ -32,10 +32,10 @@ std::vector<fs::path> shipped_scenes() {
   return scenes;
 }
 
-SceneSpec first_half_second(const fs::path& path) {
+SceneSpec first_second(const fs::path& path) {
   auto scene = load_scene(path, kInstruments);
   if (!scene) throw std::runtime_error(to_string(scene.error()));
-  scene->duration = std::min(scene->duration, Seconds{0.5});
+  scene->duration = std::min(scene->duration, Seconds{1});
   return std::move(*scene);
 }
 
@@ -65,7 +65,7 @@ TEST_CASE("scenes: every shipped scene plays the same bits in blocks of any size
   const auto scenes = shipped_scenes();
   REQUIRE_FALSE(scenes.empty());
   for (const auto& path : scenes) {
-    const auto scene = first_half_second(path);
+    const auto scene = first_second(path);
     for (const auto delay :
          {std::optional<Seconds>{}, std::optional{0_ms}, std::optional{1_ms}, std::optional{10_ms}}) {
       const auto expected = recording_of(scene, delay, 1);
@@ -85,7 +85,7 @@ TEST_CASE("scenes: every shipped scene plays the same bits in blocks of any size
 }
 
 TEST_CASE("scenes: the closed loop allocates nothing while it runs", "[scene]") {
-  const auto scene = first_half_second(kInstruments / "haptic_drum" / "scene.toml");
+  const auto scene = first_second(kInstruments / "haptic_drum" / "scene.toml");
   for (const auto delay : {0_ms, 20_ms}) {
     auto engines = built(scene, delay);
     Guarded guarded{*engines.instrument, guarded_channels(engines.instrument->plan(), scene.drives)};
