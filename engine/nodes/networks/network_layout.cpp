@@ -5,6 +5,7 @@
 
 #include "engine/core/index.h"
 #include "engine/graph/semantics/scope.h"
+#include "engine/nodes/networks/element_fields.h"
 #include "engine/nodes/networks/network_builder.h"
 #include "engine/nodes/networks/solver_names.h"
 
@@ -22,16 +23,6 @@ std::vector<std::string> names_of(const Table& table, const Condition& meets) {
   for (const auto& entry : table)
     if (meets(entry)) names.push_back(entry.name);
   return names;
-}
-
-std::vector<std::string> keys_of(const ElementType& type) {
-  std::vector<std::string> keys = {"type"};
-  if (type.ends == Ends::On || type.ends == Ends::Against) keys.push_back("on");
-  if (type.ends == Ends::Against) keys.push_back("against");
-  if (type.ends == Ends::Between) keys.push_back("between");
-  for (const auto& field : type.fields) keys.push_back(field.name);
-  for (const auto& setting : type.settings) keys.push_back(setting.name);
-  return keys;
 }
 
 class LayoutReader {
@@ -75,20 +66,9 @@ class LayoutReader {
   }
 
   void check_keys(const NodeSpec& element, NetworkElement& read) {
-    errors_.unknown_keys(element.fields, keys_of(*read.type));
-    for (const auto& field : read.type->fields) {
-      if (field.instead_of.empty()) continue;
-      const auto* one = find(element.fields, field.instead_of);
-      const auto* other = find(element.fields, field.name);
-      if (one != nullptr && other != nullptr)
-        errors_.add(Errc::Duplicate, other->at,
-                    owner(read) + " has both '" + field.instead_of + "' and '" + field.name + "'",
-                    "remove one of them");
-      if (field.one_required && one == nullptr && other == nullptr)
-        errors_.add(Errc::Missing, element.at,
-                    owner(read) + " lacks '" + field.instead_of + "' or '" + field.name + "'",
-                    "give one of them");
-    }
+    errors_.unknown_keys(element.fields,
+                         element_keys(read.type->ends, read.type->fields, read.type->settings));
+    check_alternatives(element, read.type->fields, owner(read), errors_);
   }
 
   void read_settings(const NodeSpec& element, NetworkElement& read) {

@@ -7,6 +7,7 @@
 #include "engine/core/index.h"
 #include "engine/core/named.h"
 #include "engine/graph/semantics/scope.h"
+#include "engine/nodes/networks/element_fields.h"
 
 namespace tactus {
 namespace {
@@ -14,15 +15,6 @@ namespace {
 using Ends = WorldElementType::Ends;
 
 std::string label(const WorldElement& element) { return element.type->name + " '" + element.name + "'"; }
-
-std::vector<std::string> known_keys(const WorldElementType& type) {
-  std::vector<std::string> keys = {"type"};
-  if (type.ends != Ends::None) keys.push_back("on");
-  if (type.ends == Ends::Against) keys.push_back("against");
-  for (const auto& field : type.fields) keys.push_back(field.name);
-  for (const auto& setting : type.settings) keys.push_back(setting.name);
-  return keys;
-}
 
 class WorldReader {
  public:
@@ -83,20 +75,9 @@ class WorldReader {
   }
 
   void check_fields(const NodeSpec& element, const WorldElement& read) {
-    errors_.unknown_keys(element.fields, known_keys(*read.type), label(read));
-    for (const auto& field : read.type->fields) {
-      if (field.instead_of.empty()) continue;
-      const auto* one = find(element.fields, field.instead_of);
-      const auto* other = find(element.fields, field.name);
-      if (one != nullptr && other != nullptr)
-        errors_.add(Errc::Duplicate, other->at,
-                    label(read) + " has both '" + field.instead_of + "' and '" + field.name + "'",
-                    "remove one of them");
-      if (field.one_required && one == nullptr && other == nullptr)
-        errors_.add(Errc::Missing, element.at,
-                    label(read) + " lacks '" + field.instead_of + "' or '" + field.name + "'",
-                    "give one of them");
-    }
+    errors_.unknown_keys(element.fields,
+                         element_keys(read.type->ends, read.type->fields, read.type->settings), label(read));
+    check_alternatives(element, read.type->fields, label(read), errors_);
   }
 
   void read_settings(const NodeSpec& element, WorldElement& read) {
