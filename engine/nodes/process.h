@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <vector>
 
 #include "engine/dsp/filters/recurrence.h"
 #include "engine/dsp/simd/lanes.h"
@@ -56,6 +57,14 @@ void run_with_skips(const NodeBlock& block, bool may_skip, Skip skip, Step step)
     if (!may_skip || !skip(n, count)) step(n, count = std::min(kFew, count));
     n += count;
   }
+}
+
+/// Puts the outputs that somebody reads to the front of `outputs`, which has room for all. Returns how many.
+inline std::size_t find_read(const NodeBlock& block, std::vector<std::size_t>& outputs) noexcept {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < outputs.size(); ++i)
+    if (block.out[i] != nullptr) outputs[count++] = i;
+  return count;
 }
 
 /// Whether `count` inputs from `first` on are constant.

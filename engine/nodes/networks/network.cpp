@@ -10,6 +10,7 @@
 #include "engine/graph/plan/fingerprint.h"
 #include "engine/nodes/networks/network_builder.h"
 #include "engine/nodes/networks/solver_names.h"
+#include "engine/nodes/process.h"
 
 namespace tactus {
 namespace {
@@ -89,13 +90,13 @@ class NetworkNode final : public Node, public NetworkView {
   }
 
   void process(const NodeBlock& block) noexcept override {
-    const std::size_t count = find_read(block);
+    const std::size_t count = find_read(block, read_);
     for (int frame = 0; frame < block.frames; ++frame) {
       write(block, frame, count);
       step(block, frame);
     }
   }
-  void emit(const NodeBlock& block) noexcept override { write(block, 0, find_read(block)); }
+  void emit(const NodeBlock& block) noexcept override { write(block, 0, find_read(block, read_)); }
   void absorb(const NodeBlock& block) noexcept override { step(block, 0); }
   void reset() noexcept override { network.reset(state); }
   void copy(const Node& other) noexcept override {
@@ -120,14 +121,6 @@ class NetworkNode final : public Node, public NetworkView {
   }
 
  private:
-  /// Puts the outputs that somebody reads to the front of `read_`.
-  std::size_t find_read(const NodeBlock& block) noexcept {
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < readings.size(); ++i)
-      if (block.out[i] != nullptr) read_[count++] = i;
-    return count;
-  }
-
   void write(const NodeBlock& block, int frame, std::size_t count) const noexcept {
     for (std::size_t i = 0; i < count; ++i) {
       const auto& reading = readings[read_[i]];

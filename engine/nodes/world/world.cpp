@@ -7,6 +7,7 @@
 
 #include "engine/core/index.h"
 #include "engine/graph/plan/fingerprint.h"
+#include "engine/nodes/process.h"
 #include "engine/nodes/world/world_builder.h"
 
 namespace tactus {
@@ -96,13 +97,13 @@ class WorldNode final : public Node {
   }
 
   void process(const NodeBlock& block) noexcept override {
-    const std::size_t count = find_read(block);
+    const std::size_t count = find_read(block, read_);
     for (int frame = 0; frame < block.frames; ++frame) {
       write(block, frame, count);
       advance(block, frame);
     }
   }
-  void emit(const NodeBlock& block) noexcept override { write(block, 0, find_read(block)); }
+  void emit(const NodeBlock& block) noexcept override { write(block, 0, find_read(block, read_)); }
   void absorb(const NodeBlock& block) noexcept override { advance(block, 0); }
 
   void reset() noexcept override {
@@ -158,13 +159,6 @@ class WorldNode final : public Node {
   /// Frames since the last step, 1 to `frames`; 0 at the very first frame.
   int since_step(std::int64_t frame) const noexcept {
     return frame == 0 ? 0 : static_cast<int>((frame - 1) % recipe_.frames) + 1;
-  }
-
-  std::size_t find_read(const NodeBlock& block) noexcept {
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < recipe_.outputs.size(); ++i)
-      if (block.out[i] != nullptr) read_[count++] = i;
-    return count;
   }
 
   void write(const NodeBlock& block, int frame, std::size_t count) noexcept {
