@@ -21,11 +21,6 @@ void binary(const Signal* in, double* out, int frames, F f) noexcept {
     for (int n = 0; n < frames; ++n) out[n] = f(left[n], right[n]);
 }
 
-/// A whole group of an operand; `moves`: it has a sample a frame, else one number.
-inline Lanes group_of(const double* operand, bool moves) noexcept {
-  return moves ? Lanes::load(operand) : Lanes::broadcast(*operand);
-}
-
 /// The same for what a vector unit can do.
 template <Expression::Op kOp>
 void vectorised(const Signal* in, double* out, int frames) noexcept {
@@ -35,7 +30,7 @@ void vectorised(const Signal* in, double* out, int frames) noexcept {
   if (left > 1 || right > 1) return binary(in, out, frames, scalar);
   const double *a = in[0].data, *b = in[1].data;
   for (double* const end = out + (frames & -kVectorWidth); out != end; out += kVectorWidth) {
-    lanes_of<kOp>(group_of(a, left != 0), group_of(b, right != 0)).store(out);
+    lanes_of<kOp>(operand_lanes(a, left == 0), operand_lanes(b, right == 0)).store(out);
     a += left * kVectorWidth, b += right * kVectorWidth;
   }
   for (int rest = frames & (kVectorWidth - 1); rest > 0; --rest) {

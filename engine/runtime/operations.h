@@ -19,7 +19,7 @@ inline bool all_rest(const Signal* in, int operands) noexcept {
 void run_operation(Expression::Op op, int operands, const Signal* in, double* out, int frames) noexcept;
 
 /// [realtime]
-inline bool is_finite(double sample) noexcept { return sample - sample == 0; }
+inline bool is_finite(double sample) noexcept { return tactus_is_finite(sample) != 0; }
 
 /// 0 for each finite sample that is added, else a NaN.
 class FiniteSum {

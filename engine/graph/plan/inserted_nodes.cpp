@@ -21,10 +21,6 @@ template <bool kSame>
 double lane_of(const double* frame, int lane) noexcept {
   return frame[kSame ? 0 : lane];
 }
-template <bool kSame>
-Lanes lanes_at(const double* frame) noexcept {
-  return kSame ? Lanes::broadcast(*frame) : Lanes::load(frame);
-}
 
 template <Expression::Op kOp, bool kSameLeft, bool kSameRight>
 void run(const Signal* in, double* out, int frames) noexcept {
@@ -34,7 +30,7 @@ void run(const Signal* in, double* out, int frames) noexcept {
   const auto left_stride = in[0].stride, right_stride = in[1].stride;
   for (int n = 0; n < frames; ++n, out += kVectorWidth) {
     if constexpr (kHasLanes<kOp>) {
-      lanes_of<kOp>(lanes_at<kSameLeft>(left), lanes_at<kSameRight>(right)).store(out);
+      lanes_of<kOp>(operand_lanes(left, kSameLeft), operand_lanes(right, kSameRight)).store(out);
     } else {
       Row result;
       for (int lane = 0; lane < kVectorWidth; ++lane)

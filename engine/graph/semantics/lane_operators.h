@@ -13,6 +13,11 @@ inline constexpr bool kHasLanes =
     kOp == Expression::Op::Add || kOp == Expression::Op::Subtract || kOp == Expression::Op::Multiply ||
     kOp == Expression::Op::Min || kOp == Expression::Op::Max;
 
+/// A number for all lanes, or one for each.
+inline Lanes operand_lanes(const double* at, bool same) noexcept {
+  return same ? Lanes::broadcast(*at) : Lanes::load(at);
+}
+
 template <Expression::Op kOp>
 Lanes lanes_of(Lanes a, Lanes b) noexcept {
   using Op = Expression::Op;
