@@ -125,6 +125,19 @@ StreamRequest request(int inputs, int outputs, double rate_hz = 1000) {
   return request;
 }
 
+/// Another process, which plays 0.5 at its outputs until it is killed.
+pid_t play_in_process(int outputs) {
+  const pid_t program = fork();
+  if (program != 0) return program;
+  Level level;
+  level.level = 0.5;
+  Guarded guarded{level, open_guards(outputs)};
+  auto backend = comedi();
+  const auto stream = backend->open(request(0, outputs), guarded);
+  if (!stream || !(*stream)->start()) _exit(1);
+  while (true) pause();
+}
+
 }  // namespace
 
 TEST_CASE("comedi: the card is listed with its channels, ranges and rates", "[.alsa]") {
@@ -226,16 +239,7 @@ TEST_CASE("comedi: the phase of the closed loop shows a delay of one frame", "[.
 
 TEST_CASE("comedi: a program that is killed leaves its outputs at zero", "[.alsa]") {
   const Witness witness;
-  const pid_t program = fork();
-  if (program == 0) {
-    Level level;
-    level.level = 0.5;
-    Guarded guarded{level, open_guards(2)};
-    auto backend = comedi();
-    const auto stream = backend->open(request(0, 2), guarded);
-    if (!stream || !(*stream)->start()) _exit(1);
-    while (true) pause();
-  }
+  const pid_t program = play_in_process(2);
   CHECK(witness.reaches(raw(0.5), 0));
   CHECK(witness.reaches(raw(0.5), 1));
   REQUIRE(kill(program, SIGKILL) == 0);
@@ -249,16 +253,7 @@ TEST_CASE("comedi: a program that is killed leaves its outputs at zero", "[.alsa
 TEST_CASE("comedi: a program that is stopped has its outputs at zero, and plays on when it continues",
           "[.alsa]") {
   const Witness witness;
-  const pid_t program = fork();
-  if (program == 0) {
-    Level level;
-    level.level = 0.5;
-    Guarded guarded{level, open_guards(1)};
-    auto backend = comedi();
-    const auto stream = backend->open(request(0, 1), guarded);
-    if (!stream || !(*stream)->start()) _exit(1);
-    while (true) pause();
-  }
+  const pid_t program = play_in_process(1);
   REQUIRE(witness.reaches(raw(0.5)));
   REQUIRE(kill(program, SIGSTOP) == 0);
   CHECK(witness.reaches(kZero));
