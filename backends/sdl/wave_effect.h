@@ -76,7 +76,7 @@ class WaveEffect {
     int reports = 0;  ///< of an upload to a USB PID device that has the effect already
   };
 
-  /// As EffectTimer::next, for the wave that is wanted now.
+  /// See EffectTimer::next; `wanted` is the wave that the outputs ask for.
   Step next(const Wave& wanted, Clock::time_point now, bool allowed) {
     const bool changes = !wanted.same_wave(wanted_) || wanted.attack_ms != wanted_.attack_ms;
     const auto order =

@@ -28,7 +28,7 @@ bool differ_by_arm(const Dimension& a, const Dimension& b) {
   return is_turned(a, b) || is_turned(b, a);
 }
 
-/// Turns what is given into what is wanted; else `otherwise`.
+/// Where the units differ by the length of an arm, what to do with it; else `otherwise`.
 std::string arm_remedy(const Dimension& wanted, const Dimension& given, const std::string& otherwise) {
   if (!differ_by_arm(wanted, given)) return otherwise;
   const double power = (wanted / given).metre;
