@@ -4,11 +4,11 @@ namespace tactus {
 
 std::vector<std::string> element_keys(ElementType::Ends ends, const std::vector<ElementField>& fields,
                                       const std::vector<Setting>& settings) {
-  using Ends = ElementType::Ends;
+  using enum ElementType::Ends;
   std::vector<std::string> keys = {"type"};
-  if (ends == Ends::On || ends == Ends::Against) keys.push_back("on");
-  if (ends == Ends::Against) keys.push_back("against");
-  if (ends == Ends::Between) keys.push_back("between");
+  if (ends == On || ends == Against) keys.push_back("on");
+  if (ends == Against) keys.push_back("against");
+  if (ends == Between) keys.push_back("between");
   for (const auto& field : fields) keys.push_back(field.name);
   for (const auto& setting : settings) keys.push_back(setting.name);
   return keys;

@@ -181,7 +181,7 @@ void LinkOperator::apply_band(const Band& band, const double* q, const double* u
 
 void LinkOperator::apply_bands(const double* q, const double* u, double* y) const noexcept {
   const auto apply = [&]<int... Diagonals>(const Band& band, std::integer_sequence<int, Diagonals...>) {
-    ((std::ssize(band.offsets) == Diagonals && (apply_band<Diagonals>(band, q, u, y), true)) || ...);
+    (void)((std::ssize(band.offsets) == Diagonals && (apply_band<Diagonals>(band, q, u, y), true)) || ...);
   };
   for (const auto& band : bands_) apply(band, std::make_integer_sequence<int, kMostDiagonals + 1>{});
 }
