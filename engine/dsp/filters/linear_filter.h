@@ -38,6 +38,7 @@ class LinearFilter {
   /// [realtime] At least one frame. `position` is the group_position of the first; `x` and `y` do not
   /// overlap.
   void run(const double* x, double* y, int frames, int position) noexcept {
+    if (position == 0 && frames % kGroup == 0) return run_groups(x, y, frames / kGroup);
     feed_forward(x, y, frames);
     recurrence_.run(y, y, frames, position);
   }
@@ -60,22 +61,46 @@ class LinearFilter {
       return b[0] * now + b[1] * before;
   }
 
-  /// Whole groups are shifted in registers: a vector that lies across two that were just stored waits for
-  /// both.
+  /// The inputs of whole groups are shifted in registers: a vector that lies across two that were just stored
+  /// waits for both.
+  class Shifted {
+   public:
+    explicit Shifted(const LinearFilter& filter) noexcept
+        : b_{Lanes::broadcast(filter.b_[0]), Lanes::broadcast(filter.b_[1]),
+             Lanes::broadcast(filter.b_[Order])},
+          last_(Lanes::broadcast(filter.last_[0])),
+          last_before_(Lanes::broadcast(filter.last_[Order - 1])) {}
+    /// The feed-forward part of the next group.
+    Lanes next(const double* x) noexcept {
+      const auto now = Lanes::load(x), one_before = now.moved_up(last_);
+      const auto two_before = one_before.moved_up(last_before_);
+      last_ = now;
+      last_before_ = one_before;
+      return weighted(now, one_before, two_before, b_);
+    }
+
+   private:
+    std::array<Lanes, 3> b_;
+    Lanes last_, last_before_;
+  };
+
+  void run_groups(const double* x, double* y, int groups) noexcept {
+    Shifted shifted(*this);
+    recurrence_.run_groups(y, groups, [&](int g) {
+      double* const v = y + g * kGroup;
+      shifted.next(x + g * kGroup).store(v);
+      return v;
+    });
+    for (int i = 0; i < Order; ++i) last_[static_cast<std::size_t>(i)] = x[groups * kGroup - 1 - i];
+  }
+
   void feed_forward(const double* x, double* v, int frames) noexcept {
     const std::array<double, 3> b{b_[0], b_[1], Order == 2 ? b_[Order] : 0.0};
     double before = last_[0], oldest = last_[Order - 1];
     int i = 0;
     if (frames >= Lanes::kCount) {
-      const std::array<Lanes, 3> wide{Lanes::broadcast(b[0]), Lanes::broadcast(b[1]), Lanes::broadcast(b[2])};
-      auto last = Lanes::broadcast(before), last_before = Lanes::broadcast(oldest);
-      for (; i + Lanes::kCount <= frames; i += Lanes::kCount) {
-        const auto now = Lanes::load(x + i), one_before = now.moved_up(last);
-        const auto two_before = one_before.moved_up(last_before);
-        weighted(now, one_before, two_before, wide).store(v + i);
-        last = now;
-        last_before = one_before;
-      }
+      Shifted shifted(*this);
+      for (; i + Lanes::kCount <= frames; i += Lanes::kCount) shifted.next(x + i).store(v + i);
       before = x[i - 1];
       oldest = x[i - Order];
     }

@@ -68,8 +68,25 @@ class Recurrence {
       v += rest, y += rest, frames -= rest;
     }
     const int groups = frames / kGroup;
-    if (groups > 0) whole(v, y, groups);
+    if (groups > 0) run_groups(y, groups, [v](int g) { return v + g * kGroup; });
     if (const int left = frames % kGroup; left > 0) part(v + groups * kGroup, y + groups * kGroup, left, 0);
+  }
+
+  /// [realtime] `run` for whole groups from the start of one. `input(g)` is asked for the eight inputs of
+  /// group g, in order.
+  template <class Input>
+  void run_groups(double* y, int groups, Input input) noexcept {
+    auto last = remembered();
+    auto outputs = Lanes::broadcast(0.0);
+    for (int g = 0; g < groups; ++g, y += kGroup) {
+      const double* const v = input(g);
+      auto sums = Lanes::broadcast(0.0);
+      for (int j = 0; j < kGroup; ++j) sums = fused_multiply_add(column(j), Lanes::broadcast(v[j]), sums);
+      outputs = with_free_response(sums, last);
+      last = last_of(outputs);
+      (outputs + Lanes::broadcast(0.0)).store(y);
+    }
+    remember(outputs);
   }
 
   /// [realtime] Continues from the state of `other`, at the start of a group.
@@ -118,19 +135,6 @@ class Recurrence {
     Group y;
     outputs.store(y.data());
     for (std::size_t i = 0; i < Order; ++i) last_[i] = y[kGroup - 1 - i];
-  }
-
-  void whole(const double* v, double* y, int groups) noexcept {
-    auto last = remembered();
-    auto outputs = Lanes::broadcast(0.0);
-    for (int g = 0; g < groups; ++g, v += kGroup, y += kGroup) {
-      auto sums = Lanes::broadcast(0.0);
-      for (int j = 0; j < kGroup; ++j) sums = fused_multiply_add(column(j), Lanes::broadcast(v[j]), sums);
-      outputs = with_free_response(sums, last);
-      last = last_of(outputs);
-      (outputs + Lanes::broadcast(0.0)).store(y);
-    }
-    remember(outputs);
   }
 
   Lanes sums_before(int position) const noexcept {
