@@ -91,11 +91,12 @@ class KernelNode : public Node {
   void copy(const Node& other) noexcept override { assign(*this, other); }
 
  protected:
-  double further_;
-
- private:
   using State = decltype(state_of(Step));
 
+  double further_;
+  State state_{};
+
+ private:
   template <class... In>
   static double step(State& state, double further, In... in) noexcept {
     if constexpr (std::is_invocable_v<decltype(Step), State*, In...>)
@@ -118,7 +119,6 @@ class KernelNode : public Node {
   }
 
   static constexpr std::size_t kMostInRegisters = 32;  ///< bytes
-  State state_{};
 };
 
 /// A node of one output that goes frame by frame: `step` is given the state, which begins as State{}, and the
@@ -171,20 +171,47 @@ class ElementwiseNode final : public Node {
 
  private:
   static constexpr auto kInputs = static_cast<std::size_t>(Function::kInputs);
+  static constexpr bool kTakesLanes = requires(const Function& function, const Lanes* all) {
+    function.value(all);
+  };
 
   // Not inlined: the setup for many frames would delay a single one.
   [[gnu::noinline]] void process_frames(const NodeBlock& block) const noexcept {
     if constexpr (Width == 1) {
+      if constexpr (kTakesLanes)
+        if (block.frames % kVectorWidth == 0 && only_first_move<kInputs>(block, 1)) return run_vectors(block);
       run_frames<kInputs>(block, [this](auto... in) { return this->value(in...); });
     } else {
       std::array<Signal, kInputs> signals;
       std::copy_n(block.in, kInputs, signals.begin());
-      std::array<Lanes, kInputs> in;
-      double* out = block.out[0];
-      for (int n = 0, frames = block.frames; n < frames; ++n, out += Width) {
-        for (std::size_t k = 0; k < kInputs; ++k) in[k] = VectorSignal{signals[k]}[n];
-        lanes(in).store(out);
-      }
+      const bool rows =
+          std::none_of(signals.begin(), signals.end(), [](const Signal& in) { return in.stride == 1; });
+      rows ? run_lanes(signals, block,
+                       [](const Signal& in, int n) { return Lanes::load(in.data + n * in.stride); })
+           : run_lanes(signals, block, [](const Signal& in, int n) { return VectorSignal{in}[n]; });
+    }
+  }
+  /// `lanes_at(signal, frame)`: all lanes of a frame.
+  template <class LanesAt>
+  void run_lanes(const std::array<Signal, kInputs>& signals, const NodeBlock& block,
+                 LanesAt lanes_at) const noexcept {
+    std::array<Lanes, kInputs> in;
+    double* out = block.out[0];
+    for (int n = 0, frames = block.frames; n < frames; ++n, out += Width) {
+      for (std::size_t k = 0; k < kInputs; ++k) in[k] = lanes_at(signals[k], n);
+      lanes(in).store(out);
+    }
+  }
+  /// Where only the first input moves.
+  void run_vectors(const NodeBlock& block) const noexcept {
+    std::array<Lanes, kInputs> in;
+    for (std::size_t k = 1; k < kInputs; ++k) in[k] = Lanes::broadcast(*block.in[k].data);
+    const double* from = block.in[0].data;
+    double* to = block.out[0];
+    for (const double* const end = from + block.frames; from != end;
+         from += kVectorWidth, to += kVectorWidth) {
+      in[0] = Lanes::load(from);
+      function_.value(in.data()).store(to);
     }
   }
   template <class... In>
@@ -193,7 +220,7 @@ class ElementwiseNode final : public Node {
     return function_.value(values);
   }
   Lanes lanes(const std::array<Lanes, kInputs>& in) const noexcept {
-    if constexpr (requires(const Function& function, const Lanes* all) { function.value(all); }) {
+    if constexpr (kTakesLanes) {
       return function_.value(in.data());
     } else {
       std::array<std::array<double, kVectorWidth>, kInputs> rows;

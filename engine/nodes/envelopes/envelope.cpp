@@ -3,6 +3,36 @@
 #include "engine/nodes/kernel_node.h"
 
 namespace tactus {
+namespace {
+
+class EnvelopeNode final : public KernelNode<tactus_envelope_step, 3> {
+  enum Input { kIn, kAttack, kRelease };
+
+ public:
+  using KernelNode::KernelNode;
+
+  void process(const NodeBlock& block) noexcept override {
+    if (block.frames > 1 && all_constant(block, kAttack, 2) && !block.in[kIn].constant())
+      process_with_constant_times(block);
+    else
+      KernelNode::process(block);
+  }
+
+ private:
+  void process_with_constant_times(const NodeBlock& block) noexcept {
+    const auto keep = [&](tactus_time_constant& time, Input input) {
+      return tactus_time_constant_keep(&time, *block.in[input].data, further_);
+    };
+    const double attack = keep(state_.attack, kAttack), release = keep(state_.release, kRelease);
+    const Signal in = block.in[kIn];
+    auto follower = state_.follower;  // in registers: the output could overlap a member
+    for (int n = 0, frames = block.frames; n < frames; ++n)
+      block.out[0][n] = tactus_follower_step(&follower, in[n], attack, release);
+    state_.follower = follower;
+  }
+};
+
+}  // namespace
 
 NodeType envelope_type() {
   return {
@@ -21,7 +51,7 @@ NodeType envelope_type() {
                   0}},
       .outputs = {bounded(0, kUnlimited, {"out", "=in", "envelope, never negative"})},
       .silencers = {{"in"}},
-      .make = make_node<KernelNode<tactus_envelope_step, 3>>,
+      .make = make_node<EnvelopeNode>,
       .range =
           [](int, const NodeSetup& setup) {
             return Interval{0, abs(setup.input("in").range).high};
