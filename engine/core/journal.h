@@ -63,12 +63,12 @@ class ControlInbox {
   /// [control & stopped] Sorted by frame; applies from the next `take_due` on.
   void set_journal(std::vector<JournalEntry> entries) {
     journal_ = std::move(entries);
-    next_ = 0;
+    next_ = journal_.data();
   }
   /// [control & stopped] Frames are counted from 0 again: the journal starts again, posted entries for now
   /// stay, and those for a frame, which was counted from the former start, are dropped.
   void restart() {
-    next_ = 0;
+    next_ = journal_.data();
     std::vector<JournalEntry> stay;
     for (JournalEntry entry; posted_.pop(entry);)
       if (entry.frame == JournalEntry::kNow) stay.push_back(entry);
@@ -84,13 +84,14 @@ class ControlInbox {
     while (posted_.front() != nullptr) posted_.drop_front();
   }
 
+  /// [realtime] No entry is due or will be.
+  bool empty() noexcept { return next_ == end() && posted_.front() == nullptr; }
   /// [realtime] Gives every entry that is due at `now` to `apply`. Returns the frames until the next one, at
   /// most `frames`.
   template <class Apply>
   std::int64_t take_due(std::int64_t now, std::int64_t frames, Apply apply) noexcept {
-    for (; next_ < journal_.size() && journal_[next_].frame <= now; ++next_)
-      take(journal_[next_], now, apply);
-    if (next_ < journal_.size()) frames = std::min(frames, journal_[next_].frame - now);
+    for (; next_ != end() && next_->frame <= now; ++next_) take(*next_, now, apply);
+    if (next_ != end()) frames = std::min(frames, next_->frame - now);
     const JournalEntry* posted = posted_.front();
     for (; posted != nullptr && posted->frame <= now; posted = posted_.front()) {
       take(*posted, now, apply);
@@ -110,8 +111,10 @@ class ControlInbox {
     apply(entry);
   }
 
+  const JournalEntry* end() const noexcept { return journal_.data() + journal_.size(); }
+
   std::vector<JournalEntry> journal_;
-  std::size_t next_ = 0;
+  const JournalEntry* next_ = journal_.data();
   SpscQueue<JournalEntry> posted_{256};
   JournalTap* tap_ = nullptr;
 };

@@ -21,21 +21,23 @@ void binary(const Signal* in, double* out, int frames, F f) noexcept {
     for (int n = 0; n < frames; ++n) out[n] = f(left[n], right[n]);
 }
 
+/// For operands of lanes, and frames that fill no vector.
+template <Expression::Op kOp>
+[[gnu::noinline]] void uneven(const Signal* in, double* out, int frames) noexcept {
+  constexpr auto value = operator_of(kOp).value;
+  binary(in, out, frames, [](double a, double b) { return value(a, b, 0); });
+}
+
 /// The same for what a vector unit can do.
 template <Expression::Op kOp>
 void vectorised(const Signal* in, double* out, int frames) noexcept {
-  constexpr auto value = operator_of(kOp).value;
-  const auto scalar = [](double a, double b) { return value(a, b, 0); };
   const auto left = in[0].stride, right = in[1].stride;
-  if (left > 1 || right > 1) return binary(in, out, frames, scalar);
+  if ((frames & (kVectorWidth - 1)) != 0 || left > 1 || right > 1) [[unlikely]]
+    return uneven<kOp>(in, out, frames);
   const double *a = in[0].data, *b = in[1].data;
-  for (double* const end = out + (frames & -kVectorWidth); out != end; out += kVectorWidth) {
+  for (double* const end = out + frames; out != end; out += kVectorWidth) {
     lanes_of<kOp>(operand_lanes(a, left == 0), operand_lanes(b, right == 0)).store(out);
     a += left * kVectorWidth, b += right * kVectorWidth;
-  }
-  for (int rest = frames & (kVectorWidth - 1); rest > 0; --rest) {
-    *out++ = scalar(*a, *b);
-    a += left, b += right;
   }
 }
 
@@ -71,13 +73,19 @@ constexpr auto kRuns = []<std::size_t... kEntries>(std::index_sequence<kEntries.
 }
 (std::make_index_sequence<kOperators.size()>{});
 
+/// Of controls at rest.
+[[gnu::noinline]] void run_resting(Expression::Op op, int operands, const Signal* in, double* out,
+                                   int frames) noexcept {
+  std::fill_n(out, frames, evaluate(op, in[0][0], in[1][0], operands < 3 ? 0 : in[2][0]));
+}
+
 }  // namespace
 
 void run_operation(Expression::Op op, int operands, const Signal* in, double* out, int frames) noexcept {
   if (frames == 1)
     *out = evaluate(op, *in[0].data, *in[1].data, operands < 3 ? 0 : *in[2].data);
-  else if (all_rest(in, operands))  // controls at rest
-    std::fill_n(out, frames, evaluate(op, in[0][0], in[1][0], operands < 3 ? 0 : in[2][0]));
+  else if (all_rest(in, operands))
+    run_resting(op, operands, in, out, frames);
   else
     kRuns[entry_of(op)](in, out, frames);
 }

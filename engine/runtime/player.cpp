@@ -23,6 +23,7 @@ Status Player::prepare(const StreamFormat& format) {
   use(versions_.restart());
   running_->start(format.max_frames);
   fades_.assign(running_->outputs.size(), {});
+  stored_ = std::min(index(format.out_channels), running_->outputs.size());
   fading_until_ = 0;
   last_frames_ = 0;
   outside_in_.resize(out_channels(), kMaxSubBlock);
@@ -38,7 +39,8 @@ Status Player::prepare(const StreamFormat& format) {
 void Player::process(const BlockIo& io) noexcept {
   io_ = &io;
   for (offset_ = 0; offset_ < io.frames;) {
-    const int frames = frames_to_next_entry(std::min(io.frames - offset_, kMaxSubBlock));
+    int frames = std::min(io.frames - offset_, kMaxSubBlock);
+    if (versions_.next() != nullptr || !inbox_.empty()) frames = frames_to_next_entry(frames);
     run_sub_block(frames);
     offset_ += frames;
     now_ += frames;
@@ -47,16 +49,20 @@ void Player::process(const BlockIo& io) noexcept {
   frame_.store(now_, std::memory_order_relaxed);
 }
 
-void Player::run_sub_block(int frames) noexcept {
+inline void Player::run_sub_block(int frames) noexcept {
   running_->advance(now_, frames);
   if (outside_ == nullptr) load_inputs(frames);
   timed_ ? steps_.run<true>(now_, frames) : steps_.run<false>(now_, frames);
   if (outside_ == nullptr) store_outputs(frames);
+  if (!running_->taps.empty()) store_taps(frames);
+  for (auto* observer : observers_) observer->observe(*running_, now_, frames);
+}
+
+void Player::store_taps(int frames) noexcept {
   for (std::size_t t = 0; t < running_->taps.size(); ++t) {
     const auto& signal = running_->plan->channels[index(running_->tap_channels[t])].signal;
     for (int n = 0; n < frames; ++n) running_->taps[t][index(offset_ + n)] = signal[n];
   }
-  for (auto* observer : observers_) observer->observe(*running_, now_, frames);
 }
 
 // Journal and replacement.
@@ -77,7 +83,7 @@ void Player::apply(const JournalEntry& entry) noexcept {
   const auto& plan = *running_->plan;
   // Where it is no longer known, the last known value is the best guess.
   if (entry.kind == JournalEntry::Kind::SystemDelay && plan.system_delay != nullptr && entry.value >= 0)
-    std::fill_n(plan.system_delay, kVectorWidth, entry.value / plan.sample_rate.value);
+    running_->set_system_delay(Seconds{entry.value / plan.sample_rate.value});
   const bool at_once = entry.kind == JournalEntry::Kind::ControlSet;
   if (entry.kind != JournalEntry::Kind::ControlChange && !at_once) return;
   if (entry.index < 0 || entry.index >= static_cast<int>(running_->control_of.size())) return;
@@ -115,37 +121,37 @@ double Player::last_output(std::size_t output) const noexcept {
 
 // Samples.
 
-const Signal& Player::output_signal(std::size_t output) const noexcept {
-  return running_->plan->channels[index(running_->outputs[output])].signal;
-}
-
-void Player::load_inputs(int frames) noexcept {
-  const auto& buffers = running_->plan->input_buffers;
-  for (std::size_t c = 0; c < buffers.size(); ++c) {
-    if (buffers[c] == nullptr) continue;
-    if (static_cast<int>(c) >= format_.in_channels) {
-      std::fill_n(buffers[c], frames, 0.0);
-      continue;
-    }
-    load_input(io_->in[c] + offset_, frames, buffers[c]);
-  }
+inline void Player::load_inputs(int frames) noexcept {
+  for (const auto& input : running_->loaded_inputs)
+    if (input.channel < format_.in_channels)
+      load_input(io_->in[input.channel] + offset_, frames, input.to);
+    else
+      std::fill_n(input.to, frames, 0.0);
 }
 
 /// Nodes see neither what is not finite nor denormals, which are 0 to arithmetic, but not to what only copies
 /// or chooses.
-void Player::load_input(const double* from, int frames, double* to) noexcept {
-  if (!copy_finite(from, frames, to))
-    bad_inputs_.fetch_add(clear_nonfinite(to, frames), std::memory_order_relaxed);
+inline void Player::load_input(const double* from, int frames, double* to) noexcept {
+  if (!copy_finite(from, frames, to)) [[unlikely]]
+    clear_input(to, frames);
 }
 
-void Player::store_outputs(int frames) noexcept {
-  const auto channels = std::min(index(format_.out_channels), running_->outputs.size());
+void Player::clear_input(double* samples, int frames) noexcept {
+  bad_inputs_.fetch_add(clear_nonfinite(samples, frames), std::memory_order_relaxed);
+}
+
+inline void Player::store_outputs(int frames) noexcept {
+  const auto channels = stored_;
   for (std::size_t c = 0; c < channels; ++c)
     if (const auto& signal = output_signal(c); signal.stride == 1)
       copy_samples(signal.data, frames, io_->out[c] + offset_);
     else
       c += store_lanes(c, channels, frames) - 1;
-  if (now_ >= fading_until_) return;
+  if (now_ < fading_until_) [[unlikely]]
+    fade_outputs(channels, frames);
+}
+
+void Player::fade_outputs(std::size_t channels, int frames) noexcept {
   for (std::size_t c = 0; c < channels; ++c) fades_[c].process(io_->out[c] + offset_, frames, now_);
 }
 
@@ -173,11 +179,8 @@ void Player::answer(int offset, int frames) noexcept {
       std::copy_n(samples, frames, io_->out[c] + offset_ + offset);
   }
   outside_->process({outside_in_.data(), outside_out_.data(), frames});
-  const auto& buffers = running_->plan->input_buffers;
-  for (std::size_t c = 0; c < buffers.size(); ++c) {
-    if (buffers[c] == nullptr) continue;
-    load_input(outside_out_[static_cast<int>(c)], frames, buffers[c] + offset);
-  }
+  for (const auto& input : running_->loaded_inputs)
+    load_input(outside_out_[input.channel], frames, input.to + offset);
 }
 
 }  // namespace tactus

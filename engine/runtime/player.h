@@ -96,14 +96,17 @@ class Player final : public BlockProcessor, private Outside {
     running_ = &running;
     steps_.use(running);
   }
-  int frames_to_next_entry(int frames) noexcept;
+  [[gnu::noinline]] int frames_to_next_entry(int frames) noexcept;
   void apply(const JournalEntry& entry) noexcept;
   void take_over(Running& next) noexcept;
   double last_output(std::size_t output) const noexcept;
-  const Signal& output_signal(std::size_t output) const noexcept;
+  const Signal& output_signal(std::size_t output) const noexcept { return *running_->output_signals[output]; }
   void load_inputs(int frames) noexcept;
   void load_input(const double* from, int frames, double* to) noexcept;
   void store_outputs(int frames) noexcept;
+  [[gnu::noinline]] void clear_input(double* samples, int frames) noexcept;
+  [[gnu::noinline]] void fade_outputs(std::size_t channels, int frames) noexcept;
+  [[gnu::noinline]] void store_taps(int frames) noexcept;
   [[gnu::noinline]] std::size_t store_lanes(std::size_t first, std::size_t channels, int frames) noexcept;
   void answer(int offset, int frames) noexcept override;
 
@@ -115,6 +118,7 @@ class Player final : public BlockProcessor, private Outside {
   Running* running_ = nullptr;
   StepRunner steps_;
   StreamFormat format_;
+  std::size_t stored_ = 0;  ///< outputs that the format has
   std::vector<OutputFade> fades_;
   std::int64_t fading_until_ = 0;
   const BlockIo* io_ = nullptr;  // the block in hand; a copy would wait for the stores of its members

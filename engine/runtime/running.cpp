@@ -12,6 +12,7 @@ Running::Running(std::unique_ptr<Plan> made, int max_frames)
       silent_until(plan->steps.size(), 0) {
   for (std::size_t i = 0; i < plan->channels.size(); ++i)
     (plan->channels[i].use == OutputUse::Tap ? tap_channels : outputs).push_back(static_cast<int>(i));
+  for (const int channel : outputs) output_signals.push_back(&plan->channels[index(channel)].signal);
   for (std::size_t c = 0; c < outputs.size(); ++c) vectorised.push_back(begins_lanes(c));
   for (const auto& step : plan->steps) {
     moved_in.resize(std::max(moved_in.size(), index(step.inputs)));
@@ -22,6 +23,10 @@ Running::Running(std::unique_ptr<Plan> made, int max_frames)
     control_names.push_back(planned.control.name);
     controls.push_back({{}, planned.buffer, planned.readers, planned.control.unit.decibel});
   }
+  has_own_rates_ = plan->divisors.size() > 1;
+  for (std::size_t c = 0; c < plan->input_buffers.size(); ++c)
+    if (plan->input_buffers[c] != nullptr)
+      loaded_inputs.push_back({static_cast<int>(c), plan->input_buffers[c]});
   for (const int divisor : plan->divisors) dividers.push_back({divisor, 0, 0, {}});
   start(max_frames);
 }
@@ -33,7 +38,7 @@ std::uint64_t Running::next_number() noexcept {
 
 bool Running::begins_lanes(std::size_t output) const {
   if (output + kVectorWidth > outputs.size()) return false;
-  const auto signal = [&](std::size_t c) { return plan->channels[index(outputs[c])].signal; };
+  const auto signal = [&](std::size_t c) { return *output_signals[c]; };
   const double* first = signal(output).data;
   for (std::size_t lane = 0; lane < kVectorWidth; ++lane)
     if (const auto s = signal(output + lane); s.stride != kVectorWidth || s.data != first + lane)
@@ -44,8 +49,7 @@ bool Running::begins_lanes(std::size_t output) const {
 void Running::start(int max_frames) {
   taps.assign(tap_channels.size(), std::vector<double>(index(max_frames), 0.0));
   std::fill_n(plan->arena.data(), plan->signal_doubles, 0.0);
-  if (plan->system_delay != nullptr)
-    std::fill_n(plan->system_delay, kVectorWidth, plan->system_delay_at_start.value);
+  if (plan->system_delay != nullptr) set_system_delay(plan->system_delay_at_start);
   for (auto& node : plan->nodes) node->reset();
   std::fill(silent_until.begin(), silent_until.end(), 0);
   quiet_from = 0;
@@ -58,6 +62,7 @@ void Running::start(int max_frames) {
     settle(ramp.control, true);
   }
   at_rest.assign(plan->can_rest.size(), 0);
+  computed_in.assign(plan->can_rest.size(), 0);
   for (std::size_t i = 0; i < at_rest.size(); ++i) settle(static_cast<int>(i), false);
   for (auto& count : faults) count.store(0, std::memory_order_relaxed);
 }
@@ -81,6 +86,11 @@ void Running::set_control(std::size_t control, double value) noexcept {
   const auto& range = planned.control.range;
   controls[control].value = Ramp::constant(std::clamp(value, range.low, range.high));
   settle(controls[control], true);
+}
+
+void Running::set_system_delay(Seconds delay) noexcept {
+  std::fill_n(plan->system_delay, kVectorWidth, delay.value);
+  ++settings;
 }
 
 void Running::take_over(Running& before, std::int64_t now, std::int64_t fade_frames) noexcept {
@@ -121,6 +131,7 @@ void Running::take_values(const Running& before, std::int64_t now, std::int64_t 
 void Running::settle(SmoothedControl& control, bool resting) noexcept {
   moving_ += static_cast<int>(control.resting) - static_cast<int>(resting);
   control.resting = resting;
+  ++settings;
   if (control.buffer == nullptr) return;
   if (resting) std::fill_n(control.buffer, kVectorWidth, control.value.to);
   set_strides(control.readers, resting ? 0 : 1);
@@ -136,9 +147,8 @@ void Running::set_strides(const Readers& readers, int stride) noexcept {
   for (const int channel : readers.channels) plan->channels[index(channel)].signal.stride = stride;
 }
 
-void Running::advance(std::int64_t now, int frames) noexcept {
+void Running::advance_what_moves(std::int64_t now, int frames) noexcept {
   for (std::size_t d = 1; d < dividers.size(); ++d) dividers[d].begin(now, frames);
-  if (moving_ == 0) return;
   for (auto& control : controls)
     if (!control.resting) advance(control, nullptr, now, frames);
   for (auto& ramp : ramps) {

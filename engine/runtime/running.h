@@ -50,6 +50,12 @@ struct Handover {
   std::vector<bool> jumps;      ///< [output] what feeds it is not the same
 };
 
+/// A channel and where its samples go.
+struct LoadedInput {
+  int channel;
+  double* to;
+};
+
 /// A Plan and what the engine keeps beside it while it runs. Made and freed on the control side.
 struct Running {
   /// [control] Allocates everything that `process` needs.
@@ -65,6 +71,8 @@ struct Running {
                     std::int64_t least_frames = 0) noexcept;
   /// [realtime] Puts a control at `value`, within its range, without a ramp. Does nothing if it is frozen.
   void set_control(std::size_t control, double value) noexcept;
+  /// [realtime] The plan reads it.
+  void set_system_delay(Seconds delay) noexcept;
   /// [realtime] Continues from the version before as in `handover`: nodes, controls and ramps.
   void take_over(Running& before, std::int64_t now, std::int64_t fade_frames) noexcept;
   /// [realtime] A step, or the loop that it begins, is silent until that frame.
@@ -75,23 +83,30 @@ struct Running {
   /// [realtime] From here on the signal is one number, or a sample a frame.
   void settle(int can_rest, bool resting) noexcept;
   /// [realtime] Advances by `frames` from `now`. Once for each sub-block, before its steps.
-  void advance(std::int64_t now, int frames) noexcept;
+  void advance(std::int64_t now, int frames) noexcept {
+    if (moving_ != 0 || has_own_rates_) advance_what_moves(now, frames);
+  }
 
   const std::uint64_t number = next_number();  ///< no other version of any graph has it
   std::unique_ptr<Plan> plan;
   std::vector<SmoothedControl> controls;  ///< as Plan::controls
   std::vector<ConstantRamp> ramps;
-  std::vector<int> control_of;             ///< [number, which never changes] index in `controls`; -1: gone
-  std::vector<std::string> control_names;  ///< [number]
-  std::vector<int> outputs;                ///< channels that are not taps
-  std::vector<bool> vectorised;            ///< [output] it and those behind it are the lanes of one signal
+  std::vector<int> control_of;                ///< [number, which never changes] index in `controls`; -1: gone
+  std::vector<std::string> control_names;     ///< [number]
+  std::vector<int> outputs;                   ///< channels that are not taps
+  std::vector<const Signal*> output_signals;  ///< [output] in Plan::channels
+  std::vector<LoadedInput> loaded_inputs;     ///< that something reads
+  std::vector<bool> vectorised;               ///< [output] it and those behind it are the lanes of one signal
   std::vector<int> tap_channels;
   std::vector<std::vector<double>> taps;
   std::vector<Signal> moved_in;  ///< a step's operands at an offset into the sub-block
   std::vector<double*> moved_out;
   std::vector<std::atomic<std::int64_t>> faults;  ///< [vertex]
   std::vector<double> step_ns;
-  std::vector<char> at_rest;          ///< as Plan::can_rest
+  std::vector<char> at_rest;  ///< as Plan::can_rest
+  /// [as Plan::can_rest] its number was computed, and is finite, while `settings` was this; 0: it was not
+  std::vector<std::uint64_t> computed_in;
+  std::uint64_t settings = 1;         ///< counts what may change numbers at rest
   std::vector<RateDivider> dividers;  ///< as Plan::divisors; the first stays unused
   /// [step, of a loop its first] the frame where the silence after a fault ends.
   std::vector<std::int64_t> silent_until;
@@ -106,9 +121,11 @@ struct Running {
   bool begins_lanes(std::size_t output) const;
   void settle(SmoothedControl& control, bool resting) noexcept;
   void set_strides(const Readers& readers, int stride) noexcept;
+  void advance_what_moves(std::int64_t now, int frames) noexcept;
   void advance(SmoothedControl& control, const RateDivider* divider, std::int64_t now, int frames) noexcept;
 
-  int moving_ = 0;  ///< controls and ramps in motion: a file may have thousands that are constant
+  bool has_own_rates_ = false;  ///< parts with a rate divider
+  int moving_ = 0;              ///< controls and ramps in motion: a file may have thousands that are constant
 };
 
 }  // namespace tactus

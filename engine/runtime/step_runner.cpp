@@ -40,9 +40,16 @@ class StepTimer {
   Clock::time_point before_;
 };
 
-std::int64_t end_of_cell(std::int64_t frame) { return frame - frame % kMaxSubBlock + kMaxSubBlock; }
+static_assert((kMaxSubBlock & (kMaxSubBlock - 1)) == 0);
+std::int64_t end_of_cell(std::int64_t frame) { return (frame | (kMaxSubBlock - 1)) + 1; }
 
 }  // namespace
+
+/// Its output is what it is to be: one number, since no operand moves.
+inline bool StepRunner::is_at_rest(const MicroOperation& operation, int frames) noexcept {
+  return running_->computed_in[index(operation.can_rest)] == running_->settings ||
+         run_at_rest(operation, frames);
+}
 
 inline StepRunner::Fault StepRunner::run_operations(const Step& step, bool loop, int offset,
                                                     int frames) noexcept {
@@ -50,7 +57,7 @@ inline StepRunner::Fault StepRunner::run_operations(const Step& step, bool loop,
   const auto* const operations = plan_->operations.data() + step.first_operation;
   for (int i = 0; i < step.operations; ++i) {
     const auto& operation = operations[i];
-    if (operation.can_rest >= 0 && run_at_rest(operation, operation.in, frames)) continue;
+    if (operation.can_rest >= 0 && is_at_rest(operation, frames)) continue;
     double* const out = operation.out + offset;
     if (offset == 0)
       run_operation(operation.op, operation.operands, operation.in, out, frames);
@@ -71,15 +78,14 @@ inline StepRunner::Fault StepRunner::run_operations(const Step& step, bool loop,
     step.runs->absorb(block);
     return true;
   }
-  if (!step.can_fail) return true;
-  if (step.outputs == 1 && block.out[0] != nullptr)
-    return all_finite(block.out[0], block.frames * step.width);
-  return gave_finite(step, block);
+  if (step.can_fail == 0) return true;
+  if (step.can_fail > 1) return gave_finite(step, block);
+  return all_finite(block.out[0], block.frames * step.width);
 }
 
 /// The same for any outputs.
 bool StepRunner::gave_finite(const Step& step, const NodeBlock& block) noexcept {
-  for (int i = 0; i < step.outputs; ++i)
+  for (int i = 0; i < step.can_fail; ++i)
     if (block.out[i] != nullptr && !all_finite(block.out[i], block.frames * step.width)) return false;
   return true;
 }
@@ -97,18 +103,18 @@ template void StepRunner::run<true>(std::int64_t, int) noexcept;
 template <bool kTimed>
 void StepRunner::run_straight(const Section& section, int frames) noexcept {
   const Step* const steps = plan_->steps.data();
-  const bool quiet = running_->quiet_from <= now_;
+  const bool all_with_care = running_->quiet_from > now_;
   NodeBlock block{nullptr, nullptr, frames, now_};
   for (int s = section.first_step, end = section.end_step; s < end; ++s) {
     const StepTimer<kTimed> timer{running_->step_ns[index(s)]};
     const auto& step = steps[s];
     block.in = step.in;
     block.out = step.out;
-    if (!quiet || step.divided || step.kind == Step::Kind::Outside)
+    if (step.with_care || all_with_care) [[unlikely]]
       run_with_care(s, frames);
     else if (step.kind == Step::Kind::Operations)
       run_operations(step, false, 0, frames);
-    else if (!run_node(step, block))
+    else if (!run_node(step, block)) [[unlikely]]
       run_silent(s, begin_silence(s, fault_of(step, block), 0), frames);
   }
 }
@@ -156,7 +162,8 @@ void StepRunner::run_loop(const Section& section, int frames) noexcept {
     const auto& step = steps[s];
     block.in = step.in;
     block.out = step.out;
-    if (step.divided || step.kind == Step::Kind::Outside) return run_part<kTimed>(section, s, {}, 0, frames);
+    if (step.with_care) [[unlikely]]
+      return run_part<kTimed>(section, s, {}, 0, frames);
     const StepTimer<kTimed> timer{running_->step_ns[index(s)]};
     if (step.kind == Step::Kind::Operations) {
       const Fault fault = run_operations(step, true, 0, frames);
@@ -230,16 +237,19 @@ void StepRunner::clear(const MicroOperation& operation, bool loop, double* out, 
 }
 
 /// False if one of the operands moves.
-bool StepRunner::run_at_rest(const MicroOperation& operation, const Signal* operands, int frames) noexcept {
+bool StepRunner::run_at_rest(const MicroOperation& operation, int frames) noexcept {
+  const Signal* const operands = operation.in;
   const bool rests = all_rest(operands, operation.operands);
   if (rests != (running_->at_rest[index(operation.can_rest)] != 0))
     running_->settle(operation.can_rest, rests);
   if (!rests) return false;
   double value = 0;
   run_operation(operation.op, operation.operands, operands, &value, 1);
+  running_->computed_in[index(operation.can_rest)] = running_->settings;
   if (!is_finite(value)) {
     value = 0;
     count_fault(operation.vertex, frames);
+    running_->computed_in[index(operation.can_rest)] = 0;
   }
   std::fill_n(operation.out, kVectorWidth, value);
   return true;
@@ -330,6 +340,9 @@ void StepRunner::silence(const Step& step, int offset, int frames) noexcept {
   }
   for (int i = 0; i < step.outputs; ++i)
     if (double* out = step.out[i]) std::fill_n(out + offset * step.width, frames * step.width, 0.0);
+  for (int i = 0; i < step.operations; ++i)
+    if (const int rests = plan_->operations[index(step.first_operation + i)].can_rest; rests >= 0)
+      running_->computed_in[index(rests)] = 0;
 }
 
 }  // namespace tactus

@@ -64,7 +64,8 @@ class StepRunner {
   [[gnu::noinline]] static void run_moved(const MicroOperation& operation, int offset, int frames) noexcept;
   [[gnu::noinline]] void clear(const MicroOperation& operation, bool loop, double* out, int frames,
                                Fault& first) noexcept;
-  bool run_at_rest(const MicroOperation& operation, const Signal* operands, int frames) noexcept;
+  bool is_at_rest(const MicroOperation& operation, int frames) noexcept;
+  [[gnu::noinline]] bool run_at_rest(const MicroOperation& operation, int frames) noexcept;
   // Steps of a part with a rate divider, and at its border.
   [[gnu::noinline]] Fault run_divided(const Step& step, bool loop, int offset, int frames) noexcept;
   void move_divided(const Step& step, int offset, NodeBlock& block) noexcept;

@@ -137,7 +137,7 @@ class Builder {
         divider(crosses ? RateConverter::runs_every(vertex.conversion, vertex.divisor) : vertex.divisor);
     step.divider_in = divider(crosses ? vertex.conversion.from : vertex.divisor);
     step.divider_out = divider(vertex.divisor);
-    step.divided = (step.divider | step.divider_in | step.divider_out) != 0;
+    step.divided = step.with_care = (step.divider | step.divider_in | step.divider_out) != 0;
   }
 
   void add_section(const OrderedSection& ordered) {
@@ -157,6 +157,7 @@ class Builder {
   void add_step(const OrderedVertex& item, int section_start) {
     Step step;
     step.kind = item.step;
+    step.with_care = item.step == StepKind::Outside;
     if (item.step == StepKind::Outside) return plan_->steps.push_back(step);
     auto& vertex = at(item.vertex);
     if (vertex.runs < 0 && vertex.kind == Kind::Operation)
@@ -167,8 +168,8 @@ class Builder {
     step.node = vertex.runs;
     step.width = vertex.width;
     set_dividers(step, vertex);
-    step.can_fail = vertex.kind != Kind::Pack && vertex.kind != Kind::RateConverter &&
-                    (vertex.kind != Kind::Operation || operator_of(vertex.op).can_fail);
+    const bool can_fail = vertex.kind != Kind::Pack && vertex.kind != Kind::RateConverter &&
+                          (vertex.kind != Kind::Operation || operator_of(vertex.op).can_fail);
     step.first_in = add_inputs(vertex);
     step.inputs = static_cast<int>(vertex.in.size());
     step.first_out = static_cast<int>(plan_->outputs.size());
@@ -178,6 +179,7 @@ class Builder {
     for (int port = 0; port < vertex.outputs; ++port) {
       const bool read = !skips || std::find(ports.begin(), ports.end(), port) != ports.end();
       plan_->outputs.push_back(read ? buffer(item.vertex, port) : nullptr);
+      if (read && can_fail) step.can_fail = port + 1;
     }
     plan_->steps.push_back(step);
   }

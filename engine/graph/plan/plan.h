@@ -58,8 +58,11 @@ struct Step {
   int inputs = 0, outputs = 0;
   int width = 1;  ///< numbers a frame of every output
   Kind kind = Kind::Process;
-  bool can_fail = true;  ///< its outputs can be non-finite although all inputs are finite
-  bool divided = false;  ///< it runs, reads or writes at another rate than the engine's
+  bool divided = false;    ///< it runs, reads or writes at another rate than the engine's
+  bool with_care = false;  ///< it is divided, or Outside
+  /// The first of `outputs`, up to the last that is read, if they can be non-finite although all inputs are
+  /// finite; else 0.
+  int can_fail = 0;
   int first_operation = 0, operations = 0;
   int first_in = 0, first_out = 0;
   /// Of the frames that it runs in, and of what it reads and gives (which differ at the border of a part with
