@@ -16,14 +16,6 @@ static inline int tactus_rise_step(tactus_rise* s, tactus_real trigger) {
   return s->high > was_high;
 }
 
-/// Whether none of `count` frames changes anything; then they may be left out.
-static inline int tactus_rise_indifferent(const tactus_rise* s, const tactus_real* trigger, int count) {
-  int above = 0;
-  if (s->high) return 0;
-  for (int n = 0; n < count; ++n) above += trigger[n] >= 0.5;
-  return above == 0;
-}
-
 /// What an exponential keeps in one frame, e^(-1 / (rate seconds)); 0 for seconds <= 0: at once.
 static inline tactus_real tactus_keep(tactus_real seconds, tactus_real rate) {
   return seconds > 0 ? exp(-1.0 / (rate * seconds)) : 0.0;

@@ -57,6 +57,8 @@ struct Lanes {
   friend Lanes fused_multiply_add(Lanes a, Lanes b, Lanes c) noexcept {
     return {_mm512_fmadd_pd(a.all, b.all, c.all)};
   }
+  /// A bit for each lane of a that is b or more; NaN is not.
+  friend int at_least(Lanes a, Lanes b) noexcept { return _mm512_cmp_pd_mask(a.all, b.all, _CMP_GE_OQ); }
   /// Every lane is 0; NaN is not.
   bool all_zero() const noexcept { return _mm512_cmp_pd_mask(all, _mm512_setzero_pd(), _CMP_NEQ_UQ) == 0; }
   /// All lanes added in halves: k and k + 4, k and k + 2, k and k + 1.
@@ -115,6 +117,10 @@ struct Lanes {
   }
   friend Lanes fused_multiply_add(Lanes a, Lanes b, Lanes c) noexcept {
     return {_mm256_fmadd_pd(a.low, b.low, c.low), _mm256_fmadd_pd(a.high, b.high, c.high)};
+  }
+  friend int at_least(Lanes a, Lanes b) noexcept {
+    return _mm256_movemask_pd(_mm256_cmp_pd(a.low, b.low, _CMP_GE_OQ)) |
+           _mm256_movemask_pd(_mm256_cmp_pd(a.high, b.high, _CMP_GE_OQ)) << 4;
   }
   bool all_zero() const noexcept {
     const __m256d zero = _mm256_setzero_pd();
@@ -180,6 +186,11 @@ struct Lanes {
   friend Lanes fused_multiply_add(const Lanes& a, const Lanes& b, const Lanes& c) noexcept {
     return each([&](int i) { return tactus::fused_multiply_add(a.lane[i], b.lane[i], c.lane[i]); });
   }
+  friend int at_least(Lanes a, Lanes b) noexcept {
+    int bits = 0;
+    for (int i = 0; i < kCount; ++i) bits |= (a.lane[i] >= b.lane[i] ? 1 : 0) << i;
+    return bits;
+  }
   bool all_zero() const noexcept {
     bool zero = true;
     for (int i = 0; i < kCount; ++i) zero = zero && lane[i] == 0;
@@ -191,11 +202,36 @@ struct Lanes {
 
 inline Lanes operator-(Lanes a) noexcept { return Lanes::broadcast(-0.0) - a; }
 
-/// For short blocks, where the library's copy has more overhead than work.
+/// Whether one of the samples, which are finite, is at `level` or above.
+inline bool any_at_least(const double* samples, int count, double level) noexcept {
+  int found = 0, n = 0;
+  for (; n + Lanes::kCount <= count; n += Lanes::kCount)
+    found |= at_least(Lanes::load(samples + n), Lanes::broadcast(level));
+  for (; n < count; ++n) found |= samples[n] >= level ? 1 : 0;
+  return found != 0;
+}
+
+/// Whether one of the samples, which are finite, is below `level`.
+inline bool any_below(const double* samples, int count, double level) noexcept {
+  constexpr int kAll = (1 << Lanes::kCount) - 1;
+  int found = 0, n = 0;
+  for (; n + Lanes::kCount <= count; n += Lanes::kCount)
+    found |= at_least(Lanes::load(samples + n), Lanes::broadcast(level)) ^ kAll;
+  for (; n < count; ++n) found |= samples[n] < level ? 1 : 0;
+  return found != 0;
+}
+
+/// For short blocks, where the library's functions have more overhead than work.
 inline void copy_samples(const double* from, int count, double* to) noexcept {
   int n = 0;
   for (; n + Lanes::kCount <= count; n += Lanes::kCount) Lanes::load(from + n).store(to + n);
   for (; n < count; ++n) to[n] = from[n];
+}
+
+inline void fill_samples(double* to, int count, double value) noexcept {
+  int n = 0;
+  for (; n + Lanes::kCount <= count; n += Lanes::kCount) Lanes::broadcast(value).store(to + n);
+  for (; n < count; ++n) to[n] = value;
 }
 
 }  // namespace tactus

@@ -5,6 +5,8 @@
 namespace tactus {
 namespace {
 
+constexpr double kHigh = 0.5;  // as tactus_rise_step
+
 class DecayNode final : public Node {
  public:
   explicit DecayNode(const NodeSetup& setup) : sample_rate_(setup.sample_rate.value) {}
@@ -17,18 +19,25 @@ class DecayNode final : public Node {
   void copy(const Node& other) noexcept override { assign(*this, other); }
 
  private:
-  // Not inlined: the setup for many frames would delay a single one.
+  // Neither is inlined: what one prepares would delay the other, or a single frame.
   [[gnu::noinline]] void process_frames(const NodeBlock& block) noexcept {
     const Signal trigger = block.in[0], time = block.in[1], length = block.in[3];
-    const auto skip = [&](int from, int count) {
-      if (tactus_rise_indifferent(&state_.rise, trigger.data + from, count) == 0) return false;
-      tactus_pulse_run(&state_.pulse, block.out[0] + from, count,
-                       tactus_time_constant_keep(&state_.time, time[0], sample_rate_),
-                       length[0] * sample_rate_);
-      return true;
-    };
-    run_with_skips(block, time.constant() && length.constant() && !trigger.constant(), skip,
-                   [&](int from, int count) { step(block, from, count); });
+    const bool may_skip = time.constant() && length.constant() && !trigger.constant();
+    if (!may_skip || !skip(block, 0, block.frames)) process_triggers(block, may_skip);
+  }
+  [[gnu::noinline]] void process_triggers(const NodeBlock& block, bool may_skip) noexcept {
+    run_with_skips(
+        block, may_skip, [&](int from, int count) { return skip(block, from, count); },
+        [&](int from, int count) { step(block, from, count); });
+  }
+
+  /// Frames in which nothing rises.
+  bool skip(const NodeBlock& block, int from, int count) noexcept {
+    if (state_.rise.high != 0 || any_at_least(block.in[0].data + from, count, kHigh)) return false;
+    tactus_pulse_run(&state_.pulse, block.out[0] + from, count,
+                     tactus_time_constant_keep(&state_.time, *block.in[1].data, sample_rate_),
+                     *block.in[3].data * sample_rate_);
+    return true;
   }
 
   void step(const NodeBlock& block, int from, int count) noexcept {

@@ -1,5 +1,5 @@
 #include "engine/nodes/declare.h"
-#include "engine/nodes/logic/threshold_kernel.h"
+#include "engine/nodes/logic/threshold_skip.h"
 #include "engine/nodes/process.h"
 
 namespace tactus {
@@ -21,11 +21,14 @@ class ThresholdNode final : public Node {
   void copy(const Node& other) noexcept override { assign(*this, other); }
 
  private:
-  // Not inlined: the setup for many frames would delay a single one.
+  // Neither is inlined: what one prepares would delay the other, or a single frame.
   [[gnu::noinline]] void process_frames(const NodeBlock& block) noexcept {
+    const bool may_skip = all_constant(block, kLevel, 2) && !block.in[kIn].constant();
+    if (!may_skip || !skip(block, 0, block.frames)) process_changes(block, may_skip);
+  }
+  [[gnu::noinline]] void process_changes(const NodeBlock& block, bool may_skip) noexcept {
     run_with_skips(
-        block, all_constant(block, kLevel, 2) && !block.in[kIn].constant(),
-        [&](int from, int count) { return skip(block, from, count); },
+        block, may_skip, [&](int from, int count) { return skip(block, from, count); },
         [&](int from, int count) { step(block, from, count); });
   }
 
@@ -34,13 +37,14 @@ class ThresholdNode final : public Node {
     return std::clamp(block.in[kHold][n], 0.0, kLongestHold_s) * sample_rate_;
   }
 
+  /// Frames that change nothing.
   bool skip(const NodeBlock& block, int from, int count) noexcept {
-    const double* in = block.in[kIn].data + from;
-    if (tactus_threshold_indifferent(&state_, in, count, block.in[kLevel][0], hysteresis(block, 0)) == 0)
+    if (!changes_nothing(state_, block.in[kIn].data + from, count, *block.in[kLevel].data,
+                         hysteresis(block, 0)))
       return false;
     tactus_threshold_pass(&state_, count);
-    if (block.out[0] != nullptr) std::fill_n(block.out[0] + from, count, 0.0);
-    if (block.out[1] != nullptr) std::fill_n(block.out[1] + from, count, static_cast<double>(state_.high));
+    if (block.out[0] != nullptr) fill_samples(block.out[0] + from, count, 0);
+    if (block.out[1] != nullptr) fill_samples(block.out[1] + from, count, state_.high);
     return true;
   }
   void step(const NodeBlock& block, int from, int count) noexcept {

@@ -28,18 +28,7 @@ static inline int tactus_threshold_step(tactus_threshold* s, tactus_real in, tac
   return fires;
 }
 
-/// Whether none of `count` frames changes anything; then they may be left out, but for
-/// `tactus_threshold_pass`.
-static inline int tactus_threshold_indifferent(const tactus_threshold* s, const tactus_real* in, int count,
-                                               tactus_real level, tactus_real hysteresis) {
-  int beyond = 0;
-  if (s->high == !s->fired) return 0;
-  if (s->high)
-    for (int n = 0; n < count; ++n) beyond += !(in[n] >= level - hysteresis);
-  else
-    for (int n = 0; n < count; ++n) beyond += in[n] >= level;
-  return beyond == 0;
-}
+/// `count` frames that change nothing.
 static inline void tactus_threshold_pass(tactus_threshold* s, int count) {
   s->wait = s->wait > count ? s->wait - count : 0;
 }
