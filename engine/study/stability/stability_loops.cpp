@@ -38,7 +38,8 @@ void find_gains(const LinearGraph& graph, std::complex<double> z, const std::vec
         if (edge.frames > 0) gains[e] *= std::exp(-static_cast<double>(edge.frames) * log_z);
         break;
       case LinearEdge::Kind::Node:
-        gains[e] = edge.node->response(edge.input, edge.output, at(), edge.at).value_or(0.0);
+        gains[e] = edge.constant ? *edge.constant
+                                 : edge.node->response(edge.input, edge.output, at(), edge.at).value_or(0.0);
         break;
       case LinearEdge::Kind::Network: {
         const auto& network = graph.networks[index(edge.network)]->response();
@@ -223,13 +224,14 @@ std::complex<double> LoopGroup::characteristic(const Eigen::MatrixXcd& returned)
   return Eigen::MatrixXcd(one - returned).determinant();
 }
 
-std::vector<std::complex<double>> LoopGroup::alone(const Eigen::MatrixXcd& returned) {
-  if (returned.rows() == 1) return {returned(0, 0)};
+LoopGroup::Loops LoopGroup::loops(const Eigen::MatrixXcd& returned) {
+  if (returned.rows() == 1) return {characteristic(returned), {returned(0, 0)}};
   const auto one = Eigen::MatrixXcd::Identity(returned.rows(), returned.cols());
-  const Eigen::MatrixXcd inverse = Eigen::MatrixXcd(one - returned).inverse();
-  std::vector<std::complex<double>> alone;
-  for (Eigen::Index c = 0; c < returned.rows(); ++c) alone.push_back(1.0 - 1.0 / inverse(c, c));
-  return alone;
+  const auto lu = Eigen::MatrixXcd(one - returned).partialPivLu();
+  const Eigen::MatrixXcd inverse = lu.inverse();
+  Loops loops{lu.determinant(), {}};
+  for (Eigen::Index c = 0; c < returned.rows(); ++c) loops.alone.push_back(1.0 - 1.0 / inverse(c, c));
+  return loops;
 }
 
 int LoopGroup::delay_frames() const {

@@ -44,8 +44,12 @@ class LoopGroup {
   const std::vector<std::complex<double>>& gains_at(std::complex<double> z) const;
   /// f of `returned`.
   static std::complex<double> characteristic(const Eigen::MatrixXcd& returned);
-  /// The open-loop gain at each cut if it alone is open: L = 1 - 1 / ((1 - R)^-1)_cc.
-  static std::vector<std::complex<double>> alone(const Eigen::MatrixXcd& returned);
+  struct Loops {
+    std::complex<double> f;
+    std::vector<std::complex<double>> alone;  ///< of each cut the open-loop gain if it alone is open
+  };
+  /// f, and L = 1 - 1 / ((1 - R)^-1)_cc, of `returned`.
+  static Loops loops(const Eigen::MatrixXcd& returned);
   /// Frames in all its delays together: the most turns of f around 0.
   int delay_frames() const;
   /// The shortest loop through a cut: the paths of its nodes.

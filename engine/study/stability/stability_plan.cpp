@@ -12,6 +12,8 @@ namespace {
 
 /// Any z serves to ask whether there is a response at all.
 const std::complex<double> kSomewhere = std::polar(1.0, 0.01);
+/// What has the same real response at these is no function of z: a node without memory.
+const std::complex<double> kElsewhere[] = {std::polar(1.0, 1.0), std::polar(1.1, 2.3)};
 
 class PlanReader {
  public:
@@ -275,6 +277,9 @@ class PlanReader {
                     .at = at,
                     .divisor = divisor(step)};
     const auto response = node->response(input, output, kSomewhere, at);
+    const auto same = [&](const auto& z) { return node->response(input, output, z, at) == response; };
+    if (response && response->imag() == 0.0 && std::ranges::all_of(kElsewhere, same))
+      edge.constant = response;
     if (!response) {
       if (type != nullptr && input == 0 && sampling_trigger(*type) >= 0)
         return add_sampling(*type, std::move(edge));

@@ -2,6 +2,7 @@
 
 // Thread: [control].
 
+#include <complex>
 #include <map>
 #include <memory>
 #include <optional>
@@ -81,8 +82,9 @@ struct LinearEdge {
   double gain = 1;
   int frames = 0;  ///< Delay, Hold; of others the longest that is promised
   std::shared_ptr<const Node> node = {};
-  int input = 0, output = 0;    ///< of the node; column and row of a network's model
-  std::vector<double> at = {};  ///< the node's inputs
+  int input = 0, output = 0;                          ///< of the node; column and row of a network's model
+  std::vector<double> at = {};                        ///< the node's inputs
+  std::optional<std::complex<double>> constant = {};  ///< the node's response where it is the same at every z
   int network = -1;
   int divisor = 1;       ///< engine frames between two of those that it runs in
   bool limited = false;  ///< of events: a hold time keeps them apart

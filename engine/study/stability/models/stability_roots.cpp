@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/core/find_root.h"
 #include "engine/core/units.h"
 
 namespace tactus {
@@ -15,6 +16,8 @@ using Complex = std::complex<double>;
 constexpr std::size_t kMostPoints = 400'000;
 // Factors outside these are no margins any more.
 constexpr double kLeastFactor = 1e-6, kMostFactor = 1e6;
+// An L below this is rounding: it is the difference of numbers near 1.
+constexpr double kLeastGain = 1e-9;
 
 /// f with what goes through one cut times `factor`:  f_k = f (1 - k L) / (1 - L).
 Complex scaled(Complex f, Complex alone, double factor) {
@@ -43,7 +46,7 @@ void take_refined(std::vector<Sample> ahead, const auto& sample, const auto& apa
 /// What comes back to `drive` alone, with what goes through `cut` times `factor`.
 Complex returned_to(Eigen::MatrixXcd returned, int drive, int cut, double factor) {
   returned.col(cut) *= factor;
-  return LoopGroup::alone(returned)[static_cast<std::size_t>(drive)];
+  return LoopGroup::loops(returned).alone[static_cast<std::size_t>(drive)];
 }
 
 }  // namespace
@@ -74,8 +77,9 @@ double LoopScan::hertz(double radians) const {
 
 LoopScan::Sample LoopScan::sample(double radians) const {
   const auto returned = group_.returned(std::polar(radius_, radians));
-  auto alone = what_ == For::Margins ? LoopGroup::alone(returned) : std::vector<Complex>{};
-  return {radians, LoopGroup::characteristic(returned), std::move(alone)};
+  if (what_ == For::Counting) return {radians, LoopGroup::characteristic(returned), {}};
+  auto loops = LoopGroup::loops(returned);
+  return {radians, loops.f, std::move(loops.alone)};
 }
 
 /// Points where a node rings, as a string does, so close that none of its resonances lies between two of
@@ -130,7 +134,7 @@ std::vector<double> LoopScan::first_points() const {
     constexpr int kOfOne = 4096, kOfAll = 32 * kOfOne;
     const auto& edges = group_.graph().edges;
     const auto rings = [&](std::size_t e) {
-      return edges[e].kind == LinearEdge::Kind::Node && edges[e].node != nullptr;
+      return edges[e].kind == LinearEdge::Kind::Node && edges[e].node != nullptr && !edges[e].constant;
     };
     const auto nodes = std::ranges::count_if(group_.edges(), rings);
     for (const auto e : group_.edges())
@@ -155,7 +159,7 @@ bool LoopScan::smooth(const Sample& a, const Sample& b) const {
 void LoopScan::refine(std::vector<double> points) {
   std::vector<Sample> ahead;
   for (auto p = points.rbegin(); p != points.rend(); ++p) ahead.push_back(sample(*p));
-  heights_.assign(group_.cuts().size(), 0.0);
+  heights_.assign(group_.cuts().size(), kLeastGain);
   for (const auto& s : ahead)
     for (std::size_t c = 0; c < s.alone.size(); ++c)
       heights_[c] = std::max(heights_[c], std::min(1.0, std::abs(s.alone[c])));
@@ -190,17 +194,13 @@ int LoopScan::growing_with(int cut, double factor) const {
 // ---- margins
 
 std::optional<LoopScan::Crossing> LoopScan::crossing_between(double a, double b, int cut) const {
-  const auto c = static_cast<std::size_t>(cut);
-  auto low = sample(a), high = sample(b);
-  for (int i = 0; i < 60 && high.radians - low.radians > 1e-15; ++i) {
-    auto middle = sample(0.5 * (low.radians + high.radians));
-    const bool upper = (middle.alone[c].imag() > 0) == (low.alone[c].imag() > 0);
-    (upper ? low : high) = std::move(middle);
-  }
-  const auto at = 0.5 * (low.alone[c] + high.alone[c]);
+  const auto alone = [&](double radians) { return sample(radians).alone[static_cast<std::size_t>(cut)]; };
+  const auto found = find_zero([&](double radians) { return alone(radians).imag(); }, a, b, 1e-15);
+  const auto near = alone(found.near), far = found.f_near == 0 ? near : alone(found.far);
+  const auto at = 0.5 * (near + far);
   // Through a pole the sign changes as well, at infinity.
-  if (!(at.real() > 0) || std::abs(low.alone[c] - high.alone[c]) > 0.1 * std::abs(at)) return std::nullopt;
-  return Crossing{1.0 / at.real(), low.radians};
+  if (!(at.real() > 0) || std::abs(near - far) > 0.1 * std::abs(at)) return std::nullopt;
+  return Crossing{1.0 / at.real(), found.near};
 }
 
 /// Where L is real and positive: with a factor of 1 / L a root lies there.
@@ -212,6 +212,7 @@ std::vector<LoopScan::Crossing> LoopScan::crossings(int cut) const {
   for (std::size_t i = 1; i < samples_.size(); ++i) {
     const auto a = samples_[i - 1].alone[c], b = samples_[i].alone[c];
     if ((a.imag() > 0) == (b.imag() > 0) || (a.real() <= 0 && b.real() <= 0)) continue;
+    if (std::abs(a) < kLeastGain && std::abs(b) < kLeastGain) continue;
     if (const auto at = crossing_between(samples_[i - 1].radians, samples_[i].radians, cut))
       found.push_back(*at);
   }
@@ -277,9 +278,9 @@ CutMargin LoopScan::margin(int cut) const {
 std::optional<LoopRoot> LoopScan::newton(Complex s, int cut, double factor) const {
   const auto f = [&](Complex at) {
     const auto returned = group_.returned(std::exp(at));
-    return factor == 1.0 ? LoopGroup::characteristic(returned)
-                         : scaled(LoopGroup::characteristic(returned),
-                                  LoopGroup::alone(returned)[static_cast<std::size_t>(cut)], factor);
+    if (factor == 1.0) return LoopGroup::characteristic(returned);
+    const auto loops = LoopGroup::loops(returned);
+    return scaled(loops.f, loops.alone[static_cast<std::size_t>(cut)], factor);
   };
   constexpr double kZero = 1e-4;  // what is no root, but a pole that the loop does not see, leaves more
   for (int i = 0; i < 60; ++i) {
