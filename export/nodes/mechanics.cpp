@@ -129,7 +129,9 @@ void write_arm(NodeWriter& node) {
             kArm.pen ? "tactus_six_axis_conditioning(&" + pose + ", " + sizes + ")"
                      : "tactus_arm_conditioning(&" + pose + ", " + std::to_string(kArm.axes) + ")");
   node.give(kArm.at_limit(), "tactus_arm_at_limit(&" + pose + ", " + angles + ", &" + limits + ")");
-  for (int axis = 0; kArm.pen && axis < 3; ++axis) node.give(kArm.first_pen() + axis, pose + at("pen", axis));
+  for (int column = 0; kArm.pen && column < 3; ++column)
+    for (int axis = 0; axis < 3; ++axis)
+      node.give(kArm.facing(column, axis), pose + at("facing", column) + "[" + std::to_string(axis) + "]");
 }
 
 void write_proxy(NodeWriter& node) {

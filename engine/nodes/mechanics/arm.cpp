@@ -2,11 +2,14 @@
 #include <array>
 #include <span>
 #include <tuple>
+#include <utility>
 
 #include "engine/core/index.h"
 #include "engine/nodes/declare.h"
-#include "engine/nodes/mechanics/arm_kernel.h"
+#include "engine/nodes/mechanics/arm_conditioning_kernel.h"
 #include "engine/nodes/mechanics/arm_setup.h"
+#include "engine/nodes/mechanics/parallel_arm_kernel.h"
+#include "engine/nodes/mechanics/serial_arm_kernel.h"
 
 namespace tactus {
 namespace {
@@ -72,8 +75,9 @@ class ArmNode final : public Node {
                       : tactus_arm_conditioning(&pose, kArm.axes);
     });
     give(kArm.at_limit(), [&] { return tactus_arm_at_limit(&pose, angles, &limits_); });
-    for (int axis = 0; kArm.pen && axis < 3; ++axis)
-      give(kArm.first_pen() + axis, [&] { return pose.pen[axis]; });
+    for (int column = 0; kArm.pen && column < 3; ++column)
+      for (int axis = 0; axis < 3; ++axis)
+        give(kArm.facing(column, axis), [&] { return pose.facing[column][axis]; });
   }
 
   tactus_arm_limits limits_;
@@ -126,8 +130,13 @@ std::vector<OutputPort> arm_outputs(const ArmPorts& arm) {
       0, 1, {"conditioning", "", "smallest over largest singular value of the Jacobian; 0: singular"}));
   outputs.push_back(bounded(
       0, 1, {"at_limit", "", "1 while a joint is beyond its limits, or links do not reach each other"}));
-  for (int i = 0; arm.pen && i < 3; ++i)
-    outputs.push_back(bounded(-1, 1, {std::string{"pen_"} + kArmAxes[i], "", "direction of the pen"}));
+  const std::pair<const char*, const char*> columns[] = {
+      {"pen_", "direction of the pen: first column of its rotation matrix"},
+      {"left_", "direction to the left of the pen: second column"},
+      {"up_", "direction of the upper side of the pen: third column"}};
+  for (const auto& [name, doc] : columns)
+    for (int i = 0; arm.pen && i < 3; ++i)
+      outputs.push_back(bounded(-1, 1, {std::string{name} + kArmAxes[i], "", doc}));
   return outputs;
 }
 
@@ -177,8 +186,8 @@ NodeType two_link_type() {
       .name = "two_link",
       .summary = "Planar arm of two links: the position of its tip, and the torques of a force there.",
       .equation =
-          "x = link_1 cos angle_1 + link_2 cos(angle_1 + angle_2), y the same with sin;\n"
-          "torque = J^T force, J = d(x, y) / d(angle_1, angle_2), and stop (limit - angle) beyond a limit.\n"
+          "x = link_1 cos angle_1 + link_2 cos(angle_1 + angle_2), y the same with sin\n"
+          "torque = J^T force + stop (limit - angle),  J = d(x, y) / d(angle_1, angle_2)\n"
           "conditioning is 0 where the arm is stretched or folded: its tip cannot be moved along it",
       .source = "Craig, Introduction to Robotics, 3rd ed. 2005, chapter 3 and section 5.9",
       .example =
@@ -203,15 +212,12 @@ NodeType five_bar_type() {
           "Planar linkage of five bars (pantograph): the position of its tip, and the torques of a force "
           "there.",
       .equation =
-          "Elbows at (-base / 2 + link_1 cos angle_1, link_1 sin angle_1) and (base / 2 + link_1 cos "
-          "angle_2, "
-          "link_1 sin angle_2), the tip at link_2 from both;\n"
-          "torque = J^T force, J = A^-1 B; A: rows of the directions u of the outer links, B = diag(u d "
-          "elbow / "
-          "d angle); and stop (limit - angle) beyond a limit.\n"
-          "conditioning is 0 where the outer links, or the two links of a side, are in one line. There the "
-          "first "
-          "would take torques without limit: within 1.1 degrees these fall linearly to 0 instead",
+          "elbow_1 = (-base / 2 + link_1 cos angle_1, link_1 sin angle_1)\n"
+          "elbow_2 = (base / 2 + link_1 cos angle_2, link_1 sin angle_2);  |tip - elbow| = link_2\n"
+          "torque = J^T force + stop (limit - angle),  J = A^-1 B\n"
+          "A: rows of the unit vectors u = (tip - elbow) / link_2;  B = diag(u . d elbow / d angle)\n"
+          "conditioning is 0 where the outer links, or the two links of a side, are in one line. Near the\n"
+          "first, within 1.1 degrees, torques fall linearly to 0, where they would grow without limit",
       .source =
           "Campion, Wang & Hayward, The Pantograph Mk-II: a haptic instrument, IROS 2005, with its lengths "
           "as defaults",
@@ -237,13 +243,11 @@ NodeType delta_type() {
           "Parallel arm with three axes (delta): the position of its tip, and the torques of a force "
           "there.",
       .equation =
-          "Elbows at base + link_1 cos angle outwards and link_1 sin angle in z, 120 degrees apart, the tip "
-          "at "
-          "link_2 from all;\n"
-          "torque = J^T force, J = A^-1 B as of five_bar; and stop (limit - angle) beyond a limit.\n"
-          "conditioning is 0 where the three outer links are in one plane, or a side is stretched. Where "
-          "their "
-          "directions span a volume below 0.02, torques fall linearly to 0",
+          "elbow = base + link_1 cos angle outwards, link_1 sin angle along z, 120 degrees apart\n"
+          "|tip - elbow| = link_2 for all three\n"
+          "torque = J^T force + stop (limit - angle),  J = A^-1 B as of five_bar\n"
+          "conditioning is 0 where the three outer links are in one plane, or a side is stretched. Where\n"
+          "their directions span a volume below 0.02, torques fall linearly to 0",
       .source =
           "Clavel, DELTA, a fast robot with parallel geometry, 18th Int. Symp. on Industrial Robots, 1988; "
           "default lengths: near those of the Novint Falcon, Martin & Hillier, Australasian Conf. on "
@@ -267,18 +271,17 @@ NodeType six_axis_type() {
   return {
       .name = "six_axis",
       .summary =
-          "Serial arm with six axes and a pen: the position and direction of the pen, and the torques of a "
-          "force and a moment there.",
+          "Serial arm with six axes and a pen: the position and orientation of the pen, and the torques of "
+          "a force and a moment there.",
       .equation =
-          "Base around z, shoulder, elbow (from the upper arm); at the wrist a gimbal: roll around the "
-          "forearm, "
-          "pitch, roll around the pen. With all angles 0 it is stretched along x;\n"
-          "torque = J^T (force, moment), and what holds mass_1 and mass_2 in the middles of the links and "
-          "mass_3 "
-          "at the wrist against gravity, 9.80665 m/s^2 along -z; and stop (limit - angle) beyond a limit.\n"
-          "conditioning: the smaller of wrist and gimbal; 0 with the elbow stretched, the wrist above the "
-          "base, "
-          "or the pen in line with the forearm",
+          "R = Rz(angle_1) Ry(-angle_2 - angle_3) Rx(angle_4) Ry(-angle_5) Rx(angle_6): columns pen, left, "
+          "up\n"
+          "tip = upper arm + forearm + link_3 pen; with all angles 0 along x, and R = 1\n"
+          "torque = J^T (force, moment) + weight + stop (limit - angle)\n"
+          "weight: what holds mass_1 and mass_2 in the middles of the links and mass_3 at the wrist\n"
+          "against 9.80665 m/s^2 along -z\n"
+          "conditioning: the smaller of wrist and gimbal; 0 with the elbow stretched, the wrist above the\n"
+          "base, or the pen in line with the forearm",
       .source =
           "Craig, Introduction to Robotics, 3rd ed. 2005, sections 5.9 and 6.8; the device: Massie & "
           "Salisbury, The PHANToM haptic interface, ASME DSC 55-1, 1994",

@@ -8,7 +8,7 @@
 namespace tactus {
 
 /// The ports of an arm, in their order: angles, forces, moments (of an arm with a pen), lengths, masses,
-/// stop; the tip, torques, conditioning, at_limit, the direction of the pen.
+/// stop; the tip, torques, conditioning, at_limit, the orientation of the pen column by column.
 struct ArmPorts {
   int axes, joints, lengths;
   int masses = 0;
@@ -21,8 +21,8 @@ struct ArmPorts {
   constexpr int inputs() const { return stop() + 1; }
   constexpr int conditioning() const { return axes + joints; }
   constexpr int at_limit() const { return conditioning() + 1; }
-  constexpr int first_pen() const { return at_limit() + 1; }
-  constexpr int outputs() const { return first_pen() + (pen ? 3 : 0); }
+  constexpr int facing(int column, int axis) const { return at_limit() + 1 + 3 * column + axis; }
+  constexpr int outputs() const { return pen ? facing(3, 0) : facing(0, 0); }
 };
 inline constexpr ArmPorts kTwoLink{.axes = 2, .joints = 2, .lengths = 2};
 inline constexpr ArmPorts kFiveBar{.axes = 2, .joints = 2, .lengths = 3};

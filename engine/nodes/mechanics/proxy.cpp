@@ -113,14 +113,12 @@ NodeType proxy_type() {
           "Contact with a solid, in two or three axes: a proxy stays on its surface, held by friction, and a "
           "spring pulls the device to it.",
       .equation =
-          "force = stiffness (proxy - device) while in touch, else 0. The proxy is the place of the surface "
-          "nearest to the device, reached without leaving the surface; it moves only as far as the part of "
-          "the "
-          "force along the surface is at most friction times that across it.\n"
-          "plane: all behind the plane through at_*, across normal_*; sphere: radius size_x; box: half sides "
-          "size_*; heights: all below z = at_z + h(x, y), h from a grid of `pitch` about at_x, at_y, linear "
-          "between "
-          "its points and level beyond. In two axes leave the third out",
+          "force = stiffness (proxy - device) while in touch, else 0\n"
+          "proxy: the place of the surface nearest to the device, reached along the surface; it moves only\n"
+          "as far as the part of the force along the surface is at most friction times that across it\n"
+          "plane: all behind the plane through at_*, across normal_*;  sphere: radius size_x\n"
+          "box: half sides size_*;  heights: all below z = at_z + h(x, y), h from a grid of `pitch` about\n"
+          "at_x, at_y, linear between its points and level beyond. In two axes leave the third out",
       .source =
           "Zilles & Salisbury, A constraint-based god-object method for haptic display, IROS 1995; friction: "
           "Ruspini, Kolarov & Khatib, SIGGRAPH 1997",

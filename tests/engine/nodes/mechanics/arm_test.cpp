@@ -1,3 +1,4 @@
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -72,6 +73,7 @@ ArmInputs with_angles(const TestedArm& arm, const std::vector<Samples>& angles) 
 }
 
 const char* const kAxes[] = {"x", "y", "z"};
+const char* const kColumns[] = {"pen_", "left_", "up_"};
 
 /// d output / d angle by four points: its error is h^4 f'''''/30, 1e-13 of these arms.
 Samples slope(const TestedArm& arm, const std::vector<Samples>& angles, std::size_t joint,
@@ -121,9 +123,6 @@ TEST_CASE("arms: the tip is where geometry has it", "[nodes]") {
     CHECK(at.at("x")[0] == Approx(0).margin(1e-15));
     CHECK(at.at("y")[0] == Approx(0.133).epsilon(1e-14));
     CHECK(at.at("z")[0] == Approx(0.133 - 0.04).epsilon(1e-14));
-    CHECK(at.at("pen_x")[0] == Approx(0).margin(1e-15));
-    CHECK(at.at("pen_y")[0] == Approx(0).margin(1e-15));
-    CHECK(at.at("pen_z")[0] == Approx(-1).epsilon(1e-14));
   }
 }
 
@@ -171,32 +170,47 @@ TEST_CASE("arms: torques are those of the slopes of the tip, J^T F", "[nodes]") 
   CHECK(*std::min_element(conditioning.begin(), conditioning.end()) > 0.02);  // none is singular
 }
 
-TEST_CASE("arms: a moment on the pen takes the torques that turn it", "[nodes]") {
-  // The pen turns with w = sum of axis times speed: pen' = w x pen, and the power is M w.
+TEST_CASE("six_axis: the orientation of the pen is the product of the rotations of its joints", "[nodes]") {
+  const auto& arm = tested_arms()[3];
+  const auto angles = angles_of(arm, 5);
+  const auto played = pose("six_axis", with_angles(arm, angles), kPoses);
+  using Eigen::AngleAxisd;
+  using Eigen::Vector3d;
+  for (std::size_t n = 0; n < kPoses; ++n) {
+    const Eigen::Matrix3d expected =
+        (AngleAxisd(angles[0][n], Vector3d::UnitZ()) *
+         AngleAxisd(-angles[1][n] - angles[2][n], Vector3d::UnitY()) *
+         AngleAxisd(angles[3][n], Vector3d::UnitX()) * AngleAxisd(-angles[4][n], Vector3d::UnitY()) *
+         AngleAxisd(angles[5][n], Vector3d::UnitX()))
+            .toRotationMatrix();
+    for (int column = 0; column < 3; ++column)
+      for (int axis = 0; axis < 3; ++axis)
+        REQUIRE(played.at(std::string{kColumns[column]} + kAxes[axis])[n] ==
+                Approx(expected(axis, column)).margin(1e-14));
+  }
+}
+
+TEST_CASE("six_axis: a moment on the pen takes the torques of its slopes of orientation", "[nodes]") {
+  // R' = w x R column by column, so that w = 1/2 sum of column x column', and torque q' = moment w.
   const auto& arm = tested_arms()[3];
   const auto angles = angles_of(arm, 9);
   const double moment[] = {0.3, -0.2, 0.5};
   auto inputs = with_angles(arm, angles);
   for (std::size_t axis = 0; axis < 3; ++axis) inputs[std::string{"moment_"} + kAxes[axis]] = moment[axis];
-  const auto torques = pose(arm.name, inputs, kPoses);
-  const char* const kPen[] = {"pen_x", "pen_y", "pen_z"};
-  // For a moment across the pen M = pen x F it is the work of the force F at the end of a pen of 1 m.
-  std::vector<Samples> pen;
-  for (const char* name : kPen) pen.push_back(torques.at(name));
+  const auto played = pose(arm.name, inputs, kPoses);
   for (std::size_t joint = 0; joint < 6; ++joint) {
-    std::vector<Samples> turned;
-    for (const char* name : kPen) turned.push_back(slope(arm, angles, joint, name));
-    const auto& torque = torques.at("torque_" + std::to_string(joint + 1));
-    for (std::size_t n = 0; n < kPoses; ++n) {
-      const double along = moment[0] * pen[0][n] + moment[1] * pen[1][n] + moment[2] * pen[2][n];
-      double expected = 0;  // F = M x pen is across the pen: pen x F = M - along pen
+    Samples expected(kPoses, 0.0);
+    for (const char* column : kColumns)
       for (std::size_t i = 0; i < 3; ++i) {
-        const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
-        expected += (moment[j] * pen[k][n] - moment[k] * pen[j][n]) * turned[i][n];
+        const auto &j = kAxes[(i + 1) % 3], &k = kAxes[(i + 2) % 3];
+        const auto &at_j = played.at(std::string{column} + j), &at_k = played.at(std::string{column} + k);
+        const auto turned_j = slope(arm, angles, joint, std::string{column} + j);
+        const auto turned_k = slope(arm, angles, joint, std::string{column} + k);
+        for (std::size_t n = 0; n < kPoses; ++n)
+          expected[n] += 0.5 * moment[i] * (at_j[n] * turned_k[n] - at_k[n] * turned_j[n]);
       }
-      if (joint == 5) REQUIRE(torque[n] == Approx(along).margin(1e-12));
-      if (joint == 4) REQUIRE(torque[n] == Approx(expected).margin(1e-9));  // across the pen
-    }
+    const auto& torque = played.at("torque_" + std::to_string(joint + 1));
+    for (std::size_t n = 0; n < kPoses; ++n) REQUIRE(torque[n] == Approx(expected[n]).margin(1e-9));
   }
 }
 
