@@ -250,8 +250,8 @@ NodeType delta_type() {
           "their directions span a volume below 0.02, torques fall linearly to 0",
       .source =
           "Clavel, DELTA, a fast robot with parallel geometry, 18th Int. Symp. on Industrial Robots, 1988; "
-          "default lengths: near those of the Novint Falcon, Martin & Hillier, Australasian Conf. on "
-          "Robotics and Automation, 2009",
+          "default links: Novint Falcon, Martin & Hillier, Australasian Conf. on Robotics and Automation, "
+          "2009; base: near that of the Falcon, chosen",
       .example = "arm = { type = \"delta\", angle_1 = \"first\", angle_2 = \"second\", angle_3 = \"third\" }",
       .inputs = arm_inputs(kDelta,
                            {"of the motor in direction x; 0: outwards, positive: towards z",

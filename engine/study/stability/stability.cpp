@@ -496,10 +496,7 @@ class Analysis {
       const auto& plan = world.instrument();
       std::vector<Doubt> doubts;
       auto stability = stability_of(*then, options_.push, kHeldRegimes, doubts);
-      // A place that is held is no equilibrium: what only creeps away from it comes to another one.
-      const bool places = std::ranges::none_of(
-          held, [&](const HeldInput& input) { return world.unit_of_place(input.channel).empty(); });
-      if (places && doubts.empty() && stability == Stability::Unstable && !at_place(*then, {}).grows)
+      if (doubts.empty() && stability == Stability::Unstable && only_creeps(*then, held))
         stability = Stability::Stable;
       if (stability == Stability::Undecided || (stability == Stability::Unstable && first.alternates)) {
         stability = Stability::Undecided;
@@ -523,6 +520,24 @@ class Analysis {
     for (const int channel : moved) all.push_back({channel, 1.0, false});
     if (moved.size() > 1) hold(all);
   }
+
+  /// A place that is held is no equilibrium: what grows there at 0 Hz alone comes to another place, if
+  /// somewhere farther it does not grow.
+  bool only_creeps(const RestingWorld& there, const std::vector<HeldInput>& held) const {
+    for (const auto& input : held)
+      if (there.unit_of_place(input.channel).empty()) return false;
+    if (at_place(there, {}).grows) return false;
+    auto farther = held;
+    for (int i = 0; i < kMostDoublings; ++i) {
+      for (auto& input : farther) input.level *= 2;
+      const auto world = RestingWorld::make(subject_, options_.world, farther);
+      std::vector<Doubt> doubts;
+      if (world && stability_of(*world, options_.push, kHeldRegimes, doubts) == Stability::Stable)
+        return true;
+    }
+    return false;
+  }
+  static constexpr int kMostDoublings = 4;
 
   /// The largest gain of each pair with the inner loops closed.
   void find_open_gains(const RestingWorld& world, const Regime& regime) {

@@ -379,3 +379,35 @@ ball = {{ from = "n.ball.position", unit = "m" }}
         Approx(std::numbers::pi * std::sqrt(1e-3 / 4e6) * 48000).epsilon(0.01));
   CHECK(verdict_of("passive").stable());
 }
+
+TEST_CASE("check: what creeps away from a held place is stable only if it does not grow farther out",
+          "[study]") {
+  // m x'' + b x' = f(x) grows at 0 Hz where f' > 0: with x^3 at every place but 0, with x^3 - x^5 only up to
+  // 0.77 m; from there it comes to rest at 1 m.
+  const auto [force, expected] = GENERATE(table<std::string, Stability>(
+      {{"u * u * u", Stability::Unstable}, {"u * u * u - u * u * u * u * u", Stability::Stable}}));
+  INFO(force);
+  test::TemporaryFolder folder;
+  folder.write("plant.toml", R"(format = 1
+[inputs]
+drive = { unit = "full scale" }
+[networks.device]
+frame = { type = "ground" }
+tip   = { type = "mass", mass = "50 g" }
+drag  = { type = "damper", between = ["frame", "tip"], damping = "0.5 N s/m" }
+push  = { type = "force", on = "tip", force = "drive * 1 N" }
+[outputs]
+place = { from = "device.tip.position", unit = "m" }
+)");
+  folder.write("instrument.toml",
+               "format = 1\n[inputs]\nplace = { unit = \"m\" }\n[nodes]\nu = \"place / 1 m\"\n[outputs]\n"
+               "motor = { from = \"" +
+                   force + "\" }\n");
+  folder.write("scene.toml", R"(format = 1
+duration = "1 s"
+[parts]
+instrument = { use = "instrument.toml", place = "plant.place" }
+plant = { use = "plant.toml", drive = "instrument.motor" }
+)");
+  CHECK(analysed(folder).stability == expected);
+}
