@@ -2,6 +2,7 @@
 #include <cmath>
 #include <ranges>
 #include <set>
+#include <utility>
 
 #include "engine/core/index.h"
 #include "engine/graph/plan/plan.h"
@@ -29,11 +30,12 @@ class PlanReader {
       if (vertex(v).kind == Vertex::Kind::Input) input_vertex[index(vertex(v).index)] = v;
     for (std::size_t i = 0; i < input_vertex.size(); ++i)
       terminals.inputs.push_back(input_vertex[i] < 0 ? -1 : made(input_vertex[i], 0, plan_.input_names[i]));
+    find_independent();
     for (const bool join : {false, true})
       for (const auto& step : plan_.steps)
         if (step.kind == Step::Kind::Operations)
           join ? join_operations(step) : make_operations(step);
-        else if (has_outputs(step))
+        else if (has_outputs(step) && !(join && independent_[index(step.vertex)]))
           join ? join_node(step) : make_outputs(step);
     for (const auto& channel : plan_.channels) terminals.channels.push_back(signal(channel.from));
     return terminals;
@@ -44,8 +46,23 @@ class PlanReader {
     return step.kind == Step::Kind::Process || step.kind == Step::Kind::Emit;
   }
   const Vertex& vertex(int v) const { return plan_.vertices[index(v)]; }
-  bool is_network(const Step& step) const {
-    return dynamic_cast<const NetworkView*>(plan_.nodes[index(step.node)].get()) != nullptr;
+  bool is_network(int node) const {
+    return dynamic_cast<const NetworkView*>(plan_.nodes[index(node)].get()) != nullptr;
+  }
+  bool is_network(const Step& step) const { return is_network(step.node); }
+
+  /// What depends on no input, no network and no loop takes its course whatever happens, as the envelope of
+  /// an effect: it lies on no loop.
+  void find_independent() {
+    const auto follows = [&](const Vertex& vertex) {
+      return vertex.kind != Vertex::Kind::Input && !(vertex.runs >= 0 && is_network(vertex.runs)) &&
+             std::ranges::all_of(vertex.in,
+                                 [&](const Wire& wire) { return independent_[index(wire.vertex)]; });
+    };
+    independent_.assign(plan_.vertices.size(), false);
+    for (bool more = true; std::exchange(more, false);)
+      for (std::size_t v = 0; v < independent_.size(); ++v)
+        if (!independent_[v] && follows(plan_.vertices[v])) independent_[v] = more = true;
   }
   std::string path_of(int v) const { return prefix_ + vertex(v).path; }
 
@@ -108,7 +125,7 @@ class PlanReader {
   void join_operations(const Step& step) {
     for (int i = step.first_operation; i < step.first_operation + step.operations; ++i) {
       const auto& operation = plan_.operations[index(i)];
-      if (signal(operation.vertex, 0) < 0) continue;
+      if (signal(operation.vertex, 0) < 0 || independent_[index(operation.vertex)]) continue;
       const auto operands = operands_of_vertex(operation);
       note_laws(operation, operands);
       for (int k = 0; k < operation.operands; ++k)
@@ -425,6 +442,7 @@ class PlanReader {
   const SamplingClocks& clocks_;
   const Regime& regime_;
   std::string prefix_;
+  std::vector<bool> independent_;         ///< [vertex] see find_independent
   std::set<int> held_apart_;              ///< vertices of nodes with a hold time
   std::vector<std::vector<int>> places_;  ///< [vertex][port] signal of the graph, or -1
   AffineMaps derived_;

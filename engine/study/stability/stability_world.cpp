@@ -236,6 +236,7 @@ Checked<RestingWorld> RestingWorld::make(const StabilitySubject& subject, const 
                                          const std::vector<HeldInput>& held) {
   auto resting = options;
   resting.vectorise = false;
+  resting.gestures = false;  // a hand that moves from the start would be no rest
   auto built = build_world(subject, resting);
   if (!built) return tl::unexpected(built.error());
   RestingWorld world{std::move(*built)};
