@@ -221,7 +221,7 @@ class SceneBuilder {
     const auto* text = field.value.text();
     const auto* gesture = text != nullptr ? scene_.gesture(*text) : nullptr;
     if (gesture != nullptr && gesture->points.empty()) return;
-    if (gesture != nullptr && entry.unit_known) check_gesture(*gesture, entry.control, field.value.at);
+    if (gesture != nullptr && entry.unit_known) check_gesture(*gesture, entry, field.value.at);
     const auto start = gesture != nullptr ? gesture->points.front().value : start_of(entry, field.value);
     if (!start) return;
     const bool asked = !controls_.try_emplace(entry.name, *start).second;
@@ -240,18 +240,19 @@ class SceneBuilder {
     }
     if (!entry.unit_known) return std::nullopt;
     const auto start = read_quantity(value, control.unit, control.name);
-    const bool good = errors_.keep(start) != nullptr && check_range(control, *start, value.at, errors_);
+    const bool good = errors_.keep(start) != nullptr && check_range(entry, *start, value.at, errors_);
     return good ? std::optional{*start} : std::nullopt;
   }
 
-  void check_gesture(const Gesture& gesture, const FlatControl& control, const Source& at) {
+  void check_gesture(const Gesture& gesture, const ControlSpec& entry, const Source& at) {
+    const auto& control = entry.control;
     if (!gesture.bare && !(gesture.unit.dimension == control.unit.dimension))
       return errors_.add(Errc::UnitMismatch, at,
                          "control '" + control.name + "' is " + unit_phrase(control.unit.dimension) +
                              ", but gesture '" + gesture.name + "' is " + unit_phrase(gesture.unit.dimension),
                          "write the points of the gesture in the unit of the control");
     for (const auto& point : gesture.points)
-      if (!check_range(control, point.value, at, errors_, " by gesture '" + gesture.name + "'")) return;
+      if (!check_range(entry, point.value, at, errors_, " by gesture '" + gesture.name + "'")) return;
   }
 
   // ---- compiling

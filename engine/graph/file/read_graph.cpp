@@ -1,6 +1,7 @@
 #include "engine/graph/file/read_graph.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "engine/graph/file/error_list.h"
@@ -136,11 +137,14 @@ const SectionType& input_fields() {
   return section;
 }
 
+constexpr const char* kWhole = "whole";
+
 const SectionType& control_fields() {
   static const SectionType section{
       "controls of the player",
       {required(field("value", FieldType::Kind::Any, "initial value")),
        field("range", FieldType::Kind::Range, "minimum and maximum value"), unit_field(),
+       field(kWhole, FieldType::Kind::Flag, "takes whole numbers only: a count or a choice"),
        quantity_field("smooth", "s", 0, kUnlimited, "ramp time to a new value", "10 ms"),
        choice_field(
            "midi", {"note", "velocity", "note_on", "note_off"},
@@ -231,6 +235,10 @@ ControlSpec read_control(EntrySpec entry, ErrorList& errors) {
   read.unit_known = unit && read_value(read, control, errors);
   control.about = fields.text("about");
   if (read.unit_known) read_range(fields, control, errors);
+  if (fields.flag(kWhole) && read.unit_known && std::floor(control.value) != control.value)
+    errors.add(Errc::OutOfRange, fields.value("value")->at,
+               "control '" + control.name + "' starts at " + in_unit(control.value, control.unit),
+               kGiveWholeNumber);
   control.smooth_s = fields.number("smooth").value_or(control.smooth_s);
   if (const auto role = fields.choice("midi")) {
     control.midi = static_cast<MidiRole>(1 + *role);
@@ -285,6 +293,11 @@ const SectionType& graph_fields() {
               entries_field("outputs", output_fields(), "drives and sound, or the outputs of a part"),
               section_field("delay", delay)})};
   return section;
+}
+
+bool takes_whole_numbers(const ControlSpec& control) {
+  const auto* whole = find(control.fields, kWhole);
+  return whole != nullptr && whole->flag() != nullptr && *whole->flag();
 }
 
 void check_format(const Value::Table& table, const Source& file, ErrorList& errors) {

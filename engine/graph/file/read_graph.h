@@ -23,6 +23,11 @@ const SectionType& graph_fields();
 const SectionType& node_fields();
 const SectionType& part_fields();
 
+/// Whether a control takes whole numbers only.
+bool takes_whole_numbers(const ControlSpec& control);
+/// What to do where it was given another one.
+inline constexpr const char* kGiveWholeNumber = "it takes whole numbers only";
+
 /// `format` of any of our files: must be there and be 1.
 void check_format(const Value::Table& table, const Source& file, ErrorList& errors);
 

@@ -54,8 +54,8 @@ void set_controls(FlatGraph& flat, const GraphSpec& spec, const std::map<std::st
     const double value = it != nullptr && setting.dimension
                              ? converted(setting.si, *setting.dimension, it->unit.dimension)
                              : setting.si;
-    if (const auto* written = find_named(spec.controls, name);
-        spec.incomplete || (written && written->broken))
+    const auto* written = find_named(spec.controls, name);
+    if (spec.incomplete || (written && written->broken))
       continue;  // it is not in the flat graph, and needs no second message
     if (it == nullptr) {
       const auto known = names_of(flat.controls);
@@ -69,6 +69,9 @@ void set_controls(FlatGraph& flat, const GraphSpec& spec, const std::map<std::st
     } else if (!it->range.contains(value)) {
       errors.add(Errc::OutOfRange, {}, "control '" + name + "' cannot be set to " + in_unit(value, it->unit),
                  limits_text(it->range.low, it->range.high, it->unit));
+    } else if (written != nullptr && takes_whole_numbers(*written) && std::floor(value) != value) {
+      errors.add(Errc::OutOfRange, {}, "control '" + name + "' cannot be set to " + in_unit(value, it->unit),
+                 kGiveWholeNumber);
     } else {
       it->value = value;
     }

@@ -3,6 +3,7 @@
 
 #include "engine/graph/file/error_list.h"
 #include "engine/graph/file/quantity.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/graph/semantics/facts.h"
 #include "engine/graph/semantics/operators.h"
 
@@ -263,7 +264,8 @@ class Checks {
     const auto found = range_of(graph_, expression);
     if (!given.excludes(found)) return;
     errors_.add(Errc::OutOfRange, expression.at, given.owner + " cannot be " + in_unit(found.low, given.unit),
-                limits_text(given.range.low, given.range.high, given.unit));
+                given.is_fraction(found) ? kGiveWholeNumber
+                                       : limits_text(given.range.low, given.range.high, given.unit));
   }
 
   void check_range(const Expression& expression, const InputPort& port, const PortUnit& rule,

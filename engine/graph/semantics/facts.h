@@ -2,6 +2,7 @@
 
 // Thread: [control].
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,11 +19,16 @@ struct PartRange {
   int signal;
   Interval range;
   Unit unit;
-  std::string owner;  ///< "'strength' of part 'spring'"
+  std::string owner;   ///< "'strength' of part 'spring'"
+  bool whole = false;  ///< takes whole numbers only
 
   /// Whether no value of `found` is inside. Of a signal that may be on both sides, nothing is known.
   bool excludes(Interval found) const {
-    return found.bounded() && (found.high < range.low || found.low > range.high);
+    return (found.bounded() && (found.high < range.low || found.low > range.high)) || is_fraction(found);
+  }
+  /// A constant fraction where a whole number is wanted.
+  bool is_fraction(Interval found) const {
+    return whole && found.single() && std::floor(found.low) != found.low;
   }
 };
 

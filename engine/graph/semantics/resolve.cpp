@@ -458,16 +458,16 @@ class Instance {
 
   /// Of what the part is given. The ±1 of an input in full scale is no range that its file declares.
   void add_part_ranges(const NodeSpec& node, const Instance& part) {
-    const auto add = [&](const EntrySpec& entry, Interval range, const Unit& unit) {
+    const auto add = [&](const EntrySpec& entry, Interval range, const Unit& unit, bool whole) {
       if (find(node.fields, entry.name) != nullptr)
         resolving_.part_ranges.push_back(
-            {part.bindings_.at(entry.name), range, unit, key_of(entry.name, owner_of(node))});
+            {part.bindings_.at(entry.name), range, unit, key_of(entry.name, owner_of(node)), whole});
     };
     for (const auto& input : part.spec_.inputs)
       if (input.range && find(input.fields, "range") != nullptr)
-        add(input, *input.range, Unit{input.dimension});
+        add(input, *input.range, Unit{input.dimension}, false);
     for (const auto& entry : part.spec_.controls)
-      if (entry.unit_known) add(entry, entry.control.range, entry.control.unit);
+      if (entry.unit_known) add(entry, entry.control.range, entry.control.unit, takes_whole_numbers(entry));
   }
 
   /// What nothing in this file reads. A trigger is read by whoever records its events. (A scene gives its

@@ -1,10 +1,12 @@
 #include "engine/scene/file/scene_checks.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "engine/core/named.h"
 #include "engine/core/port_name.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/scene/measures/measure.h"
 
 namespace tactus {
@@ -192,7 +194,7 @@ class SceneChecker {
       errors_.add(Errc::UnknownName, at, "there is no part '" + owner + "'", "see [parts]");
     if (part == nullptr || is_unknown(*part)) return;
     if (const auto* control = find_named(part->graph->controls, port)) {
-      if (control->unit_known) check_range(control->control, value, at, errors_);
+      if (control->unit_known) check_range(*control, value, at, errors_);
       return;
     }
     auto known = names_of(part->graph->controls);
@@ -214,12 +216,14 @@ void check_scene(const SceneSpec& scene, const NodeTable& table, ErrorList& erro
   SceneChecker{scene, table, errors}.check();
 }
 
-bool check_range(const FlatControl& control, double value, const Source& at, ErrorList& errors,
+bool check_range(const ControlSpec& entry, double value, const Source& at, ErrorList& errors,
                  const std::string& by) {
-  if (control.range.contains(value)) return true;
+  const auto& control = entry.control;
+  const bool inside = control.range.contains(value);
+  if (inside && !(takes_whole_numbers(entry) && std::floor(value) != value)) return true;
   errors.add(Errc::OutOfRange, at,
              "control '" + control.name + "' cannot be set to " + in_unit(value, control.unit) + by,
-             limits_text(control.range.low, control.range.high, control.unit));
+             inside ? kGiveWholeNumber : limits_text(control.range.low, control.range.high, control.unit));
   return false;
 }
 

@@ -16,7 +16,7 @@ void check_scene(const SceneSpec& scene, const NodeTable& table, ErrorList& erro
 void check_expected_pitch(const SceneSpec& scene, const std::vector<SceneTap>& taps, ErrorList& errors);
 
 /// False after an error: "control 'strength' cannot be set to 7 by gesture 'push'; it runs from 0 to 1"
-bool check_range(const FlatControl& control, double value, const Source& at, ErrorList& errors,
+bool check_range(const ControlSpec& control, double value, const Source& at, ErrorList& errors,
                  const std::string& by = {});
 
 }  // namespace tactus
