@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <numeric>
@@ -10,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/study/stability/stability.h"
 #include "tests/support/graphs/graph_runner.h"
 #include "tests/support/shipped_scene.h"
 
@@ -136,6 +138,40 @@ const Values& signal(const SceneRecording& recording, const char* name) {
 }
 
 }  // namespace
+
+// The condition of the part has a dead band of no width here.
+TEST_CASE("effects: a part has the stability margin of its law written inline", "[instruments]") {
+  using Laws = std::array<const char*, 4>;  // input, control of the part, node and force inline
+  const auto [input, control, node, law] = GENERATE(
+      Laws{"position = { unit = \"m\" }", "spring.toml", "", "200 N/m * position"},
+      Laws{"velocity = { unit = \"m/s\" }", "damper.toml", "", "2 N s/m * velocity"},
+      Laws{"velocity = { unit = \"m/s\" }", "inertia.toml",
+           "slope = { type = \"velocity\", in = \"velocity\", cutoff = \"100 Hz\" }", "10 g * slope"});
+  const std::string name = std::string{input}.substr(0, std::string{input}.find(' '));
+  const auto text = [&](const std::string& nodes) {
+    return std::string{"format = 1\n[inputs]\n"} + input + "\n[nodes]\n" + nodes +
+           "\n[outputs]\npush = { from = \"force\", unit = \"N\" }\n";
+  };
+  const auto least_margin = [&](const std::string& nodes) {
+    const auto graph = parse_graph_leniently(text(nodes), (test::kInstruments / "mine/test.toml").string(),
+                                             test::kInstruments);
+    StabilityOptions options;
+    options.world.delay = 4_ms;
+    const auto verdict = analyse_stability({nullptr, &graph, &standard_nodes()}, options);
+    if (!verdict) throw std::runtime_error(to_string(verdict.error()));
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& regime : verdict->regimes)
+      for (const auto& loop : regime.loops)
+        if (!regime.held) least = std::min(least, loop.margin.border);
+    CHECK(verdict->regimes.front().loops.size() == 1);  // at rest, too
+    return least;
+  };
+  const auto of_part = least_margin("force = { use = \"../effects/" + std::string{control} + "\", " + name +
+                                    " = \"" + name + "\" }");
+  const auto of_law = least_margin(std::string{node} + "\nforce = \"-clamp(" + law + ", -2 N, 2 N)\"");
+  CHECK(std::isfinite(of_law));
+  CHECK(of_part == Approx(of_law).epsilon(1e-6));
+}
 
 TEST_CASE("effects: spring and damper follow the law of a condition, corners included", "[instruments]") {
   const double offset = 2e-3, dead_band = 3e-3, stiffness = 500, strength = 1.5;
@@ -391,6 +427,32 @@ TEST_CASE("effects: friction is a spring to an anchor that is dragged", "[instru
     anchor = std::clamp(anchor, x[n] - 1.0 / 2000, x[n] + 1.0 / 2000);
     CHECK(force[n] == Approx(-2000 * (x[n] - anchor)).epsilon(0).margin(1e-12));
   }
+}
+
+TEST_CASE("effects: sliding friction falls with the speed that it measures itself", "[instruments]") {
+  // At 0.1 m/s, twice `speed`, the limit is 0.4 + 0.6 exp(-4) of the strength, once the filter has settled.
+  Values x(9600);
+  for (std::size_t n = 0; n < x.size(); ++n) x[n] = 0.1 * seconds(n);
+  const auto force = forces("friction.toml",
+                            {{"strength", 1.0}, {"stiffness", 2000.0}, {"sliding", 0.4}, {"speed", 0.05}}, x);
+  CHECK(force.back() == Approx(-(0.4 + 0.6 * std::exp(-4.0))).epsilon(1e-9));
+}
+
+TEST_CASE("effects: a recoil has an end, and repetitions are counted in whole numbers", "[instruments]") {
+  const auto errors = [](const std::string& fields) {
+    const auto graph =
+        parse_graph_leniently("format = 1\n[nodes]\nkick = { use = \"../effects/" + fields +
+                                  " }\n[outputs]\npush = { from = \"kick\", unit = \"N\" }\n",
+                              (test::kInstruments / "mine/test.toml").string(), test::kInstruments);
+    const auto plan = compile(graph, standard_nodes(), {});
+    return plan ? "" : plan.error().front().where + " " + plan.error().front().what;
+  };
+  CHECK(errors("recoil.toml\", duration = \"80 ms\", repeat = 2").empty());
+  CHECK(errors("recoil.toml\", duration = \"0 s\"").find("test.toml:3:53 'duration' of") !=
+        std::string::npos);
+  CHECK(errors("constant.toml\", duration = \"1 s\", repeat = 0.6")
+            .find("test.toml:3:71 'repeat' of part 'kick' cannot be 0.6") != std::string::npos);
+  CHECK(errors("periodic.toml\", shape = 1.5").find("cannot be 1.5") != std::string::npos);
 }
 
 TEST_CASE("effects: friction does not creep under a load that swings, and gives no energy", "[instruments]") {
