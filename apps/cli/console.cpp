@@ -74,10 +74,7 @@ CLI::Validator writable_folder() { return writable_if(opens_into, "choose a writ
 
 int report(const CommandError& error, bool as_json) {
   const auto& errors = error.errors;
-  if (as_json)
-    print_json({{"errors", list_of(errors, [](const Error& one) {
-                   return Json{{"where", one.where}, {"what", one.what}, {"remedy", one.remedy}};
-                 })}});
+  if (as_json) print_json({{"errors", errors_json(errors)}});
   print_note(errors.empty() ? "interrupted" : to_string(errors));
   if (error.exit != 0) return error.exit;
   const bool in_a_file = std::ranges::count(errors, Error::Place::File, &Error::place) > 0;

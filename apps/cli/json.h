@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <vector>
 
 #include "engine/core/files.h"
 
@@ -28,6 +29,12 @@ Json list_of(const List& list, Convert convert) {
   Json json = Json::array();
   for (const auto& item : list) json.push_back(convert(item));
   return json;
+}
+
+inline Json errors_json(const std::vector<Error>& errors) {
+  return list_of(errors, [](const Error& one) {
+    return Json{{"where", one.where}, {"what", one.what}, {"remedy", one.remedy}};
+  });
 }
 
 /// Errors: BadFile.

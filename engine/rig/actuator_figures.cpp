@@ -63,6 +63,11 @@ void read_figure(const Value::Table& table, const Property& property, ActuatorFi
       fields.choice("kind").value_or(static_cast<int>(ActuatorFigure::Kind::Unknown)));
   if (property.low != nullptr) figure.low = fields.number(property.low);
   if (property.high != nullptr) figure.high = fields.number(property.high);
+  if (figure.low && figure.high && *figure.low > *figure.high)
+    errors.add(
+        Errc::OutOfRange, fields.value(property.high)->at,
+        key_of(property.high, std::string{"["} + property.name + "]") + " is below '" + property.low + "'",
+        "swap them");
   if (property.figure == &ActuatorFigures::force) figures.arm = fields.number(kArm);
   if (property.figure == &ActuatorFigures::excursion && fields.flag("endless"))
     figure.high = std::numeric_limits<double>::infinity();
@@ -78,6 +83,8 @@ Checked<ActuatorFigures> read_figures(const Result<Value::Table>& table, const s
   FieldReader fields{*table, actuator_figure_fields(), errors, "the actuator", start};
   ActuatorFigures figures;
   figures.name = fields.text("name");
+  if (fields.has("name")) figures.name_at = fields.value("name")->at;
+  if (fields.has("profile")) figures.profile_at = fields.value("profile")->at;
   figures.row = fields.text("row");
   figures.section = fields.text("section");
   figures.plant = fields.text("plant");
@@ -111,7 +118,7 @@ const SectionType& actuator_figure_fields() {
         text_field("profile", "name or file of its profile for the drive guard"),
         field(kSensor, FieldType::Kind::Flag, "it is a sensor, and moves nothing")};
     for (std::size_t p = 0; p < sections.size(); ++p)
-      fields.push_back(required(section_field(kProperties[p].name, sections[p])));
+      fields.push_back(section_field(kProperties[p].name, sections[p]));
     return SectionType{"figures of an actuator", std::move(fields)};
   }();
   return section;

@@ -1,6 +1,7 @@
 #pragma once
 // Thread: [control]
 
+#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -31,6 +32,7 @@ const std::vector<std::string>& actuator_figure_kinds();
 /// A file of instruments/actuators/figures: what an actuator can do and costs.
 struct ActuatorFigures {
   std::string name;
+  Source name_at, profile_at;
   std::string row;            ///< in table 1 of the paper; or empty
   std::string section;        ///< of the paper
   std::string plant;          ///< file of its simulated plant, relative to this one; or empty
@@ -46,6 +48,10 @@ struct ActuatorFigures {
   std::optional<double> arm;  ///< [m] The length of the arm at whose tip a motor has this force.
   bool no_sensor = false;     ///< it has none of its own
   bool sensor = false;        ///< it is one, and moves nothing
+
+  bool turns_without_end() const { return excursion.high && std::isinf(*excursion.high); }
+  /// About an axis; else it moves along a line.
+  bool rotates() const { return turns_without_end() || arm; }
 
   /// [N m]
   std::optional<double> torque() const {

@@ -79,8 +79,25 @@ TEST_CASE("actuator figures: what is wrong is an error with its place", "[rig]")
   auto text = kFader;
   text.replace(text.find("at_most = \"2 N\""), 15, "at_most = \"2 m\"");
   CHECK(errors_of(text).find("fader.toml:11:") != std::string::npos);
-  CHECK(errors_of("format = 1\nname = \"x\"\n").find("price") != std::string::npos);
+  CHECK(errors_of("format = 1\n").find("name") != std::string::npos);
   CHECK(errors_of(kFader + "colour = \"red\"\n").find("colour") != std::string::npos);
+}
+
+TEST_CASE("actuator figures: what a file leaves out is unknown", "[rig]") {
+  const auto figures = parse_actuator_figures("format = 1\nname = \"x\"\n", "x.toml");
+  REQUIRE(figures);
+  for (const auto* figure :
+       {&figures->price, &figures->force, &figures->band, &figures->excursion, &figures->resolution})
+    CHECK(figure->kind == ActuatorFigure::Kind::Unknown);
+}
+
+TEST_CASE("actuator figures: the ends of a band and of a price are in order", "[rig]") {
+  auto text = kFader;
+  text.replace(text.find("from = \"0 Hz\""), 13, "from = \"3 Hz\"");
+  CHECK(errors_of(text).find("fader.toml:16:6: 'to' of [band] is below 'from'") != std::string::npos);
+  text = kFader;
+  text.replace(text.find("to = 40"), 7, "to = 20");
+  CHECK(errors_of(text).find("fader.toml:6:6: 'to' of [price] is below 'from'") != std::string::npos);
 }
 
 TEST_CASE("actuator figures: of the shipped files each has a source, and prices are those of table 1",
