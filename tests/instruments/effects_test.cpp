@@ -448,7 +448,7 @@ TEST_CASE("effects: a recoil has an end, and repetitions are counted in whole nu
     return plan ? "" : plan.error().front().where + " " + plan.error().front().what;
   };
   CHECK(errors("recoil.toml\", duration = \"80 ms\", repeat = 2").empty());
-  CHECK(errors("recoil.toml\", duration = \"0 s\"").find("test.toml:3:53 'duration' of") !=
+  CHECK(errors("recoil.toml\", duration = \"0 s\"").find("test.toml:3:54 'duration' of") !=
         std::string::npos);
   CHECK(errors("constant.toml\", duration = \"1 s\", repeat = 0.6")
             .find("test.toml:3:71 'repeat' of part 'kick' cannot be 0.6") != std::string::npos);

@@ -265,7 +265,7 @@ class Checks {
     if (!given.excludes(found)) return;
     errors_.add(Errc::OutOfRange, expression.at, given.owner + " cannot be " + in_unit(found.low, given.unit),
                 given.is_fraction(found) ? kGiveWholeNumber
-                                       : limits_text(given.range.low, given.range.high, given.unit));
+                                         : limits_text(given.range.low, given.range.high, given.unit));
   }
 
   void check_range(const Expression& expression, const InputPort& port, const PortUnit& rule,

@@ -175,13 +175,14 @@ void doubt_networks(const LinearGraph& graph, std::vector<Doubt>& doubts) {
 // is at the requested settings.
 constexpr std::size_t kHeldRegimes = 1, kElsewhereRegimes = 4;
 
-/// Stability of a world in its first regimes, bare.
+/// Stability of a world in its first regimes and those of these names, bare.
 Stability stability_of(const RestingWorld& world, double push, std::size_t most_regimes,
-                       std::vector<Doubt>& doubts) {
+                       std::vector<Doubt>& doubts, const std::vector<std::string>& also = {}) {
   auto all = Stability::Stable;
-  auto regimes = world.regimes(push);
-  if (regimes.size() > most_regimes) regimes.resize(most_regimes);
-  for (const auto& regime : regimes) {
+  const auto regimes = world.regimes(push);
+  for (std::size_t r = 0; r < regimes.size(); ++r) {
+    const auto& regime = regimes[r];
+    if (r >= most_regimes && std::ranges::find(also, regime.name) == also.end()) continue;
     const auto closed = world.closed(regime);
     doubt_networks(closed.graph, doubts);
     for (const auto& network : closed.graph.networks)
@@ -269,6 +270,8 @@ class Analysis {
     hold_near_rest(*world);
     hold_inputs(*world);
     keep_nearest_places();
+    for (const auto& regime : verdict_.regimes)
+      if (!regime.held && !regime.is_stable()) growing_.push_back(regime.name);
     find_borders(world->instrument().controls);
     auto gestures = judge_gestures(subject_, options_, verdict_.rate, [this] { report_progress(); });
     if (!gestures) return tl::unexpected(gestures.error());
@@ -573,7 +576,11 @@ class Analysis {
   bool is_stable_at(const FlatControl& control, double value) const {
     auto with = options_.world;
     with.set[control.name] = ControlValue{value};
-    if (stability_with(subject_, with, options_.push) != Stability::Stable) return false;
+    const auto world = RestingWorld::make(subject_, with);
+    std::vector<Doubt> doubts;
+    if (!world ||
+        stability_of(*world, options_.push, kElsewhereRegimes, doubts, growing_) != Stability::Stable)
+      return false;
     return std::ranges::all_of(places_, [&](const HeldPlace& place) {
       const auto there = RestingWorld::make(subject_, with, {place.held});
       const auto regimes = there ? there->regimes(options_.push) : std::vector<Regime>{};
@@ -624,7 +631,8 @@ class Analysis {
     std::size_t regime = 0;
     double border = 0;  ///< see AtPlace; 0 if it grows
   };
-  std::vector<HeldPlace> places_;  ///< the nearest to growth
+  std::vector<HeldPlace> places_;     ///< the nearest to growth
+  std::vector<std::string> growing_;  ///< the regimes in which it grows
   StabilityVerdict verdict_;
 };
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <ranges>
 #include <set>
 #include <utility>
@@ -118,8 +119,35 @@ class PlanReader {
       made(v, 0, vertex(v).path, divisor(step));
       std::array<PlanSignal, kMostOperands> sources;
       for (int k = 0; k < operation.operands; ++k) sources[index(k)] = source(operand(v, k));
-      derived_.note({&plan_, v, 0}, operator_of(operation.op), sources, operands_of_vertex(operation));
+      const auto operands = operands_of_vertex(operation);
+      derived_.note({&plan_, v, 0}, operator_of(operation.op), sources, operands);
+      note_limit(operation, operands);
     }
+  }
+
+  /// A minimum or maximum with one operand that does not move.
+  void note_limit(const MicroOperation& operation, const Operands& operands) {
+    if (!is_limit(operation, operands)) return;
+    const double limit = operands.at[operands.moves[0] ? 1 : 0];
+    (operation.op == Expression::Op::Min ? highest_ : lowest_)[operation.vertex] = limit;
+  }
+  static bool is_limit(const MicroOperation& operation, const Operands& operands) {
+    return (operation.op == Expression::Op::Min || operation.op == Expression::Op::Max) &&
+           operands.moving() == 1;
+  }
+
+  /// Whether nothing that moves passes: a product with a constant 0, and a clamp between two equal values.
+  bool is_idle(const MicroOperation& operation, const Operands& operands) const {
+    if (operands.moving() != 1) return false;
+    const int moving = static_cast<int>(std::ranges::find(operands.moves, true) - operands.moves.begin());
+    const double fixed = operands.at[moving == 0 ? 1 : 0];
+    if (operator_of(operation.op).small_signal == SmallSignal::Product) return fixed == 0;
+    if (!is_limit(operation, operands)) return false;
+    const int from = operand(operation.vertex, moving).vertex;
+    const bool least = operation.op == Expression::Op::Min;
+    const auto& limits = least ? lowest_ : highest_;
+    const auto limit = limits.find(from);
+    return limit != limits.end() && (least ? limit->second >= fixed : limit->second <= fixed);
   }
 
   void join_operations(const Step& step) {
@@ -127,6 +155,7 @@ class PlanReader {
       const auto& operation = plan_.operations[index(i)];
       if (signal(operation.vertex, 0) < 0 || independent_[index(operation.vertex)]) continue;
       const auto operands = operands_of_vertex(operation);
+      if (is_idle(operation, operands)) continue;
       note_laws(operation, operands);
       for (int k = 0; k < operation.operands; ++k)
         if (operands.moves[index(k)]) join_operand(operation, operands, k);
@@ -140,6 +169,7 @@ class PlanReader {
     const PlanSignal out{&plan_, operation.vertex, 0};
     const auto from = [&](int k) { return derived_.of(source(operand(operation.vertex, k))); };
     const auto note = [&](Nonlinearity law) {
+      law.signal = signal(operation.vertex, 0);
       graph_.laws.push_back(std::move(law));
       // Flatter behind it, where it is taken off something it makes that steeper.
       graph_.has_touched = true;
@@ -275,6 +305,7 @@ class PlanReader {
       law.elsewhere = places_of_slopes(law.slope, law.to, middles);
       graph_.has_touched |= law.elsewhere.size() > 1;
     }
+    for (int o = 0; o < step.outputs && law.signal < 0; ++o) law.signal = signal(step.vertex, o);
     graph_.laws.push_back(std::move(law));
   }
 
@@ -311,7 +342,8 @@ class PlanReader {
     } else if (type != nullptr && type->stateless && *response == 0.0) {
       if (!regime_.all_paths) return;
     } else if (type != nullptr && is_spring(*type, index(input), index(output))) {
-      if (response->real() > 0 && restores) return graph_.unstable_equilibria.push_back(edge.path);
+      if (response->real() > 0 && restores && !regime_.all_paths)
+        return graph_.unstable_equilibria.push_back(edge.path);
       return add_stiff(edge, from, -response->real());
     }
     graph_.edges.push_back(std::move(edge));
@@ -442,9 +474,10 @@ class PlanReader {
   const SamplingClocks& clocks_;
   const Regime& regime_;
   std::string prefix_;
-  std::vector<bool> independent_;         ///< [vertex] see find_independent
-  std::set<int> held_apart_;              ///< vertices of nodes with a hold time
-  std::vector<std::vector<int>> places_;  ///< [vertex][port] signal of the graph, or -1
+  std::vector<bool> independent_;           ///< [vertex] see find_independent
+  std::set<int> held_apart_;                ///< vertices of nodes with a hold time
+  std::vector<std::vector<int>> places_;    ///< [vertex][port] signal of the graph, or -1
+  std::map<int, double> highest_, lowest_;  ///< [vertex] of minima, maxima: what they give at most, at least
   AffineMaps derived_;
 };
 

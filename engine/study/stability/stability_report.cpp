@@ -94,7 +94,8 @@ class Report {
     if (!verdict_.stable())
       return add("{} {}", verdict_.stability == Stability::Undecided ? "undecided" : "unstable", at);
     if (critical_.regime == nullptr)
-      return add("{} {}: no loop is closed{}", stable, at, may_close() ? " at rest" : "");
+      return add("{} {}: no loop is closed{}", stable, at,
+                 may_close() ? " " + verdict_.regimes.front().name : "");
     add("{} {}: margin {:.1f} dB at {}", stable, at, amplitude_to_db(critical_.border),
         prefixed(critical_.stiff != nullptr ? critical_.stiff->border_hz : critical_.loop->margin.border_hz,
                  "Hz"));
@@ -182,11 +183,21 @@ class Report {
       remedies.push_back(fmt::format("use less than {:.3g} times the gain", critical_.border));
     for (const auto& control : verdict_.controls)
       if (control.border)
-        remedies.push_back(fmt::format("set '{}' {} {}", control.control.name,
-                                       control.stable_low ? "below" : "above",
-                                       in_unit(*control.border, control.control.unit)));
+        remedies.push_back(fmt::format("set '{}' {}", control.control.name, stable_values(control)));
     if (verdict_.delay_s > 0) remedies.emplace_back("shorten the delay");
     if (!remedies.empty()) add("remedies, one of: {}", fmt::join(remedies, "; "));
+  }
+
+  /// "below 3 N"; "to 0 N" where only this end of the range is stable.
+  static std::string stable_values(const ControlVerdict& verdict) {
+    const auto& [low, high] = verdict.control.range;
+    const double end = verdict.stable_low ? low : high;
+    const bool only = std::abs(*verdict.border - end) <= 1e-6 * (high - low);
+    return fmt::format("{} {}",
+                       only                 ? "to"
+                       : verdict.stable_low ? "below"
+                                            : "above",
+                       in_unit(only ? end : *verdict.border, verdict.control.unit));
   }
 
   void add_delay_margin() {

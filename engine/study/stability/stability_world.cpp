@@ -13,12 +13,18 @@
 #include "engine/guard/guarded.h"
 #include "engine/nodes/networks/network_elements.h"
 #include "engine/scene/guard_report.h"
+#include "engine/study/stability/stability_loops.h"
 #include "engine/study/sweep/scene_variants.h"
 
 namespace tactus {
 namespace {
 
 constexpr double kSettleSeconds = 0.05;
+
+/// Between two moments, by more than what is left of a decay, and 0.1 mm: a step of a sensor.
+bool moves(double before, double now) {
+  return std::abs(now - before) > std::max(1e-4, 0.01 * std::max(std::abs(now), std::abs(before)));
+}
 
 /// An instrument whose drives are disconnected, and some of whose inputs are held.
 class Disconnected final : public BlockProcessor {
@@ -236,7 +242,6 @@ Checked<RestingWorld> RestingWorld::make(const StabilitySubject& subject, const 
                                          const std::vector<HeldInput>& held) {
   auto resting = options;
   resting.vectorise = false;
-  resting.gestures = false;  // a hand that moves from the start would be no rest
   auto built = build_world(subject, resting);
   if (!built) return tl::unexpected(built.error());
   RestingWorld world{std::move(*built)};
@@ -252,8 +257,16 @@ void RestingWorld::rest(const std::vector<HeldInput>& held) {
   ClockWatch own{built_.instrument->plan()}, around{built_.plant->plan()};
   ClosedLoop loop{
       instrument, *built_.plant, built_.instrument->out_channels(), built_.delay_frames, {.on = false}};
-  if (loop.prepare(rate(), 1)) loop.run(frames, [&](const ClosedLoop::Block&) { own.next(), around.next(); });
+  std::vector<double> halfway;
+  int frame = 0;
+  if (loop.prepare(rate(), 1))
+    loop.run(frames, [&](const ClosedLoop::Block&) {
+      own.next(), around.next();
+      if (++frame == frames / 2) halfway = instrument.last();
+    });
   resting_ = instrument.last();
+  for (std::size_t c = 0; c < halfway.size(); ++c)
+    moving_ |= !unit_of_place(static_cast<int>(c)).empty() && moves(halfway[c], resting_[c]);
   own.note(clocks_);
   around.note(clocks_);
 }
@@ -364,9 +377,21 @@ std::vector<OpenPair> RestingWorld::open_pairs(LinearGraph& graph, const Regime&
   return pairs;
 }
 
+LinearGraph RestingWorld::with_laws_of_loops() const {
+  auto graph = closed({.all_paths = true}).graph;
+  if (!outside_known()) return graph;
+  std::vector<bool> looping(graph.signals.size(), false);
+  for (const auto& loop : loops_of(graph, true))
+    for (const int signal : loop) looping[index(signal)] = true;
+  std::erase_if(graph.laws,
+                [&](const Nonlinearity& law) { return law.signal < 0 || !looping[index(law.signal)]; });
+  return graph;
+}
+
 std::vector<Regime> RestingWorld::regimes(double push) const {
   std::vector<Regime> regimes(1);
-  const auto free = closed(regimes.front()).graph;
+  if (moving_) regimes.front().name = fmt::format("in motion at {:g} ms", 1e3 * kSettleSeconds);
+  const auto free = with_laws_of_loops();
   const auto places = free.has_touched ? operating_points(free.laws) : std::vector<OperatingPoint>{};
   for (const auto& place : places)
     regimes.push_back({.name = place.name, .certain = place.certain, .touched = true, .moved = place.moved});

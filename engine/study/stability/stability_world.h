@@ -95,11 +95,14 @@ class RestingWorld {
  private:
   explicit RestingWorld(BuiltScene built) : built_(std::move(built)) {}
   void rest(const std::vector<HeldInput>& held);
+  /// All loops, and the nonlinearities on them: others make no operating points.
+  LinearGraph with_laws_of_loops() const;
   void join_plant(ClosedGraph& closed, const Regime& regime, const Terminals& instrument) const;
 
   BuiltScene built_;
   SamplingClocks clocks_;
   std::vector<double> resting_;
+  bool moving_ = false;  ///< something moves it before it comes to rest
   bool alone_ = false;
 };
 

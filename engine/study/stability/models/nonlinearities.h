@@ -100,6 +100,7 @@ struct Nonlinearity {
   std::function<double(double)> slope = {};  ///< the same with its sign
   /// Displacements at which its slope is another one: of straight lines all, else the lowest and highest.
   std::vector<double> elsewhere = {};
+  int signal = -1;  ///< of the graph: what it gives
 };
 
 /// Where a slope is another than at 0 and at `but`, found from 1e-6 to 1e3 to both sides of each of the
