@@ -1,6 +1,7 @@
 #pragma once
 
 // Thread: [control]
+#include <array>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -33,12 +34,21 @@ struct Point {
   NetworkInput input;
 };
 
+/// Where a body moves along several axes, each axis is a point of its own with the same mass; these points
+/// follow each other in the list, and links name the first.
+inline constexpr int kMostAxes = 3;
+
 /// Tension T = k e + z e',  e = x_upper - x_lower - rest;  pulls `lower` up and `upper` down.
+/// Between bodies of several axes along a fixed direction n, small displacements:
+///   e = n . (x_upper - x_lower) - rest,  force T n on `lower`.
 struct Spring {
   int lower = 0, upper = 0;
-  double stiffness = 0.0;  ///< k [N/m], >= 0
-  double damping = 0.0;    ///< z [N s/m], >= 0
-  double rest = 0.0;       ///< [m]
+  /// k [N/m]; below 0 only where the springs of an element together are not (see `add_bending`).
+  double stiffness = 0.0;
+  double damping = 0.0;  ///< z [N s/m], >= 0
+  double rest = 0.0;     ///< [m]
+  int axes = 1;
+  std::array<double, kMostAxes> along = {1.0, 0.0, 0.0};  ///< n, a unit vector
 };
 
 /// Push F = K n^a (1 + r n') where n = x_lower - x_upper + offset > 0, never below 0; pushes `lower` down and
@@ -87,11 +97,15 @@ struct Friction {
 ///   F = law(n) + z n';  pushes `lower` down and `upper` up where F > 0.
 /// The points slip off each other when |law(n)| exceeds `limit`, and hold again when they have come back past
 /// each other.
+/// Between bodies of several axes the force acts along the line between them, wherever they are:
+///   n = |r| - rest,  r = x_lower - x_upper;  F r / |r| pulls the bodies together.
 struct Bond {
   int lower = 0, upper = 0;
   std::shared_ptr<const BondLaw> law;
   double damping = 0.0;                                    ///< z [N s/m], >= 0
-  double limit = std::numeric_limits<double>::infinity();  ///< [N], > 0
+  double limit = std::numeric_limits<double>::infinity();  ///< [N], > 0; infinite with several axes
+  int axes = 1;
+  double rest = 0.0;  ///< with several axes: length at zero force [m]
 };
 
 /// Where a wave of force travels between a mass and something outside, as in a string of impedance Z:

@@ -48,6 +48,33 @@ Eigen::VectorXd numbers_of(NetworkState& state, std::size_t moving) {
 
 }  // namespace
 
+std::vector<Spring> line_springs(const Bond& bond, const std::vector<double>& places) {
+  const auto r = apart(places, bond);
+  const double n = stretch(places, bond), l = length(r);
+  const double stiffness = bond.law->stiffness(n), force = bond.law->force(n);
+  // Without a length and a rest it is one spring in every direction.
+  const double across = l > 0.0 ? force / l : bond.rest == 0.0 ? stiffness : 0.0;
+  std::vector<Direction> frame;
+  if (l > 0.0) frame.push_back(unit(r));
+  for (int a = 0; a < bond.axes && std::ssize(frame) < bond.axes; ++a) {
+    Direction next{};
+    next[index(a)] = 1.0;
+    for (const auto& known : frame) {
+      const double part = dot(next, known);
+      for (std::size_t i = 0; i < next.size(); ++i) next[i] -= part * known[i];
+    }
+    if (length(next) > 0.1) frame.push_back(unit(next));  // else little of it but rounding is left
+  }
+  std::vector<Spring> springs;
+  for (const auto& along : frame)
+    springs.push_back({bond.upper, bond.lower, across, 0.0, 0.0, bond.axes, along});
+  if (l > 0.0) {
+    springs.front().stiffness = stiffness, springs.front().damping = bond.damping;
+    springs.front().rest = stiffness > 0.0 ? l - force / stiffness : 0.0;
+  }
+  return springs;
+}
+
 NetworkElements tangent(NetworkElements elements, const Touching& touching) {
   constexpr double kFar = -1e9, kNothing = 1e-300;
   for (const int c : touching.contacts) {
@@ -63,7 +90,17 @@ NetworkElements tangent(NetworkElements elements, const Touching& touching) {
     elements.springs.push_back({friction.lower, friction.upper, 0.0, friction.viscous});
     friction.normal = {}, friction.normal_contact = friction.normal_spring = -1, friction.viscous = 0.0;
   }
+  std::vector<double> places;
+  for (const auto& point : elements.points) places.push_back(point.position);
   for (auto& bond : elements.bonds) {
+    if (bond.axes > 1) {
+      for (auto& spring : line_springs(bond, places)) {
+        spring.rest = 0.0;
+        elements.springs.push_back(spring);
+      }
+      bond.law = std::make_shared<LinearBond>(kNothing), bond.damping = 0.0, bond.axes = 1;
+      continue;
+    }
     const double n =
         elements.points[index(bond.lower)].position - elements.points[index(bond.upper)].position;
     elements.springs.push_back({bond.upper, bond.lower, bond.law->stiffness(n), bond.damping});

@@ -17,6 +17,10 @@ struct Touching {
   double push = 10.0;
 };
 
+/// [control] A bond of several axes for small displacements from the places of all points: a spring of the
+/// law's stiffness along the line, and springs of force / length across it.
+std::vector<Spring> line_springs(const Bond& bond, const std::vector<double>& places);
+
 /// [control] The small-signal network: an open contact is absent, a closed one is the spring and the damper
 /// that it is at the indentation n where F = K n^a is the push,
 ///     k = a F / n,   z = F r.

@@ -88,6 +88,7 @@ NetworkState Network::initial_state() const {
   state.active.reserve(couplings);
   if (solver() != Solver::Explicit) state.matrix.resize(couplings * couplings);
   state.right.resize(couplings);
+  if (m.has_lines()) state.along.resize(kMostAxes * m.bonds.size());
   state.slipped.resize(m.bonds.size());
   for (auto* list : {&state.sliding, &state.friction_force, &state.friction_velocity, &state.normal})
     list->resize(m.frictions.size());
@@ -230,7 +231,7 @@ void Network::settle(NetworkState& state, const double* inputs) const noexcept {
   for (const auto& force : model_->forces) settle_low_pass(state, force.input, inputs);
   for (std::size_t b = 0; b < model_->bonds.size(); ++b) {
     const auto& bond = model_->bonds[b];
-    const double n = between(state.position, bond);
+    const double n = stretch(state.position, bond);
     if (state.new_bond[b] && std::abs(bond.law->force(n)) > bond.limit)
       state.slipped[b] = n < 0.0 ? -1.0 : 1.0;
     state.new_bond[b] = false;
@@ -313,7 +314,13 @@ void Network::press(NetworkState& state, const double* inputs, int part) const n
 
 double Network::spring_force(const NetworkState& state, int spring) const noexcept {
   const auto& s = model_->springs[index(spring)];
-  return s.stiffness * extension(state, spring) + s.damping * speed_between(state, s.upper, s.lower);
+  double speed = speed_between(state, s.upper, s.lower);
+  if (s.axes > 1) {
+    speed = 0.0;
+    for (int a = 0; a < s.axes; ++a)
+      speed += s.along[index(a)] * speed_between(state, s.upper + a, s.lower + a);
+  }
+  return s.stiffness * extension(state, spring) + s.damping * speed;
 }
 
 double Network::indentation(const NetworkState& state, int contact) const noexcept {
@@ -337,6 +344,13 @@ double Network::bond_force(const NetworkState& state, int bond) const noexcept {
   if (state.slipped[index(bond)] != 0.0) return 0.0;
   const auto& b = model_->bonds[index(bond)];
   const double n = bond_distance(state, bond);
+  if (b.axes > 1) {
+    const auto along = unit(apart(state.position, b));
+    double speed = 0.0;
+    for (int a = 0; a < b.axes; ++a)
+      speed += along[index(a)] * speed_between(state, b.lower + a, b.upper + a);
+    return b.law->force(n) + b.damping * speed;
+  }
   const double law = b.law->linear()
                          ? b.law->root_slope(n) * state.root[model_->contacts.size() + index(bond)]
                          : b.law->force(n);

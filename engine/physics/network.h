@@ -91,9 +91,9 @@ class Network {
     return state.friction_velocity[index(friction)];
   }
   double bond_force(const NetworkState& state, int bond) const noexcept;
-  /// x_lower - x_upper.
+  /// x_lower - x_upper; with several axes how much longer it is than at rest.
   double bond_distance(const NetworkState& state, int bond) const noexcept {
-    return between(state.position, model_->bonds[index(bond)]);
+    return stretch(state.position, model_->bonds[index(bond)]);
   }
   /// What goes out of a port, a - Z v, mean of the last frame; and the force a + b on the mass with it.
   double wave(const NetworkState& state, int port) const noexcept { return state.wave_back[index(port)]; }

@@ -82,7 +82,8 @@ NetworkModel::Links NetworkModel::links(bool eliminated) const {
   links.entries.reserve(8 * springs.size() + 4 * (coils.size() + ports.size()));
   const int columns = masses + static_cast<int>(motions.size());
   const auto each_damper = [&](const auto& add) {
-    for (const auto& s : springs) add(s.lower, s.upper, s.damping);
+    for (const auto& s : springs)
+      if (s.axes == 1) add(s.lower, s.upper, s.damping);
     for (const auto& c : coils)
       if (eliminated || !(c.inductance > 0.0)) add(c.on, c.against, square(c.force_factor) / c.impedance);
     for (const auto& port : ports) add(port.on, -1, port.impedance);
@@ -93,6 +94,10 @@ NetworkModel::Links NetworkModel::links(bool eliminated) const {
     for (const int end : {lower, upper})
       if (end >= 0 && is_mass(end)) decay[index(end)] += k * damping / mass[index(end)];
   });
+  for (const auto& s : springs)
+    for (const int end : {s.lower, s.upper})
+      for (int a = 0; s.axes > 1 && is_mass(end) && a < s.axes; ++a)
+        decay[index(end + a)] += k * s.damping / mass[index(end + a)];
   // The force on `row` of a link that pulls it towards `other`, -1: towards 0.
   const auto pull = [&](int row, int other, double stiffness, double damping, double rest) {
     if (row < 0 || !is_mass(row)) return;
@@ -107,6 +112,12 @@ NetworkModel::Links NetworkModel::links(bool eliminated) const {
       links.constant[index(row)] += stiffness * start_position[index(other)];
   };
   for (const auto& s : springs) {
+    if (s.axes > 1) {
+      const double r =
+          (is_mass(s.lower) ? decay[index(s.lower)] : 0.0) + (is_mass(s.upper) ? decay[index(s.upper)] : 0.0);
+      add_line(links, s, stiff_inertia(s.damping, r));
+      continue;
+    }
     pull(s.lower, s.upper, s.stiffness, 0.0, -s.rest);
     pull(s.upper, s.lower, s.stiffness, 0.0, s.rest);
   }
@@ -115,6 +126,29 @@ NetworkModel::Links NetworkModel::links(bool eliminated) const {
     pull(upper, lower, 0.0, damping, 0.0);
   });
   return links;
+}
+
+/// K = k b b^T, b = [-n, n] of the axes of both ends.
+void NetworkModel::add_line(Links& links, const Spring& s, double inertia) const {
+  const int columns = masses + static_cast<int>(motions.size());
+  for (const int row_end : {s.lower, s.upper}) {
+    if (!is_mass(row_end)) continue;
+    const double row_sign = row_end == s.upper ? 1.0 : -1.0;
+    for (int i = 0; i < s.axes; ++i) {
+      const double of_row = row_sign * s.along[index(i)];
+      links.constant[index(row_end + i)] += s.stiffness * of_row * s.rest;
+      for (const int end : {s.lower, s.upper}) {
+        for (int j = 0; j < s.axes; ++j) {
+          const double b = of_row * (end == s.upper ? s.along[index(j)] : -s.along[index(j)]);
+          if (b == 0.0) continue;
+          if (end + j < columns)
+            links.entries.push_back({row_end + i, end + j, b * s.stiffness, b * s.damping / k, b * inertia});
+          else
+            links.constant[index(row_end + i)] -= b * s.stiffness * start_position[index(end + j)];
+        }
+      }
+    }
+  }
 }
 
 double NetworkModel::stiffest(double k_share, double b_share) const {

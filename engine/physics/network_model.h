@@ -1,6 +1,7 @@
 #pragma once
 
 // Thread: [any], except where a function says otherwise
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -104,6 +105,7 @@ struct NetworkState {
   std::vector<FrictionMemory> friction;  ///< of each friction; the next step depends on it too
   std::vector<FrictionForce> rubbed;     ///< workspace: of each friction, as far as it is solved
   std::vector<ActiveCoupling> active;
+  AlignedNumbers along;                ///< workspace: of each bond of several axes, its direction
   AlignedNumbers next;                 ///< workspace: driven points' next place, by slot
   AlignedNumbers flow, entering;       ///< workspace of the exact solver: where it goes, and from what
   AlignedNumbers matrix, right, work;  ///< workspace
@@ -114,9 +116,40 @@ template <class Numbers, class Link>
 double between(const Numbers& x, const Link& link) noexcept {
   return x[index(link.lower)] - x[index(link.upper)];
 }
+/// x_upper - x_lower of a spring, along its direction.
+template <class Numbers>
+double span(const Numbers& x, const Spring& spring) noexcept {
+  if (spring.axes == 1) return x[index(spring.upper)] - x[index(spring.lower)];
+  double sum = 0.0;
+  for (int a = 0; a < spring.axes; ++a)
+    sum += spring.along[index(a)] * (x[index(spring.upper + a)] - x[index(spring.lower + a)]);
+  return sum;
+}
 template <class Numbers>
 double extension(const Numbers& x, const Spring& spring) noexcept {
-  return x[index(spring.upper)] - x[index(spring.lower)] - spring.rest;
+  return span(x, spring) - spring.rest;
+}
+/// x_lower - x_upper of a bond, axis by axis; unused axes are 0.
+using Direction = std::array<double, kMostAxes>;
+template <class Numbers>
+Direction apart(const Numbers& x, const Bond& bond) noexcept {
+  Direction r{};
+  for (int a = 0; a < bond.axes; ++a) r[index(a)] = x[index(bond.lower + a)] - x[index(bond.upper + a)];
+  return r;
+}
+inline double dot(const Direction& a, const Direction& b) noexcept {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+inline double length(const Direction& r) noexcept { return std::sqrt(dot(r, r)); }
+/// r / |r|; 0 where r is.
+inline Direction unit(const Direction& r) noexcept {
+  const double l = length(r);
+  return l > 0.0 ? Direction{r[0] / l, r[1] / l, r[2] / l} : Direction{};
+}
+/// What the law of a bond depends on: n.
+template <class Numbers>
+double stretch(const Numbers& x, const Bond& bond) noexcept {
+  return bond.axes == 1 ? between(x, bond) : length(apart(x, bond)) - bond.rest;
 }
 /// How deep a contact is; below 0 where it is open.
 template <class Numbers>
@@ -159,6 +192,11 @@ struct NetworkModel {
   bool is_mass(int of) const { return of < masses; }
   bool moves(int of) const { return of < masses + static_cast<int>(motions.size()); }
 
+  /// [any] Whether a bond acts along the line between bodies of several axes.
+  bool has_lines() const {
+    return std::any_of(bonds.begin(), bonds.end(), [](const Bond& bond) { return bond.axes > 1; });
+  }
+
   /// [realtime] Kinetic energy and that of the springs, where a state has velocities.
   double linear_energy(const NetworkState& state) const noexcept;
   /// [realtime] `sum` and the energy of the inductances.
@@ -185,6 +223,7 @@ struct NetworkModel {
   std::vector<CriticalLowPass> low_passes;
 
  private:
+  void add_line(Links& links, const Spring& spring, double inertia) const;
   void filter(NetworkInput& input);
   void take_points(NetworkElements& elements);
   void take_links(NetworkElements& elements);

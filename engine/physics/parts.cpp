@@ -6,16 +6,20 @@
 namespace tactus {
 namespace {
 
-using Ends = std::array<int, 2>;
+using Ends = std::array<int, 2 * kMostAxes>;
 
 // The points that a part names; -1: none.
 template <class Link>
 Ends ends_of(const Link& link) {
-  return {link.lower, link.upper};
+  Ends ends = {link.lower, link.upper, -1, -1, -1, -1};
+  if constexpr (requires { link.axes; })
+    for (int a = 1; a < link.axes; ++a)
+      ends[index(2 * a)] = link.lower + a, ends[index(2 * a + 1)] = link.upper + a;
+  return ends;
 }
-Ends ends_of(const AppliedForce& force) { return {force.on, -1}; }
-Ends ends_of(const WavePort& port) { return {port.on, -1}; }
-Ends ends_of(const Coil& coil) { return {coil.on, coil.against}; }
+Ends ends_of(const AppliedForce& force) { return {force.on, -1, -1, -1, -1, -1}; }
+Ends ends_of(const WavePort& port) { return {port.on, -1, -1, -1, -1, -1}; }
+Ends ends_of(const Coil& coil) { return {coil.on, coil.against, -1, -1, -1, -1}; }
 
 using Constants = std::vector<std::optional<double>>;
 

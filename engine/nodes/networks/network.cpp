@@ -39,7 +39,7 @@ std::string unit_of(const ElementField& field, const ElementType& type, const No
 
 void declare_inputs(NodeType& type, const NodeSpec& spec, NetworkElement& element) {
   for (const auto& field : element.type->fields) {
-    const bool absent = (field.optional && find(spec.fields, field.name) == nullptr) ||
+    const bool absent = !element.has(field) || (field.optional && find(spec.fields, field.name) == nullptr) ||
                         (element.pressed_by >= 0 && field.name == element.type->force_field);
     element.ports.push_back(absent ? -1 : static_cast<int>(type.inputs.size()));
     if (absent) continue;
@@ -58,7 +58,8 @@ void declare_outputs(NodeType& type, const NetworkElement& element) {
                             .range = two_sided ? Interval{} : quantity.range});
   };
   const auto& quantities = element.type->quantities;
-  for (const auto& quantity : quantities) declare(element.name + "." + quantity.name, quantity);
+  for (const auto& quantity : quantities)
+    if (element.has(quantity)) declare(element.name + "." + quantity.name, quantity);
   if (!quantities.empty()) declare(element.name, quantities.front());
 }
 
@@ -148,8 +149,8 @@ Result<std::unique_ptr<Node>> make_network_node(const NetworkLayout& layout, con
   // A point, its springs and what a solver keeps for them, 2 kB; before they are made.
   if (const auto fits = setup.take_memory(250 * points); !fits) return tl::unexpected(fits.error());
   NetworkBuilder builder(layout, setup);
-  const auto couplings =
-      builder.elements.contacts.size() + builder.elements.bonds.size() + builder.elements.frictions.size();
+  auto couplings = builder.elements.contacts.size() + builder.elements.frictions.size();
+  for (const auto& bond : builder.elements.bonds) couplings += index(bond.axes);
   const auto each =
       layout.solver == Solver::Explicit ? builder.elements.frictions.size() : points + 2 * couplings;
   if (const auto fits = setup.take_memory(couplings * each); !fits) return tl::unexpected(fits.error());
@@ -191,7 +192,8 @@ Checked<std::shared_ptr<const NodeType>> network_type(const NetworkSpec& spec) {
   auto type = std::make_shared<NodeType>();
   type->name = "network";
   type->group = "networks";
-  type->summary = "Masses on a line, connected by springs, contacts, friction and coils.";
+  type->summary =
+      "Masses that move on a line or in space, connected by springs, contacts, friction and coils.";
   type->source = source_of(layout->solver);
   type->skips_unused_outputs = true;
   type->turns = layout->turns;

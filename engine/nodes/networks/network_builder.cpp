@@ -23,6 +23,7 @@ double energy_of(const Network& network, const NetworkState& state, const Elemen
 
 // Of each file, in the order of the reference.
 std::vector<ElementType> point_elements();
+std::vector<ElementType> space_elements();
 std::vector<ElementType> link_elements();
 std::vector<ElementType> contact_elements();
 std::vector<ElementType> attraction_elements();
@@ -31,8 +32,8 @@ std::vector<ElementType> outside_elements();
 std::span<const ElementType> network_elements() {
   static const std::vector<ElementType> elements = [] {
     std::vector<ElementType> all;
-    for (auto* group :
-         {&point_elements, &link_elements, &contact_elements, &attraction_elements, &outside_elements})
+    for (auto* group : {&point_elements, &space_elements, &link_elements, &contact_elements,
+                        &attraction_elements, &outside_elements})
       for (auto& type : group()) all.push_back(std::move(type));
     return all;
   }();
@@ -50,6 +51,13 @@ int NetworkElement::rows() const { return type->dimensions > 1 ? static_cast<int
 int NetworkElement::columns() const {
   const auto last = index(std::max(0, type->dimensions - 1));
   return type->dimensions > 0 ? static_cast<int>(settings[last].number) : 1;
+}
+
+int NetworkElement::axes() const {
+  if (type->in_space && type->ends == ElementType::Ends::None)
+    for (std::size_t i = 0; i < settings.size(); ++i)
+      if (type->settings[i].name == "axes") return static_cast<int>(settings[i].number);
+  return 1;
 }
 
 bool NetworkElement::chosen(std::string_view setting, std::string_view word) const {
@@ -85,14 +93,17 @@ PartMarks NetworkBuilder::read_parts() const {
   std::size_t output = 0;
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const auto& element = layout_.elements[i];
-    const auto quantities = element.type->quantities.size();
+    const auto& all_quantities = element.type->quantities;
+    const auto quantities = index(std::count_if(all_quantities.begin(), all_quantities.end(),
+                                                [&](const auto& q) { return element.has(q); }));
     const auto outputs = quantities + (quantities > 0 ? 1 : 0);
     const auto first = setup_.read.begin() + static_cast<std::ptrdiff_t>(output);
     const auto end = first + static_cast<std::ptrdiff_t>(outputs);
     output += outputs;
     if (std::find(first, end, true) == end) continue;
     for_each_part(parts_[i], [&](PartKind kind, int part) {
-      if (part >= 0) read[kind][index(part)] = true;
+      for (int a = 0; part >= 0 && a < (kind == PartKind::Point ? element.axes() : 1); ++a)
+        read[kind][index(part + a)] = true;
     });
     if (parts_[i].on >= 0) read[PartKind::Point][index(parts_[i].on)] = true;
   }
@@ -182,7 +193,8 @@ std::vector<NetworkReading> NetworkBuilder::readings() const {
     const auto add = [&](const ElementQuantity& quantity) {
       readings.push_back({whole ? quantity.read : nothing, parts});
     };
-    for (const auto& quantity : quantities) add(quantity);
+    for (const auto& quantity : quantities)
+      if (layout_.elements[i].has(quantity)) add(quantity);
     if (!quantities.empty()) add(quantities.front());
   }
   readings.push_back({energy_of, {}});
@@ -204,10 +216,15 @@ void NetworkBuilder::name_parts(NetworkRecipe& recipe) const {
     name(recipe.springs, parts.spring, element.name);
     name(recipe.contacts, parts.contact, element.name);
     name(recipe.contacts, parts.opposite, element.name);
-    for (int p = 0; element.type->dimensions > 0 && p < element.points(); ++p)
-      name(recipe.points, points[index(parts_[i].point + p)],
-           element.name + (element.rows() > 1 ? "." + std::to_string(1 + p / element.columns()) : "") + "." +
-               std::to_string(1 + p % element.columns()));
+    const int axes = element.axes();
+    for (int p = 0; (element.type->dimensions > 0 || axes > 1) && p < element.points(); ++p) {
+      const int mass = p / axes;
+      auto text = element.name;
+      if (element.rows() > 1) text += "." + std::to_string(1 + mass / element.columns());
+      if (element.type->dimensions > 0) text += "." + std::to_string(1 + mass % element.columns());
+      if (axes > 1) text += std::string(".") + kAxisNames[index(p % axes)];
+      name(recipe.points, points[index(parts_[i].point + p)], text);
+    }
   }
 }
 
@@ -234,6 +251,10 @@ NetworkInput NetworkBuilder::signal(const NetworkElement& element, std::string_v
 int NetworkBuilder::end(const NetworkElement& element, std::size_t which) const {
   const int of = element.ends[which];
   return of < 0 ? -1 : parts_[index(of)].point + element.within[which];
+}
+
+int NetworkBuilder::axes_at(const NetworkElement& element, std::size_t which) const {
+  return layout_.elements[index(element.ends[which])].axes();
 }
 
 int NetworkBuilder::add_ground(double at) {

@@ -47,6 +47,8 @@ class NetworkBuilder {
   NetworkInput signal(const NetworkElement& element, std::string_view field);
   /// The point that an end names; -1: none.
   int end(const NetworkElement& element, std::size_t which) const;
+  /// In how many axes an end moves.
+  int axes_at(const NetworkElement& element, std::size_t which) const;
   int add_ground(double at);
   /// What another element has become.
   const ElementParts& parts(int element) const { return parts_[index(element)]; }

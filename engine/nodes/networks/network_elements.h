@@ -20,6 +20,9 @@ namespace tactus {
 struct ElementType;
 class NetworkBuilder;
 
+/// What the axes of an element in space are called: "bob.x".
+inline constexpr std::array<char, 3> kAxisNames = {'x', 'y', 'z'};
+
 /// Fixed fields without a range of their own are at most this, of either sign, in SI units: squares and
 /// products of a few of them still fit a double.
 inline constexpr double kLargestField = 1e30;
@@ -34,6 +37,7 @@ struct ElementField : InputPort {
   std::string instead_of = {};  ///< the field that it excludes
   bool nonlinear = false;       ///< an element that has it is not linear
   bool one_required = false;    ///< it or the field that it excludes must be in the file
+  int axis = 0;                 ///< only of an element with more axes than this
 };
 
 /// Which parts of the physical network an element has become; of many points, the first. -1: none.
@@ -67,6 +71,7 @@ struct ElementQuantity {
   std::string doc;
   ReadElement read;
   Interval range = {};
+  int axis = 0;  ///< only of an element with more axes than this
 };
 
 /// An element of `[networks.x]` with its names resolved. Numbers are not known yet.
@@ -82,7 +87,14 @@ struct NetworkElement {
   /// Of chains, rings and grids; else 1. Rows are 1 but for grids.
   int rows() const;
   int columns() const;
-  int points() const { return rows() * columns(); }
+  /// In which its masses move: x, y and z.
+  int axes() const;
+  int points() const { return rows() * columns() * axes(); }
+  /// Whether it has a field or a quantity.
+  template <class Part>
+  bool has(const Part& part) const {
+    return part.axis == 0 || part.axis < axes();
+  }
   bool chosen(std::string_view setting, std::string_view word) const;
 };
 
@@ -107,6 +119,7 @@ struct ElementType {
   /// Adds the element to the physical network.
   void (*build)(NetworkBuilder&, const NetworkElement&, ElementParts&);
   int dimensions = 0;        ///< 1: points "name.1" ...; 2: "name.row.column"; the first settings count them
+  bool in_space = false;     ///< its points have several axes, or it joins such points
   bool takes_force = true;   ///< of a point: forces can act on it
   bool linear = true;        ///< its force is proportional to places, speeds and currents, or given
   bool gives_force = false;  ///< a `force_field` may name its force

@@ -74,6 +74,15 @@ class LayoutReader {
   void read_settings(const NodeSpec& element, NetworkElement& read) {
     for (const auto& setting : read.type->settings)
       read.settings.push_back(bind_setting(setting, element.fields, {}, owner(read), element.at, errors_));
+    for (const auto& field : read.type->fields)
+      if (const auto* value = find(element.fields, field.name); value != nullptr && !read.has(field))
+        errors_.add(Errc::UnknownName, value->at,
+                    owner(read) + " moves in " + std::to_string(read.axes()) + " axes and has no '" +
+                        field.name + "'",
+                    "remove it, or set axes = 3");
+    if (read.type->in_space && layout_.turns)
+      errors_.add(Errc::WrongType, element.type_at, owner(read) + " moves in space, not around an axis",
+                  "put it into a network without motion = \"rotation\"");
     if (read.points() > kMostMasses)
       errors_.add(Errc::OutOfRange, element.at,
                   owner(read) + " has " + std::to_string(read.points()) + " masses",
@@ -113,6 +122,27 @@ class LayoutReader {
         read.within[0] == read.within[1])
       errors_.add(Errc::Duplicate, on->at, "both ends of " + owner(read) + " are one point",
                   "give two different points");
+    if (read.type->in_space && !errors_.any()) check_line(element, read, *on);
+  }
+
+  /// Ends with the same axes; a line to a place that a signal gives has no length when the file is read.
+  void check_line(const NodeSpec& element, const NetworkElement& read, const Value& at) {
+    const auto end = [&](int which) -> const NetworkElement& {
+      return layout_.elements[index(read.ends[index(which)])];
+    };
+    if (end(0).axes() != end(1).axes())
+      errors_.add(Errc::WrongType, at.at,
+                  "'" + end(0).name + "' moves in " + std::to_string(end(0).axes()) + " axes, '" +
+                      end(1).name + "' in " + std::to_string(end(1).axes()),
+                  "give both the same 'axes'");
+    const bool driven = !end(0).type->takes_force && !end(0).type->fields.front().fixed;
+    const bool other_driven = !end(1).type->takes_force && !end(1).type->fields.front().fixed;
+    if (!driven && !other_driven) return;
+    if (find(element.fields, "rest") == nullptr || read.chosen("geometry", "linear"))
+      errors_.add(
+          Errc::Missing, element.at,
+          owner(read) + " leads to a place that a signal gives, so its length at the start is not known",
+          "give its 'rest', and geometry = \"nonlinear\"");
   }
 
   void read_between(const NodeSpec& element, NetworkElement& read, const Value* between) {
@@ -151,7 +181,9 @@ class LayoutReader {
       return is_no("point", "an end must be a mass, a ground or a motion element");
     if (read.type->ends == Ends::On && !other.type->takes_force)
       return is_no("mass", "a " + read.type->name + " acts on a mass");
-    if (const auto within = place_within(other, *name, value))
+    if (read.type->in_space && !other.type->in_space)
+      return is_no("particle", "a " + read.type->name + " joins elements that move in space");
+    if (const auto within = place_within(other, *name, value, read.type->in_space))
       read.ends[end] = found->second, read.within[end] = *within;
   }
 
@@ -164,8 +196,32 @@ class LayoutReader {
                 points.empty() ? "it has no masses yet" : suggest(name, points));
   }
 
-  /// "string.3" is the third mass of a chain, "skin.2.7" the seventh in the second row of a grid.
-  std::optional<int> place_within(const NetworkElement& of, const std::string& name, const Value& value) {
+  /// "string.3" is the third mass of a chain, "skin.2.7" the seventh in the second row of a grid. Of an
+  /// element in space an axis follows, "bob.x", or none where the `whole` body is wanted.
+  std::optional<int> place_within(const NetworkElement& of, std::string name, const Value& value,
+                                  bool whole) {
+    const int axes = of.axes();
+    int axis = -1;
+    if (const auto dot = name.rfind('.'); of.type->in_space && dot != std::string::npos)
+      for (int a = 0; a < std::ssize(kAxisNames); ++a)
+        if (name.substr(dot + 1) == std::string(1, kAxisNames[index(a)])) axis = a;
+    if (of.type->in_space && (axis >= axes || whole == (axis >= 0))) {
+      const auto body = axis >= 0 ? name.substr(0, name.rfind('.')) : name;
+      errors_.add(Errc::WrongType, value.at,
+                  axis >= axes ? "'" + of.name + "' moves in x and y only"
+                  : whole ? "'" + name + "' is one axis, and this element acts along the line between bodies"
+                          : "'" + name + "' moves in several axes, and this element acts along one",
+                  "write \"" + body + (whole ? "" : ".x") + "\"");
+      return std::nullopt;
+    }
+    if (axis >= 0) name.resize(name.rfind('.'));
+    const auto mass = mass_within(of, name, value);
+    if (!mass) return std::nullopt;
+    return *mass * axes + std::max(axis, 0);
+  }
+
+  /// Which of its masses.
+  std::optional<int> mass_within(const NetworkElement& of, const std::string& name, const Value& value) {
     std::vector<int> places;
     bool numbers = true;
     for (auto dot = name.find('.'); dot != std::string::npos;) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "engine/core/index.h"
 
@@ -58,38 +59,54 @@ Result<Couplings> Couplings::make(const NetworkModel& model, Method method,
   made.model_ = &model;
   made.method_ = method;
   const auto add = [&](const auto& list) {
-    for (const auto& c : list) made.ends_.push_back({c.lower, c.upper});
+    for (const auto& c : list) {
+      int axes = 1;
+      if constexpr (requires { c.axes; }) axes = c.axes;
+      made.ends_.push_back({c.lower, c.upper, axes});
+      made.rows_.push_back(made.row_count_);
+      made.row_count_ += index(axes);
+    }
   };
   add(model.contacts), add(model.bonds), add(model.frictions);
-  const auto count = made.count(), masses = model.mass.size();
+  made.lines_ = model.has_lines();
+  const auto count = made.count(), rows = made.row_count_, masses = model.mass.size();
   const bool keep = method != Method::Explicit;
-  made.first_row_ = keep ? 0 : made.first_friction();
-  if (count * (keep ? masses + 2 * count : made.frictions()) > kMostNumbers)
+  made.first_row_ = keep ? 0 : rows - made.frictions();
+  if (rows * (keep ? masses + 2 * rows : made.frictions()) > kMostNumbers)
     return fail(Errc::OutOfRange, {},
                 std::to_string(count) + " contacts among " + std::to_string(masses) +
                     " masses are more than this solver supports",
                 "use solver = \"explicit\"");
-  made.mutual_.resize((count - made.first_row_) * count);
+  made.mutual_.resize((rows - made.first_row_) * rows);
   made.inertia_.resize(model.bonds.size());
   if (made.mutual_.empty() && !keep) return made;
   std::vector<double> column(model.start_position.size());
   const std::span<double> on_masses{column.data(), masses};
-  for (std::size_t c = 0; c < count; ++c) {
+  struct Row {
+    std::size_t coupling;
+    int lower, upper;
+  };
+  std::vector<Row> each;
+  for (std::size_t c = 0; c < count; ++c)
+    for (int a = 0; a < made.ends_[c].axes; ++a)
+      each.push_back({c, made.ends_[c].lower + a, made.ends_[c].upper + a});
+  for (std::size_t r = 0; r < rows; ++r) {
     std::fill(column.begin(), column.end(), 0.0);
-    column[index(made.ends_[c].lower)] += 1.0;
-    column[index(made.ends_[c].upper)] -= 1.0;
+    column[index(each[r].lower)] += 1.0;
+    column[index(each[r].upper)] -= 1.0;
     std::fill(column.begin() + model.masses, column.end(), 0.0);
     respond(on_masses);
     if (keep) made.columns_.insert(made.columns_.end(), on_masses.begin(), on_masses.end());
-    for (std::size_t row = made.first_row_; row < count; ++row) {
-      const double motion = between(column, made.ends_[row]);
-      made.mutual_[(row - made.first_row_) * count + c] = motion;
-      made.alone_ = made.alone_ && (row == c || motion == 0.0);
+    for (std::size_t row = made.first_row_; row < rows; ++row) {
+      const double motion = between(column, each[row]);
+      made.mutual_[(row - made.first_row_) * rows + r] = motion;
+      made.alone_ = made.alone_ && (each[row].coupling == each[r].coupling || motion == 0.0);
     }
   }
   if (method != Method::Centred && method != Method::Gradient) return made;
   for (std::size_t b = 0; b < model.bonds.size(); ++b) {
     const auto c = model.contacts.size() + b;
+    if (model.bonds[b].axes > 1) continue;  // a weight that turns with the line would make energy
     const double damping = model.bonds[b].damping;
     made.inertia_[b] = model.stiff_inertia(damping, damping * made.mutual(c, c) / model.k);
   }
@@ -101,32 +118,74 @@ double Couplings::indentation(const NetworkState& state, std::size_t c) const no
   return between(state.position, ends_[c]) + offset;
 }
 
+double Couplings::mutual_along(const NetworkState& state, std::size_t c, std::size_t other) const noexcept {
+  double sum = 0.0;
+  for (int a = 0; a < ends_[c].axes; ++a)
+    sum += share(state, c, a) * row_acting(state, rows_[c] + index(a), other);
+  return sum;
+}
+
+/// What a force of 1 N along the direction of `other` does to a row.
+double Couplings::row_acting(const NetworkState& state, std::size_t row, std::size_t other) const noexcept {
+  double sum = 0.0;
+  for (int a = 0; a < ends_[other].axes; ++a)
+    sum += share(state, other, a) * by_rows(row, rows_[other] + index(a));
+  return sum;
+}
+
+/// The sum of `of(lower, upper)` of each axis along the direction.
+template <class Part>
+double Couplings::along(const NetworkState& state, std::size_t c, const Part& of) const noexcept {
+  if (ends_[c].axes == 1) return of(ends_[c].lower, ends_[c].upper);
+  double sum = 0.0;
+  for (int a = 0; a < ends_[c].axes; ++a)
+    sum += share(state, c, a) * of(ends_[c].lower + a, ends_[c].upper + a);
+  return sum;
+}
+
+void Couplings::find_lines(NetworkState& state) const noexcept {
+  for (std::size_t b = 0; lines_ && b < model_->bonds.size(); ++b) {
+    const auto direction = unit(apart(state.position, model_->bonds[b]));
+    std::copy(direction.begin(), direction.end(), state.along.begin() + std::ptrdiff_t(kMostAxes * b));
+  }
+}
+
 /// How far it moved in the last step, or would in this one by its velocity alone.
 double Couplings::moved(const NetworkState& state, std::size_t c) const noexcept {
+  if (ends_[c].axes > 1)
+    return along(state, c, [&](int lower, int upper) {
+      return method_ == Method::Exact
+                 ? (state.velocity[index(lower)] - state.velocity[index(upper)]) * model_->k
+                 : state.moved[index(lower)] - state.moved[index(upper)];
+    });
   return method_ == Method::Exact ? between(state.velocity, ends_[c]) * model_->k
                                   : between(state.moved, ends_[c]);
 }
 
 /// The motion that `state.change` makes, whatever forces are in it by now.
 double Couplings::motion(const NetworkState& state, std::size_t c) const noexcept {
-  if (method_ == Method::Exact) return between(state.change, ends_[c]);
+  return along(state, c, [&](int lower, int upper) { return axis_motion(state, lower, upper); });
+}
+
+double Couplings::axis_motion(const NetworkState& state, int lower, int upper) const noexcept {
+  if (method_ == Method::Exact) return state.change[index(lower)] - state.change[index(upper)];
   const auto bend = [&](int slot) {
     const bool force = method_ == Method::Explicit && model_->is_mass(slot);
     return state.change[index(slot)] * (force ? model_->scale[index(slot)] : 1.0);
   };
-  return 2.0 * between(state.moved, ends_[c]) + bend(ends_[c].lower) - bend(ends_[c].upper);
+  return 2.0 * (state.moved[index(lower)] - state.moved[index(upper)]) + bend(lower) - bend(upper);
 }
 
 /// What the forces that were found so far take off the motion of a coupling.
 double Couplings::taken_by_contacts(const NetworkState& state, std::size_t c) const noexcept {
   double sum = 0.0;
-  for (const auto& link : state.active) sum += mutual(c, index(link.coupling)) * link.force;
+  for (const auto& link : state.active) sum += acting(state, c, index(link.coupling)) * link.force;
   return sum;
 }
 double Couplings::taken_by_friction(const NetworkState& state, std::size_t c) const noexcept {
   double sum = 0.0;
   for (std::size_t f = 0; f < frictions(); ++f)
-    sum += mutual(c, first_friction() + f) * state.friction_force[f];
+    sum += acting(state, c, first_friction() + f) * state.friction_force[f];
   return sum;
 }
 
@@ -148,7 +207,10 @@ void Couplings::store_energy(NetworkState& state) const noexcept {
     state.root[c] = method_ != Method::Gradient && n > 0.0 ? contact.law.root(n) : 0.0;
   }
   for (std::size_t b = 0; b < model_->bonds.size(); ++b)
-    if (state.slipped[b] == 0.0) state.root[contacts + b] = model_->bonds[b].law->root(apart(contacts + b));
+    if (const auto& bond = model_->bonds[b]; bond.axes > 1)
+      state.root[contacts + b] = bond.law->root(length(line_before(state, bond)) - bond.rest);
+    else if (state.slipped[b] == 0.0)
+      state.root[contacts + b] = bond.law->root(apart(contacts + b));
 }
 
 void Couplings::solve(NetworkState& state) const noexcept {
@@ -230,8 +292,11 @@ bool Couplings::one_breaks(const NetworkState& state) const noexcept {
 void Couplings::move(NetworkState& state) const noexcept {
   const auto masses = model_->mass.size();
   const auto add = [&](std::size_t coupling, double force) {
-    const double* column = columns_.data() + coupling * masses;
-    for (std::size_t i = 0; i < masses; ++i) state.change[i] -= column[i] * force;
+    const double* column = columns_.data() + row_of(coupling) * masses;
+    for (int a = 0; a < ends_[coupling].axes; ++a, column += masses) {
+      const double part = lines_ ? share(state, coupling, a) * force : force;
+      for (std::size_t i = 0; i < masses; ++i) state.change[i] -= column[i] * part;
+    }
   };
   for (const auto& link : state.active) add(index(link.coupling), link.force);
   for (std::size_t f = 0; f < frictions(); ++f) add(first_friction() + f, state.friction_force[f]);
@@ -246,6 +311,7 @@ void Couplings::finish(NetworkState& state) const noexcept {
     }
   for (std::size_t b = 0; b < model_->bonds.size(); ++b) {
     const auto& bond = model_->bonds[b];
+    if (bond.axes > 1) continue;  // it never slips
     double& psi = state.root[contacts + b];
     const double n = indentation(state, contacts + b);
     if (state.slipped[b] != 0.0 || std::abs(bond.law->root_slope(n) * psi) <= bond.limit) continue;
@@ -374,9 +440,22 @@ bool Couplings::predict(NetworkState& state, ActiveCoupling& link) const noexcep
 
 void Couplings::find_bonds(NetworkState& state) const noexcept {
   const auto contacts = model_->contacts.size();
+  if (method_ == Method::Explicit) find_lines(state);
   for (std::size_t b = 0; b < model_->bonds.size(); ++b) {
     const auto c = contacts + b;
     const auto& bond = model_->bonds[b];
+    if (bond.axes > 1) {
+      ActiveCoupling link{.coupling = static_cast<int>(c)};
+      if (method_ != Method::Explicit) {
+        turn_line(state, link);
+      } else {
+        const double n = stretch(state.position, bond);
+        state.root[c] = bond.law->root(n);
+        link.force = bond.law->force(n) + bond.damping * moved(state, c) / model_->k;
+      }
+      state.active.push_back(link);
+      continue;
+    }
     const double n = indentation(state, c);
     if (state.slipped[b] * n < 0.0) state.slipped[b] = state.root[c] = 0.0;
     if (state.slipped[b] != 0.0) continue;
@@ -391,11 +470,53 @@ void Couplings::find_bonds(NetworkState& state) const noexcept {
   }
 }
 
+/// The direction and the chord of a bond of several axes for the motion that the forces cause. True if they
+/// changed.
+bool Couplings::turn_line(NetworkState& state, ActiveCoupling& link) const noexcept {
+  constexpr double kEnough = 1e-15;
+  const auto c = index(link.coupling), b = c - model_->contacts.size();
+  const auto& bond = model_->bonds[b];
+  const auto from = line_before(state, bond);
+  auto to = from;
+  for (int a = 0; a < bond.axes; ++a) {
+    double motion = axis_motion(state, bond.lower + a, bond.upper + a);
+    const auto row = rows_[c] + index(a);
+    for (const auto& other : state.active)
+      motion -= row_acting(state, row, index(other.coupling)) * other.force;
+    for (std::size_t f = 0; f < frictions(); ++f)
+      motion -= by_rows(row, rows_[first_friction() + f]) * state.friction_force[f];
+    to[index(a)] += motion / steps();
+  }
+  const double one = length(from), other = length(to), both = one + other;
+  double turned = 0.0;
+  for (std::size_t a = 0; a < from.size(); ++a) {
+    const double next = both > 0.0 ? (from[a] + to[a]) / both : 0.0;
+    turned = std::max(turned, std::abs(next - std::exchange(state.along[kMostAxes * b + a], next)));
+  }
+  const auto chord = bond.law->chord(one - bond.rest, other - bond.rest);
+  const bool changed = turned > kEnough || std::abs(chord.slope - link.slope) > kEnough * chord.slope;
+  link.slope = chord.slope;
+  link.static_force = link.slope * state.root[c];
+  link.resistance = chord.square / (2.0 * steps()) + bond.damping / slack();
+  link.free_motion = motion(state, c);
+  return changed;
+}
+
+/// x_lower - x_upper where psi was stored last.
+Direction Couplings::line_before(const NetworkState& state, const Bond& bond) const noexcept {
+  auto line = apart(state.position, bond);
+  if (method_ == Method::Exact) return line;
+  const auto moved = apart(state.moved, bond);
+  for (std::size_t a = 0; a < line.size(); ++a) line[a] -= 0.5 * moved[a];
+  return line;
+}
+
 /// Sets the chord of a bond for a motion. True if it changed.
-bool Couplings::update_bond(const NetworkState& state, ActiveCoupling& link, double motion) const noexcept {
+bool Couplings::update_bond(NetworkState& state, ActiveCoupling& link, double motion) const noexcept {
   constexpr double kEnough = 1e-15;
   const auto c = index(link.coupling);
   const auto& bond = model_->bonds[c - model_->contacts.size()];
+  if (bond.axes > 1) return turn_line(state, link);
   const double n = indentation(state, c), from = method_ == Method::Exact ? n : n - 0.5 * moved(state, c);
   const auto chord = bond.law->chord(from, from + motion / steps());
   const bool changed = std::abs(chord.slope - link.slope) > kEnough * chord.slope;
@@ -414,7 +535,7 @@ bool Couplings::update_bonds(NetworkState& state) const noexcept {
   bool changed = false;
   for (auto& link : state.active) {
     const auto c = index(link.coupling), contacts = model_->contacts.size();
-    if (c >= contacts && !model_->bonds[c - contacts].law->linear())
+    if (c >= contacts && (ends_[c].axes > 1 || !model_->bonds[c - contacts].law->linear()))
       changed |= update_bond(state, link, next_motion(state, link));
   }
   return changed;
@@ -471,7 +592,7 @@ void Couplings::solve_linear(NetworkState& state) const noexcept {
   auto& active = state.active;
   const auto n = active.size();
   const auto w = [&](const ActiveCoupling& a, const ActiveCoupling& b) {
-    return mutual(index(a.coupling), index(b.coupling));
+    return acting(state, index(a.coupling), index(b.coupling));
   };
   if (n == 1 || alone_) {
     for (auto& t : active) {
@@ -497,7 +618,7 @@ void Couplings::solve_linear(NetworkState& state) const noexcept {
 
 /// F and its slope at the present estimate d of the motion:  F = G(d) (1 + r d / 2k), G = (phi(n- + d) -
 /// phi(n-)) / d, both convex and never below 0.
-void Couplings::follow(const NetworkState& state, ActiveCoupling& link) const noexcept {
+void Couplings::follow(NetworkState& state, ActiveCoupling& link) const noexcept {
   const auto c = index(link.coupling);
   if (link.bounces) return;
   if (c >= model_->contacts.size()) {

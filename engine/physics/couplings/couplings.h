@@ -29,6 +29,12 @@ namespace tactus {
 /// **Bonds** have the discrete gradient too, with every method: g is the chord of psi over the motion of the
 /// step, found by iteration (a linear bond has one chord only).
 ///
+/// **Bonds of several axes** act along a line that turns. From r_0 to r_1, the distances at the ends of the
+/// interval over which psi is stored, |r_1| - |r_0| = a . (r_1 - r_0) with a = (r_0 + r_1) / (|r_0| + |r_1|):
+/// the force along a, with the chord of psi over the length, keeps energy, momentum and (being along r_0 +
+/// r_1) angular momentum (Simo, Tarnow & Wong, Comput. Methods Appl. Mech. Eng. 100, 1992). a is found by the
+/// same iteration. Such a bond has a row of W for each axis.
+///
 /// Losses F r v use the predicted force, so that the ratio of the speeds is right for the potential that the
 /// solver has. A contact that is deepest before its first step ends has no predicted force: with quadratised
 /// energy it would lose nothing, with the discrete gradient what its last iteration gives. For that step it
@@ -63,8 +69,12 @@ class Couplings {
   template <class Push>
   void push_all(const NetworkState& state, Push push) const noexcept {
     for (const auto& link : state.active) {
-      push(ends_[index(link.coupling)].lower, -link.force);
-      push(ends_[index(link.coupling)].upper, link.force);
+      const auto c = index(link.coupling);
+      for (int a = 0; a < ends_[c].axes; ++a) {
+        const double force = lines_ ? share(state, c, a) * link.force : link.force;
+        push(ends_[c].lower + a, -force);
+        push(ends_[c].upper + a, force);
+      }
     }
     for (std::size_t f = 0; f < frictions(); ++f) {
       push(model_->frictions[f].lower, -state.friction_force[f]);
@@ -87,15 +97,34 @@ class Couplings {
   std::size_t frictions() const { return count() - first_friction(); }
   std::size_t first_friction() const { return model_->contacts.size() + model_->bonds.size(); }
   /// How far coupling c moves by a force of 1 N in c'. [m/N]
-  double mutual(std::size_t c, std::size_t other) const {
-    return mutual_[(c - first_row_) * count() + other];
-  }
+  double mutual(std::size_t c, std::size_t other) const { return by_rows(row_of(c), row_of(other)); }
   /// Of a bond: what a stiff damper adds, over k^2. [N/m]
   double inertia(std::size_t bond) const { return inertia_[bond]; }
+  /// [realtime] Of all bonds of several axes: the line through their ends as they are.
+  void find_lines(NetworkState& state) const noexcept;
 
  private:
   int steps() const { return method_ == Method::Exact ? 1 : 2; }
   double slack() const { return steps() * model_->k; }
+  std::size_t row_of(std::size_t c) const { return lines_ ? rows_[c] : c; }
+  double by_rows(std::size_t row, std::size_t other) const {
+    return mutual_[(row - first_row_) * row_count_ + other];
+  }
+  /// The component along an axis of the direction of a coupling.
+  double share(const NetworkState& state, std::size_t c, int axis) const noexcept {
+    return ends_[c].axes > 1 ? state.along[kMostAxes * (c - model_->contacts.size()) + index(axis)] : 1.0;
+  }
+  /// As `mutual`, along the present directions of both.
+  double mutual_along(const NetworkState& state, std::size_t c, std::size_t other) const noexcept;
+  double acting(const NetworkState& state, std::size_t c, std::size_t other) const noexcept {
+    return lines_ ? mutual_along(state, c, other) : mutual(c, other);
+  }
+  double row_acting(const NetworkState& state, std::size_t row, std::size_t other) const noexcept;
+  template <class Part>
+  double along(const NetworkState& state, std::size_t c, const Part& of) const noexcept;
+  double axis_motion(const NetworkState& state, int lower, int upper) const noexcept;
+  bool turn_line(NetworkState& state, ActiveCoupling& link) const noexcept;
+  Direction line_before(const NetworkState& state, const Bond& bond) const noexcept;
   double moved(const NetworkState& state, std::size_t coupling) const noexcept;
   double indentation(const NetworkState& state, std::size_t coupling) const noexcept;
   double taken_by_contacts(const NetworkState& state, std::size_t coupling) const noexcept;
@@ -108,7 +137,7 @@ class Couplings {
   bool release(NetworkState& state, ActiveCoupling& link, double motion) const noexcept;
   double next_motion(const NetworkState& state, const ActiveCoupling& link) const noexcept;
   void find_bonds(NetworkState& state) const noexcept;
-  bool update_bond(const NetworkState& state, ActiveCoupling& link, double motion) const noexcept;
+  bool update_bond(NetworkState& state, ActiveCoupling& link, double motion) const noexcept;
   bool update_bonds(NetworkState& state) const noexcept;
   void push_contacts(NetworkState& state) const noexcept;
 
@@ -116,7 +145,7 @@ class Couplings {
   void solve_quadratised(NetworkState& state) const noexcept;
   void solve_gradient(NetworkState& state) const noexcept;
   void solve_linear(NetworkState& state) const noexcept;
-  void follow(const NetworkState& state, ActiveCoupling& link) const noexcept;
+  void follow(NetworkState& state, ActiveCoupling& link) const noexcept;
   bool missed_one(NetworkState& state) const noexcept;
   double solve_frictions(NetworkState& state, bool clings) const noexcept;
   void solve_friction(NetworkState& state, std::size_t friction, bool clings) const noexcept;
@@ -127,10 +156,12 @@ class Couplings {
   Method method_ = Method::Centred;
   bool alone_ = true;  ///< no coupling acts on another
   struct Ends {
-    int lower, upper;
+    int lower, upper, axes;
   };
   std::vector<Ends> ends_;
-  std::size_t first_row_ = 0;
+  bool lines_ = false;             ///< a bond has several axes
+  std::vector<std::size_t> rows_;  ///< of each coupling: its first row
+  std::size_t row_count_ = 0, first_row_ = 0;
   std::vector<double> columns_, mutual_;
   std::vector<double> inertia_;  ///< of each bond: what a stiff damper adds
 };

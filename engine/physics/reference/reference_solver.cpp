@@ -52,6 +52,15 @@ void push(double* force, const Link& link, double by) {
   force[link.upper] += by;
 }
 
+/// The same along a direction, between bodies of several axes.
+template <class Link>
+void push_along(double* force, const Link& link, const Direction& along, double by) {
+  for (int a = 0; a < link.axes; ++a) {
+    force[link.lower + a] -= by * along[index(a)];
+    force[link.upper + a] += by * along[index(a)];
+  }
+}
+
 /// The loss of a contact that closes at a speed.
 double start_loss(const NetworkModel::Contact& contact, double speed) {
   constexpr double kSlowest_m_per_s = 1e-4;
@@ -219,7 +228,7 @@ class Motion {
     }
     for (std::size_t b = 0; b < model_.bonds.size(); ++b)
       state.root[model_.contacts.size() + b] =
-          model_.bonds[b].law->root(between(state.position, model_.bonds[b]));
+          model_.bonds[b].law->root(stretch(state.position, model_.bonds[b]));
     model_.send_waves(state, [&](int slot) { return state.change[index(slot)]; });
   }
 
@@ -236,8 +245,7 @@ class Motion {
   }
 
   double tension(const double* y, const Spring& spring) const {
-    const double* v = velocities(y);
-    return spring.stiffness * extension(y, spring) + spring.damping * (v[spring.upper] - v[spring.lower]);
+    return spring.stiffness * extension(y, spring) + spring.damping * span(velocities(y), spring);
   }
 
   /// K n^a with its loss, with its sign changed below 0: smooth there, as a step that runs past an opening
@@ -267,7 +275,13 @@ class Motion {
     double* force = slope + points();
     std::copy_n(velocities(y), points(), slope);
     std::fill_n(force, points(), 0.0);
-    for (const auto& spring : model_.springs) push(force, spring, -tension(y, spring));
+    for (const auto& spring : model_.springs) {
+      const double pull = tension(y, spring);
+      if (spring.axes == 1)
+        push(force, spring, -pull);
+      else
+        push_along(force, spring, spring.along, -pull);
+    }
     for (std::size_t c = 0; c < contacts_.size(); ++c) push(force, model_.contacts[c], pressure(y, c));
     add_held(y, force);
     add_coils(y, slope);
@@ -304,8 +318,13 @@ class Motion {
       if (slide_[f] != 0.0) push(force, model_.frictions[f], sliding_force(y, f, slide_[f]));
     for (std::size_t b = 0; b < model_.bonds.size(); ++b) {
       const auto& bond = model_.bonds[b];
-      if (slipped_[b] == 0.0)
+      if (bond.axes > 1) {
+        const auto along = unit(apart(y, bond));
+        const double rate = dot(along, apart(velocities(y), bond));
+        push_along(force, bond, along, bond.law->force(stretch(y, bond)) + bond.damping * rate);
+      } else if (slipped_[b] == 0.0) {
         push(force, bond, bond.law->force(between(y, bond)) + bond.damping * between(velocities(y), bond));
+      }
     }
   }
 
@@ -456,7 +475,7 @@ class Motion {
 
   double bond_margin(const double* y, std::size_t bond) const {
     const auto& b = model_.bonds[bond];
-    const double n = between(y, b);
+    const double n = stretch(y, b);
     return slipped_[bond] == 0.0 ? b.law->distance_at(b.limit) - std::abs(n) : slipped_[bond] * n;
   }
 
@@ -586,7 +605,7 @@ class ReferenceSolver final : public NetworkSolver {
       if (const double n = indentation(state.position, contact); n > 0.0) sum += contact.law.energy(n);
     for (std::size_t b = 0; b < model_.bonds.size(); ++b)
       if (state.slipped[b] == 0.0)
-        sum += model_.bonds[b].law->energy(between(state.position, model_.bonds[b]));
+        sum += model_.bonds[b].law->energy(stretch(state.position, model_.bonds[b]));
     return model_.with_inductances(sum, state);
   }
 

@@ -82,11 +82,16 @@ class CentredSolver final : public NetworkSolver {
         state.change[index(on)] += state.low_pass[index(input.low_pass)].value;
     for (std::size_t b = 0; b < model_.bonds.size(); ++b) {
       const auto& bond = model_.bonds[b];
-      const double n = between(state.position, bond), speed = between(state.moved_before, bond) / model_.k;
+      const double n = stretch(state.position, bond);
+      const double speed =
+          (bond.axes == 1 ? between(state.moved_before, bond)
+                          : dot(unit(apart(state.position, bond)), apart(state.moved_before, bond))) /
+          model_.k;
       if (state.slipped[b] == 0.0)
         state.active.push_back({.coupling = static_cast<int>(model_.contacts.size() + b),
                                 .force = bond.law->force(n) + bond.damping * speed});
     }
+    couplings_.find_lines(state);
     push(state);
     bend(state);
     for (std::size_t i = 0; i < model_.mass.size(); ++i) {
@@ -127,7 +132,7 @@ class CentredSolver final : public NetworkSolver {
       sum += 0.5 * model_.mass[i] * square(state.moved[i] / model_.k);
     for (const auto& s : model_.springs) {
       const double now = extension(state.position, s);
-      const double before = now - (state.moved[index(s.upper)] - state.moved[index(s.lower)]);
+      const double before = now - span(state.moved, s);
       sum += 0.5 * s.stiffness * (averaged_ ? square(0.5 * (now + before)) : now * before);
     }
     for (std::size_t c = 0; c < model_.contacts.size(); ++c) {
@@ -179,6 +184,10 @@ class CentredSolver final : public NetworkSolver {
   void add_bonds(std::vector<Eigen::Triplet<double>>& entries, bool dampers) const {
     for (std::size_t b = 0; b < model_.bonds.size(); ++b) {
       const auto& bond = model_.bonds[b];
+      if (bond.axes > 1) {
+        add_line(entries, bond, dampers);
+        continue;
+      }
       const double n = between(model_.start_position, bond);
       if (std::abs(bond.law->force(n)) > bond.limit) continue;
       double a = 0.25 * std::max(0.0, bond.law->stiffness(n));
@@ -188,6 +197,24 @@ class CentredSolver final : public NetworkSolver {
           if (model_.is_mass(row) && model_.is_mass(column))
             entries.emplace_back(row, column, row == column ? a : -a);
     }
+  }
+
+  /// Along the line the stiffness of the law, across it F / |r| where it pulls.
+  void add_line(std::vector<Eigen::Triplet<double>>& entries, const Bond& bond, bool dampers) const {
+    const auto r = apart(model_.start_position, bond);
+    const auto along = unit(r);
+    const double n = stretch(model_.start_position, bond), l = length(r);
+    const double across = l > 0.0 ? 0.25 * std::max(0.0, bond.law->force(n) / l) : 0.0;
+    double own = 0.25 * std::max(0.0, bond.law->stiffness(n));
+    if (dampers) own += 0.5 * bond.damping / model_.k;
+    for (int i = 0; i < bond.axes; ++i)
+      for (int j = 0; j < bond.axes; ++j) {
+        const double a = (own - across) * along[index(i)] * along[index(j)] + (i == j ? across : 0.0);
+        for (const int row : {bond.lower, bond.upper})
+          for (const int column : {bond.lower, bond.upper})
+            if (a != 0.0 && model_.is_mass(row) && model_.is_mass(column))
+              entries.emplace_back(row + i, column + j, row == column ? a : -a);
+      }
   }
 
   Status factor() {
@@ -291,7 +318,7 @@ class CentredSolver final : public NetworkSolver {
       sum += contact_energy(contact.law, indentation(state.position, contact));
     for (std::size_t b = 0; b < model_.bonds.size(); ++b)
       if (state.slipped[b] == 0.0)
-        sum += model_.bonds[b].law->energy(between(state.position, model_.bonds[b]));
+        sum += model_.bonds[b].law->energy(stretch(state.position, model_.bonds[b]));
     return sum;
   }
 

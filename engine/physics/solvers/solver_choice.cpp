@@ -19,6 +19,7 @@ namespace {
 struct Link {
   int lower, upper;
   double offset, stiffness, damping;
+  int axes = 1;
 };
 
 class Demand {
@@ -30,7 +31,7 @@ class Demand {
     for (const auto& contact : elements_.contacts) add_pressed(contact);
     auto contacts = std::exchange(links_, {});
     for (const auto& bond : elements_.bonds)
-      links_.push_back({bond.lower, bond.upper, 0.0, bond.law->largest_stiffness(), bond.damping});
+      links_.push_back({bond.lower, bond.upper, 0.0, bond.law->largest_stiffness(), bond.damping, bond.axes});
     demand_.bond_stiffness = largest(&Link::stiffness);
     links_.insert(links_.end(), contacts.begin(), contacts.end());
     demand_.stiffness = largest(&Link::stiffness);
@@ -62,9 +63,14 @@ class Demand {
       heaviest = std::max(heaviest, p.mass);
     }
     for (const auto& s : elements_.springs)
-      if (!driven(s.lower, s.upper)) sum += 0.5 * s.stiffness * square(apart(s.upper, s.lower) - s.rest);
+      if (!driven(s.lower, s.upper)) sum += 0.5 * s.stiffness * square(extension(places_, s));
     for (const auto& contact : elements_.contacts) sum += stored(contact);
-    for (const auto& bond : elements_.bonds) sum += bond.law->largest_energy(bond.limit);
+    for (const auto& bond : elements_.bonds) {
+      if (bond.axes == 1)
+        sum += bond.law->largest_energy(bond.limit);
+      else if (!driven(bond.lower, bond.upper))
+        sum += bond.law->energy(stretch(places_, bond));
+    }
     return sum + 0.5 * heaviest * square(kHardestStrike);
   }
 
@@ -118,18 +124,32 @@ class Demand {
   }
 
   /// Of links b_e w_e b_e^T over masses: M^-1 B W B^T has the eigenvalues of B^T M^-1 B W but for zeros, and
-  /// the sum of a row of that is D_lower / m_lower + D_upper / m_upper, D what all links put on a point.
+  /// the sum of a row of that is D_lower / m_lower + D_upper / m_upper, D what all links put on a point. A
+  /// link along a line is bounded by as stiff a one in each of its axes, and meets the links of all of them.
   double largest(double Link::*of) const {
-    std::vector<double> on(elements_.points.size());
-    for (const auto& link : links_) on[index(link.lower)] += link.*of, on[index(link.upper)] += link.*of;
-    double most = 0.0;
+    std::vector<double> on(elements_.points.size()), line_on(elements_.points.size());
     for (const auto& link : links_)
-      most = std::max(most, on[index(link.lower)] * lightness(link.lower) +
-                                on[index(link.upper)] * lightness(link.upper));
+      for (int a = 0; a < link.axes; ++a)
+        for (const int end : {link.lower + a, link.upper + a})
+          (link.axes > 1 ? line_on : on)[index(end)] += link.*of;
+    const auto at = [&](const Link& link, int end) {
+      double sum = line_on[index(end)];
+      for (int a = 0; a < link.axes; ++a) sum += on[index(end + a)];
+      return sum * lightness(end);
+    };
+    double most = 0.0;
+    for (const auto& link : links_) most = std::max(most, at(link, link.lower) + at(link, link.upper));
     return most;
   }
 
+  static std::vector<double> places_of(const NetworkElements& elements) {
+    std::vector<double> places;
+    for (const auto& point : elements.points) places.push_back(point.position);
+    return places;
+  }
+
   const NetworkElements& elements_;
+  const std::vector<double> places_ = places_of(elements_);
   const double energy_ = energy();
   ContactDemand demand_;
   std::vector<Link> links_;

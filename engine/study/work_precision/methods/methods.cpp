@@ -340,7 +340,9 @@ const PublishedMethod* find_method(std::string_view name) {
 
 std::string why_not_applicable(const NetworkElements& elements) {
   if (!elements.frictions.empty()) return "friction: at rest its force is a set";
-  if (!elements.bonds.empty()) return "plectra or magnets: they let go and hold again";
+  if (!elements.bonds.empty()) return "plectra, magnets or springs in space: their force is not linear";
+  if (std::ranges::any_of(elements.springs, [](const Spring& spring) { return spring.axes > 1; }))
+    return "springs in space: they act on several axes";
   return {};
 }
 
