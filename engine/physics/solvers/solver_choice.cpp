@@ -33,6 +33,11 @@ class Demand {
     for (const auto& bond : elements_.bonds)
       links_.push_back({bond.lower, bond.upper, 0.0, bond.law->largest_stiffness(), bond.damping, bond.axes});
     demand_.bond_stiffness = largest(&Link::stiffness);
+    const auto plain = [](const Link& link) { return link.axes == 1; };
+    auto bonds = links_;
+    std::erase_if(links_, plain);
+    demand_.line_damping = largest(&Link::damping);
+    links_ = std::move(bonds);
     links_.insert(links_.end(), contacts.begin(), contacts.end());
     demand_.stiffness = largest(&Link::stiffness);
     demand_.damping = largest(&Link::damping);
@@ -251,6 +256,11 @@ double linear_error(const NetworkElements& elements, const NetworkModel& model, 
                                squared * model.stiffest(1.0, 0.0), damping);
   if (!elements.bonds.empty())
     error = std::max(error, largest_error(Stepping::Averaged, squared * contacts.bond_stiffness, 0.0));
+  if (const double z = k * contacts.line_damping; z > 0.0) {
+    const auto stepping = solver == Solver::Explicit ? Stepping::Explicit : Stepping::Averaged;
+    const bool rings = solver != Solver::Explicit && z > kStopsWithinStep;
+    error = std::max(error, rings ? 1.0 : largest_error(stepping, squared * contacts.bond_stiffness, z));
+  }
   for (const auto& coil : elements.coils) error = std::max(error, coil_error(solver, coil, k));
   const bool late = !elements.ports.empty() && damping > kStopsWithinStep && solver != Solver::Exact;
   return late ? std::max(error, 1.0) : error;

@@ -37,6 +37,7 @@ struct ContactDemand {
   double stiffness = 0.0;       ///< bounds the largest eigenvalue of M^-1 K of all k together [1/s^2]
   double bond_stiffness = 0.0;  ///< the same of the bonds alone
   double damping = 0.0;         ///< the same of all z [1/s]
+  double line_damping = 0.0;    ///< the same of the bonds of several axes alone
 };
 
 /// [control]
@@ -119,7 +120,10 @@ struct SolverChoice {
 ///  - explicit is stable while k^2 times the largest eigenvalue of M^-1 (K + 2 C / k) is below 4, contacts
 ///    and bonds as deep as in `ContactDemand` among them (sufficient), these alone are below
 ///    `kStiffestContact`, and every contact lasts its `fewest_steps`;
-///  - bonds: those of a spring of their largest stiffness, held over the step (exact too);
+///  - bonds: those of a spring of their largest stiffness, held over the step (exact too), and of several
+///  axes
+///    those of their dampers, which are never weighted. A line that turns at w is as wrong as an oscillator
+///    of w, and the spring that holds its ends on their circle has at least w;
 ///  - contacts, with s steps in the time of one of exponent a: exact (0.5 + 0.33 a) / s^2, explicit the same
 ///    but at least 1.4 / s^2, passive max(1, 0.12 a) / s^1.5, implicit (1.3 + 0.86 a) / s^2; with loss,
 ///    implicit 1.3 times as much and explicit 0.45 min(1, 2.8 (1 - e)) / s more. Their restitution e: 0
