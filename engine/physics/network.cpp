@@ -88,7 +88,9 @@ NetworkState Network::initial_state() const {
   state.active.reserve(couplings);
   if (solver() != Solver::Explicit) state.matrix.resize(couplings * couplings);
   state.right.resize(couplings);
-  if (m.has_lines()) state.along.resize(kMostAxes * m.bonds.size());
+  if (m.has_lines())  // with a force and a motion of each row
+    state.along.resize(kMostAxes * m.bonds.size() +
+                       2 * (m.contacts.size() + kMostAxes * m.bonds.size() + m.frictions.size()));
   state.slipped.resize(m.bonds.size());
   for (auto* list : {&state.sliding, &state.friction_force, &state.friction_velocity, &state.normal})
     list->resize(m.frictions.size());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include "engine/core/index.h"
@@ -40,6 +41,16 @@ void solve_cholesky(double* matrix, double* b, std::size_t n) noexcept {
     b[i] /= matrix[i * n + i];
     for (std::size_t j = 0; j < i; ++j) b[j] -= matrix[i * n + j] * b[i];
   }
+}
+
+/// y += by x
+void add_row(double* y, const double* x, double by, std::size_t count) noexcept {
+  for_all(count, [=]<class Vector>(std::size_t i) {
+    if constexpr (std::is_same_v<Vector, double>)
+      y[i] += by * x[i];
+    else
+      store(load<Vector>(y + i) + Vector::broadcast(by) * load<Vector>(x + i), y + i);
+  });
 }
 
 /// Slope of the chord of the energy's root between two indentations.
@@ -121,15 +132,32 @@ double Couplings::indentation(const NetworkState& state, std::size_t c) const no
 double Couplings::mutual_along(const NetworkState& state, std::size_t c, std::size_t other) const noexcept {
   double sum = 0.0;
   for (int a = 0; a < ends_[c].axes; ++a)
-    sum += share(state, c, a) * row_acting(state, rows_[c] + index(a), other);
+    for (int b = 0; b < ends_[other].axes; ++b)
+      sum +=
+          share(state, c, a) * share(state, other, b) * by_rows(rows_[c] + index(a), rows_[other] + index(b));
   return sum;
 }
 
-/// What a force of 1 N along the direction of `other` does to a row.
-double Couplings::row_acting(const NetworkState& state, std::size_t row, std::size_t other) const noexcept {
+/// y = W f, with f from `force_of(link)` of all that is active along its line, and from the frictions.
+template <class Force>
+void Couplings::respond_to(NetworkState& state, const Force& force_of) const noexcept {
+  double *f = row_force(state), *y = row_motion(state);
+  std::fill_n(f, row_count_, 0.0);
+  std::fill_n(y, row_count_, 0.0);
+  for (const auto& link : state.active) {
+    const auto c = index(link.coupling);
+    for (int a = 0; a < ends_[c].axes; ++a) f[rows_[c] + index(a)] = share(state, c, a) * force_of(link);
+  }
+  for (std::size_t i = 0; i < frictions(); ++i) f[rows_[first_friction() + i]] = state.friction_force[i];
+  for (std::size_t r = 0; r < row_count_; ++r)
+    if (f[r] != 0.0) add_row(y, mutual_.data() + r * row_count_, f[r], row_count_);  // W is symmetric
+}
+void Couplings::respond_to_forces(NetworkState& state) const noexcept {
+  respond_to(state, [](const ActiveCoupling& link) { return link.force; });
+}
+double Couplings::row_motion_along(NetworkState& state, std::size_t c) const noexcept {
   double sum = 0.0;
-  for (int a = 0; a < ends_[other].axes; ++a)
-    sum += share(state, other, a) * by_rows(row, rows_[other] + index(a));
+  for (int a = 0; a < ends_[c].axes; ++a) sum += share(state, c, a) * row_motion(state)[rows_[c] + index(a)];
   return sum;
 }
 
@@ -440,7 +468,10 @@ bool Couplings::predict(NetworkState& state, ActiveCoupling& link) const noexcep
 
 void Couplings::find_bonds(NetworkState& state) const noexcept {
   const auto contacts = model_->contacts.size();
-  if (method_ == Method::Explicit) find_lines(state);
+  if (method_ == Method::Explicit)
+    find_lines(state);
+  else if (lines_)
+    std::fill_n(row_motion(state), row_count_, 0.0);
   for (std::size_t b = 0; b < model_->bonds.size(); ++b) {
     const auto c = contacts + b;
     const auto& bond = model_->bonds[b];
@@ -470,8 +501,8 @@ void Couplings::find_bonds(NetworkState& state) const noexcept {
   }
 }
 
-/// The direction and the chord of a bond of several axes for the motion that the forces cause. True if they
-/// changed.
+/// The direction and the chord of a bond of several axes for the motion that the forces of
+/// `respond_to_forces` cause. True if they changed.
 bool Couplings::turn_line(NetworkState& state, ActiveCoupling& link) const noexcept {
   constexpr double kEnough = 1e-15;
   const auto c = index(link.coupling), b = c - model_->contacts.size();
@@ -479,13 +510,8 @@ bool Couplings::turn_line(NetworkState& state, ActiveCoupling& link) const noexc
   const auto from = line_before(state, bond);
   auto to = from;
   for (int a = 0; a < bond.axes; ++a) {
-    double motion = axis_motion(state, bond.lower + a, bond.upper + a);
-    const auto row = rows_[c] + index(a);
-    for (const auto& other : state.active)
-      motion -= row_acting(state, row, index(other.coupling)) * other.force;
-    for (std::size_t f = 0; f < frictions(); ++f)
-      motion -= by_rows(row, rows_[first_friction() + f]) * state.friction_force[f];
-    to[index(a)] += motion / steps();
+    const double free = axis_motion(state, bond.lower + a, bond.upper + a);
+    to[index(a)] += (free - row_motion(state)[rows_[c] + index(a)]) / steps();
   }
   const double one = length(from), other = length(to), both = one + other;
   double turned = 0.0;
@@ -533,6 +559,7 @@ bool Couplings::update_bond(NetworkState& state, ActiveCoupling& link, double mo
 /// Updates the chords of all bonds to the motions that the forces cause. True if one changed.
 bool Couplings::update_bonds(NetworkState& state) const noexcept {
   bool changed = false;
+  if (lines_) respond_to_forces(state);
   for (auto& link : state.active) {
     const auto c = index(link.coupling), contacts = model_->contacts.size();
     if (c >= contacts && (ends_[c].axes > 1 || !model_->bonds[c - contacts].law->linear()))
@@ -592,8 +619,9 @@ void Couplings::solve_linear(NetworkState& state) const noexcept {
   auto& active = state.active;
   const auto n = active.size();
   const auto w = [&](const ActiveCoupling& a, const ActiveCoupling& b) {
-    return acting(state, index(a.coupling), index(b.coupling));
+    return mutual(index(a.coupling), index(b.coupling));
   };
+  if (lines_) return solve_lines(state);
   if (n == 1 || alone_) {
     for (auto& t : active) {
       const double free = t.free_motion - (alone_ ? 0.0 : taken_by_friction(state, index(t.coupling)));
@@ -610,6 +638,35 @@ void Couplings::solve_linear(NetworkState& state) const noexcept {
       state.matrix[i * n + j] = (i == j ? 1.0 : 0.0) + root * mutual * std::sqrt(active[j].resistance);
     }
     state.right[i] = root * free;
+  }
+  solve_cholesky(state.matrix.data(), state.right.data(), n);
+  for (std::size_t i = 0; i < n; ++i)
+    active[i].force = active[i].static_force + std::sqrt(active[i].resistance) * state.right[i];
+}
+
+/// The same with couplings of several rows, from the lower half of the matrix.
+void Couplings::solve_lines(NetworkState& state) const noexcept {
+  auto& active = state.active;
+  const auto n = active.size();
+  respond_to(state, [](const ActiveCoupling& link) { return link.static_force; });
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto c = index(active[i].coupling);
+    state.right[i] = std::sqrt(active[i].resistance) * (active[i].free_motion - row_motion_along(state, c));
+  }
+  double* row = row_force(state);
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto c = index(active[i].coupling);
+    const double root = std::sqrt(active[i].resistance);
+    std::fill_n(row, row_count_, 0.0);
+    for (int a = 0; a < ends_[c].axes; ++a)
+      add_row(row, mutual_.data() + (rows_[c] + index(a)) * row_count_, share(state, c, a), row_count_);
+    for (std::size_t j = 0; j <= i; ++j) {
+      const auto other = index(active[j].coupling);
+      double mutual = 0.0;
+      for (int b = 0; b < ends_[other].axes; ++b)
+        mutual += share(state, other, b) * row[rows_[other] + index(b)];
+      state.matrix[i * n + j] = (i == j ? 1.0 : 0.0) + root * mutual * std::sqrt(active[j].resistance);
+    }
   }
   solve_cholesky(state.matrix.data(), state.right.data(), n);
   for (std::size_t i = 0; i < n; ++i)
@@ -651,11 +708,15 @@ void Couplings::solve_gradient(NetworkState& state) const noexcept {
     link.motion = link.free_motion - taken_by_friction(state, index(link.coupling));
   double before = 1e300;
   for (int i = 0; i < kMostSteps; ++i) {
+    if (lines_) respond_to_forces(state);
     for (auto& link : state.active) follow(state, link);
     solve_linear(state);
+    if (lines_) respond_to_forces(state);
     double left = 0.0;
     for (auto& link : state.active) {
-      const double next = next_motion(state, link), by = next - link.motion;
+      const double next = lines_ ? link.free_motion - row_motion_along(state, index(link.coupling))
+                                 : next_motion(state, link);
+      const double by = next - link.motion;
       left = std::max(left, std::abs(by) / (std::abs(next) + std::abs(link.free_motion)));
       link.motion += left > before ? 0.5 * by : by;
     }

@@ -119,7 +119,16 @@ class Couplings {
   double acting(const NetworkState& state, std::size_t c, std::size_t other) const noexcept {
     return lines_ ? mutual_along(state, c, other) : mutual(c, other);
   }
-  double row_acting(const NetworkState& state, std::size_t row, std::size_t other) const noexcept;
+  /// Workspace where there are lines: of each row a force, and how far all of them move it.
+  double* row_force(NetworkState& state) const noexcept {
+    return state.along.data() + kMostAxes * model_->bonds.size();
+  }
+  double* row_motion(NetworkState& state) const noexcept { return row_force(state) + row_count_; }
+  template <class Force>
+  void respond_to(NetworkState& state, const Force& force_of) const noexcept;
+  void respond_to_forces(NetworkState& state) const noexcept;
+  double row_motion_along(NetworkState& state, std::size_t c) const noexcept;
+  void solve_lines(NetworkState& state) const noexcept;
   template <class Part>
   double along(const NetworkState& state, std::size_t c, const Part& of) const noexcept;
   double axis_motion(const NetworkState& state, int lower, int upper) const noexcept;

@@ -183,9 +183,10 @@ Slot field_slot(const ElementField& field) {
   return slot;
 }
 
-/// Where an element of this kind hangs on the mass "ball" and the ground "floor".
+/// Where an element of this kind hangs on the mass "ball" and the ground "floor", or on their likes in space.
 std::string ends_of(const ElementType& type) {
   using Ends = ElementType::Ends;
+  if (type.in_space && type.ends == Ends::Between) return ", between = [\"hook\", \"bob\"]";
   if (type.ends == Ends::Between) return ", between = [\"floor\", \"ball\"]";
   return type.ends == Ends::None ? "" : ", on = \"ball\"";
 }
@@ -224,7 +225,15 @@ ExtremeSubject element_subject(const ElementType& type, const std::string& solve
   subject.assumes_speed = solver == "auto";
   subject.head = "[networks.tested]\nsolver = \"" + solver + "\"\nfloor = { type = \"ground\" }\n";
   subject.lines = {ball, hold, tested};
-  const std::string point = type.dimensions == 2 ? "it.1.1" : type.dimensions == 1 ? "it.1" : "it";
+  if (type.in_space && type.ends == ElementType::Ends::Between) {
+    Line bob{"bob = { type = \"particle\"", {}};
+    add_number(subject, bob, "mass", "kg", 0.02);
+    add_number(subject, bob, "x", "m", 0.1);
+    subject.lines.push_back(bob);
+    subject.head += "hook = { type = \"anchor\" }\n";
+  }
+  const std::string body = type.dimensions == 2 ? "it.1.1" : type.dimensions == 1 ? "it.1" : "it";
+  const auto point = type.in_space ? body + ".y" : body;
   if (type.ends == ElementType::Ends::None && type.takes_force) {
     Line join{"join = { type = \"spring\", between = [\"" + point + "\", \"ball\"]", {}};
     add_number(subject, join, "stiffness", "N/m", 300);
