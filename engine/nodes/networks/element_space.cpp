@@ -32,7 +32,7 @@ void build_anchor(NetworkBuilder& b, const NetworkElement& e, ElementParts& part
   for (int a = 0; a < e.axes(); ++a) b.add_ground(b.number(e, kPlaceFields[index(a)]));
 }
 
-void build_path(NetworkBuilder& b, const NetworkElement& e, ElementParts& parts) {
+void build_trajectory(NetworkBuilder& b, const NetworkElement& e, ElementParts& parts) {
   parts.point = static_cast<int>(b.elements.points.size());
   for (int a = 0; a < e.axes(); ++a)
     b.elements.points.push_back({Point::Kind::Motion, 0.0, 0.0, 0.0, b.signal(e, kPlaceFields[index(a)])});
@@ -230,8 +230,8 @@ ElementType anchor() {
           .takes_force = false};
 }
 
-ElementType path() {
-  return {.name = "path",
+ElementType trajectory() {
+  return {.name = "trajectory",
           .doc =
               "A point in space whose position follows a signal for each axis, one frame later and "
               "linearly within each frame.",
@@ -241,8 +241,8 @@ ElementType path() {
           .fields = {signal("x", "m", "position", 0.0), signal("y", "m", "position", 0.0),
                      third(signal("z", "m", "position", 0.0))},
           .quantities = place_quantities(),
-          .example = "finger = { type = \"path\", axes = 2, x = \"shake\" }",
-          .build = build_path,
+          .example = "finger = { type = \"trajectory\", axes = 2, x = \"shake\" }",
+          .build = build_trajectory,
           .in_space = true,
           .takes_force = false};
 }
@@ -330,7 +330,7 @@ ElementType sheet() {
 }  // namespace
 
 std::vector<ElementType> space_elements() {
-  return {particle(), anchor(), path(), line_spring(), thread(), sheet()};
+  return {particle(), anchor(), trajectory(), line_spring(), thread(), sheet()};
 }
 
 }  // namespace tactus

@@ -504,7 +504,8 @@ void Couplings::find_bonds(NetworkState& state) const noexcept {
 /// The direction and the chord of a bond of several axes for the motion that the forces of
 /// `respond_to_forces` cause. True if they changed.
 bool Couplings::turn_line(NetworkState& state, ActiveCoupling& link) const noexcept {
-  constexpr double kEnough = 1e-15;
+  // Energy is kept whatever the direction is; each round leaves some hundredth or less of the last change.
+  constexpr double kEnough = 1e-12;
   const auto c = index(link.coupling), b = c - model_->contacts.size();
   const auto& bond = model_->bonds[b];
   const auto from = line_before(state, bond);
@@ -704,6 +705,7 @@ void Couplings::follow(NetworkState& state, ActiveCoupling& link) const noexcept
 /// motion.
 void Couplings::solve_gradient(NetworkState& state) const noexcept {
   constexpr int kMostSteps = 60;
+  const double enough = lines_ ? 1e-12 : 1e-15;  // what nearly rests is rounding of forces that balance
   for (auto& link : state.active)
     link.motion = link.free_motion - taken_by_friction(state, index(link.coupling));
   double before = 1e300;
@@ -717,10 +719,13 @@ void Couplings::solve_gradient(NetworkState& state) const noexcept {
       const double next = lines_ ? link.free_motion - row_motion_along(state, index(link.coupling))
                                  : next_motion(state, link);
       const double by = next - link.motion;
-      left = std::max(left, std::abs(by) / (std::abs(next) + std::abs(link.free_motion)));
+      double scale = std::abs(next) + std::abs(link.free_motion);
+      if (const auto c = index(link.coupling); ends_[c].axes > 1)  // a motion of nearly 0 is rounding
+        scale += length(apart(state.position, model_->bonds[c - model_->contacts.size()]));
+      left = std::max(left, std::abs(by) / scale);
       link.motion += left > before ? 0.5 * by : by;
     }
-    if (!(left > 1e-15)) break;
+    if (!(left > enough)) break;
     before = left;
   }
 }

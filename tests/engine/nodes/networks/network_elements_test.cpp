@@ -219,7 +219,7 @@ TEST_CASE("network elements: errors have place and remedy", "[physics]") {
         "test.toml:4:1 Missing 'c' 'masses' masses");
   CHECK(element_errors(
             "c = { type = \"chain\", masses = 3, ends = \"loose\", mass = \"1 g\", stiffness = 1 }") ==
-        "test.toml:4:42 UnknownName 'ends' 'c' 'loose' 'fixed' 'free'");
+        "test.toml:4:42 UnknownName 'ends' 'c' 'loose' 'fixed' 'free' 'clamped'");
   CHECK(element_errors("solver = \"exat\"\nm = { type = \"mass\", mass = \"1 g\" }") ==
         "test.toml:4:10 UnknownName 'solver' 'exat' 'exact'");
 }

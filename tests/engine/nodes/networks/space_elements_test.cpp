@@ -187,10 +187,11 @@ TEST_CASE("space elements: outputs have a name for each axis", "[physics]") {
   CHECK(at("velocity_z / 1 m/s") == Approx(48.0));
 }
 
-TEST_CASE("space elements: a line to a path follows it", "[physics]") {
+TEST_CASE("space elements: a line to a trajectory follows it", "[physics]") {
   // Static: a light body on a spring of rest 0 to a fixed path comes to rest there.
   const auto player = engine_of(space_graph(
-      "finger = { type = \"path\", axes = 2, x = \"3 mm\", y = \"-4 mm\" }\nbob = { type = \"particle\", "
+      "finger = { type = \"trajectory\", axes = 2, x = \"3 mm\", y = \"-4 mm\" }\nbob = { type = "
+      "\"particle\", "
       "axes = "
       "2, mass = \"1 g\" }\ncord = { type = \"line_spring\", between = [\"finger\", \"bob\"], stiffness = "
       "\"100 "
@@ -221,7 +222,7 @@ TEST_CASE("space elements: errors name the axis, the body and the remedy", "[phy
                   std::string(R"(w = { type = "force", on = "bob.z", force = "1 N" })")) ==
         R"(test.toml:5:28 WrongType 'bob' "bob.x")");
   CHECK(errors_in("motion = \"rotation\"\n" + bob) == R"(test.toml:5:16 WrongType 'bob' motion "rotation")");
-  CHECK(errors_in(bob + "finger = { type = \"path\", x = \"1 mm\" }\n" +
+  CHECK(errors_in(bob + "finger = { type = \"trajectory\", x = \"1 mm\" }\n" +
                   R"(s = { type = "line_spring", between = ["finger", "bob"])" + end) ==
         R"(test.toml:6:1 Missing 's' 'rest' geometry "nonlinear")");
 }
