@@ -61,6 +61,12 @@ void OdeArena::release(void* block, std::size_t bytes) noexcept {
 OdeArena::Use::Use(OdeArena& arena) noexcept : before_(arena_in_use) { arena_in_use = &arena; }
 OdeArena::Use::~Use() { arena_in_use = before_; }
 
+RandomTurn::RandomTurn(bool needed) noexcept : needed_(needed) {
+  while (needed_ && taken_.test_and_set(std::memory_order_acquire)) {
+  }
+  if (needed_) dRandSetSeed(0);
+}
+
 bool start_ode() {
   static const bool started = [] {
     dSetAllocHandler(allocate_ode);

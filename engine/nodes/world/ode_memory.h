@@ -2,6 +2,7 @@
 
 // Thread: [realtime], except where a function says otherwise
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <memory>
 
@@ -42,6 +43,21 @@ class OdeArena {
   std::size_t bytes_, used_ = 0;
   std::unique_ptr<std::byte[]> memory_;
   std::array<void*, 48> free_{};  ///< by class: a list through the first bytes of each block
+};
+
+/// Of the generator that all iterative solvers of the process share.
+class RandomTurn {
+ public:
+  explicit RandomTurn(bool needed) noexcept;
+  ~RandomTurn() {
+    if (needed_) taken_.clear(std::memory_order_release);
+  }
+  RandomTurn(const RandomTurn&) = delete;
+  RandomTurn& operator=(const RandomTurn&) = delete;
+
+ private:
+  static inline std::atomic_flag taken_;
+  bool needed_;
 };
 
 /// [control] Starts the library, once in a process, with memory from arenas and without messages to stderr.

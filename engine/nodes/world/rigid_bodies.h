@@ -34,14 +34,16 @@ struct BodyModel {
 
 struct JointModel {
   WorldJoint kind = WorldJoint::Hinge;
-  int on = 0, against = -1;  ///< bodies; -1: the world
+  int on = 0, against = -1;  ///< bodies; -1: the world; of a link that is not made `on` is -1
   Vector3 anchor{}, axis{1, 0, 0};
+  Vector3 second_axis{0, 1, 0};  ///< of kinds with two
   double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
 };
 
 struct RigidModel {
   std::vector<BodyModel> bodies;
   std::vector<JointModel> joints;
+  int links = 0;  ///< joints that are made while it runs, behind those of the file
   double step_s = 0.001;
   bool direct = true;
   int iterations = 20;
@@ -86,7 +88,12 @@ class RigidBodies {
   virtual bool present(int body) const noexcept = 0;
   /// For the next step.
   virtual void push(int body, const Vector3& force) noexcept = 0;
-  virtual void drive(int joint, double effort) noexcept = 0;
+  /// A torque or force about or along the first axis, and the second one.
+  virtual void drive(int joint, double effort, double second) noexcept = 0;
+  /// Makes, changes or removes a link between bodies as they are now.
+  virtual void link(int joint, const JointModel& as) noexcept = 0;
+  /// Pulls a link to where it was made; 0 and 0: nothing does.
+  virtual void set_spring(int joint, double stiffness, double damping) noexcept = 0;
   virtual void step() noexcept = 0;
   virtual void reset() noexcept = 0;
   /// Continues as `other`, made from the same model but for numbers.
@@ -94,8 +101,9 @@ class RigidBodies {
 
   virtual Vector3 position(int body) const noexcept = 0;
   virtual Vector3 velocity(int body) const noexcept = 0;
-  virtual Vector3 turning(int body) const noexcept = 0;  ///< rad/s
-  virtual double mass(int body) const noexcept = 0;
+  virtual Vector3 turning(int body) const noexcept = 0;             ///< rad/s
+  virtual std::array<double, 4> turn(int body) const noexcept = 0;  ///< unit quaternion: w, x, y, z
+  virtual const BodyState& state(int body) const noexcept = 0;      ///< its size and mass
   virtual double joint_position(int joint) const noexcept = 0;
   virtual double joint_rate(int joint) const noexcept = 0;
   virtual std::span<const RigidContact> contacts() const noexcept = 0;

@@ -6,6 +6,7 @@
 
 #include "engine/core/index.h"
 #include "engine/graph/plan/fingerprint.h"
+#include "engine/nodes/world/world_use.h"
 
 namespace tactus {
 namespace {
@@ -15,16 +16,16 @@ constexpr double kUnknownSize_m = 0.01, kUnknownMass_kg = 0.01;
 
 class WorldBuilder {
  public:
-  WorldBuilder(const WorldLayout& layout, const NodeSetup& setup) : layout_(layout), setup_(setup) {}
+  WorldBuilder(const WorldLayout& layout, const NodeSetup& setup)
+      : layout_(layout), setup_(setup), used_(find_used(layout, setup)) {}
 
   WorldRecipe run() {
-    find_present();
-    find_kept();
     recipe_.needed.assign(setup_.type->inputs.size(), false);
     build_bodies();
-    for (const auto part : {WorldPart::Joint, WorldPart::Handle, WorldPart::Gravity, WorldPart::Collision})
+    for (const auto part :
+         {WorldPart::Joint, WorldPart::Link, WorldPart::Handle, WorldPart::Gravity, WorldPart::Collision})
       for (std::size_t i = 0; i < layout_.elements.size(); ++i)
-        if (kept_[i] && layout_.elements[i].type->part == part) build(i);
+        if (used_.kept[i] && layout_.elements[i].type->part == part) build(i);
     build_outputs();
     set_options();
     report_left_out();
@@ -33,8 +34,6 @@ class WorldBuilder {
 
  private:
   using Element = WorldElement;
-
-  const Element& element(int number) const { return layout_.elements[index(number)]; }
 
   /// The value of a constant; of a signal that may change, `otherwise`.
   double number(const Element& of, std::string_view field, double otherwise = 0) const {
@@ -59,95 +58,13 @@ class WorldBuilder {
       if (port >= 0 && setup_.type->inputs[index(port)].fixed) recipe_.needed[index(port)] = true;
   }
 
-  /// A body that is never there is left out.
-  void find_present() {
-    for (const auto& one : layout_.elements) {
-      const int port = one.type->part == WorldPart::Body ? one.port("present") : -1;
-      const auto constant = port >= 0 ? setup_.inputs[index(port)].constant : std::nullopt;
-      absent_.push_back(constant && *constant < 0.5);
-    }
-  }
-
-  bool read(const Element& one) const {
-    if (setup_.read.empty()) return true;
-    const auto first = setup_.read.begin() + one.first_output;
-    const auto count =
-        static_cast<std::ptrdiff_t>(one.type->quantities.size() + !one.type->quantities.empty());
-    return std::find(first, first + count, true) != first + count;
-  }
-  bool world_read() const {
-    const auto count = std::ssize(world_quantities());
-    return setup_.read.empty() ||
-           std::find(setup_.read.end() - count, setup_.read.end(), true) != setup_.read.end();
-  }
-
-  void find_kept() {
-    const auto count = layout_.elements.size();
-    kept_.assign(count, false);
-    const bool all = world_read();
-    for (std::size_t i = 0; i < count; ++i) {
-      const auto& one = layout_.elements[i];
-      const bool wanted =
-          one.type->part == WorldPart::Body ? all || read(one) : read(one) && !one.type->quantities.empty();
-      if (wanted) keep(i);
-    }
-    for (bool grown = true; grown;) {
-      grown = false;
-      for (std::size_t i = 0; i < count; ++i)
-        if (!kept_[i] && acts_on_kept(i)) keep(i), grown = true;
-    }
-  }
-
-  void keep(std::size_t i) {
-    const auto& one = layout_.elements[i];
-    for (const int end : one.ends)
-      if (end >= 0 && absent_[index(end)]) return;
-    if (absent_[i] || kept_[i]) return;
-    kept_[i] = true;
-    for (const int end : one.ends)
-      if (end >= 0) keep(index(end));
-  }
-
-  bool acts_on_kept(std::size_t i) const {
-    const auto& one = layout_.elements[i];
-    if (absent_[i] || (one.ends[0] >= 0 && absent_[index(one.ends[0])]) ||
-        (one.ends[1] >= 0 && absent_[index(one.ends[1])]))
-      return false;
-    switch (one.type->part) {
-      case WorldPart::Body:
-        return collides(i) && (kept_collides() || hits_what_is_watched(one));
-      case WorldPart::Joint:
-      case WorldPart::Handle:
-        return kept_[index(one.ends[0])] || (one.ends[1] >= 0 && kept_[index(one.ends[1])]);
-      case WorldPart::Gravity:
-        return std::find(kept_.begin(), kept_.end(), true) != kept_.end();
-      case WorldPart::Collision:
-        return false;
-    }
-    return false;
-  }
-  bool collides(std::size_t i) const { return !layout_.elements[i].chosen(kCollides, kCollidesNot); }
-  /// A collision that is kept, of a body against anything.
-  bool hits_what_is_watched(const Element& body) const {
-    for (std::size_t i = 0; i < kept_.size(); ++i) {
-      const auto& one = layout_.elements[i];
-      if (!kept_[i] || one.type->part != WorldPart::Collision || one.ends[1] >= 0) continue;
-      if (collides(index(one.ends[0])) && (body.moves() || element(one.ends[0]).moves())) return true;
-    }
-    return false;
-  }
-  /// Something that moves may touch every other body.
-  bool kept_collides() const {
-    for (std::size_t i = 0; i < kept_.size(); ++i)
-      if (kept_[i] && layout_.elements[i].moves() && collides(i)) return true;
-    return false;
-  }
-
   void build_bodies() {
     number_.assign(layout_.elements.size(), -1);
     for (std::size_t i = 0; i < layout_.elements.size(); ++i) {
       const auto& one = layout_.elements[i];
-      if (!kept_[i] || one.type->part != WorldPart::Body) continue;
+      if (one.type->part != WorldPart::Body) continue;
+      recipe_.by_number.push_back(used_.kept[i] ? static_cast<int>(recipe_.bodies.size()) : -1);
+      if (!used_.kept[i]) continue;
       number_[i] = static_cast<int>(recipe_.bodies.size());
       fix(one);
       auto& body = recipe_.bodies.emplace_back();
@@ -155,17 +72,24 @@ class WorldBuilder {
       body.shape = model.shape = one.type->shape;
       model.friction = number(one, "friction");
       model.restitution = number(one, "restitution");
-      model.collides = collides(i);
+      model.collides = one.collides();
       model.moves = one.moves();
       if (model.shape == WorldShape::Plane) {
         model.normal = *one.vector("normal");
         model.offset = number(one, "offset");
         body.present.value = 1;
+        add_look(one, model);
         continue;
       }
       model.turn = one.vector("turn").value_or(Vector3{});
       build_moving(one, body, model);
+      add_look(one, model);
     }
+  }
+
+  void add_look(const Element& one, const BodyModel& model) {
+    recipe_.looks.bodies.push_back({one.name, one.type->name, static_cast<int>(recipe_.by_number.size()),
+                                    model.moves, model.normal, model.offset});
   }
 
   void build_moving(const Element& one, WorldBodyInputs& body, BodyModel& model) {
@@ -203,6 +127,8 @@ class WorldBuilder {
     switch (one.type->part) {
       case WorldPart::Joint:
         return build_joint(i, one, on, against);
+      case WorldPart::Link:
+        return build_link(one);
       case WorldPart::Handle:
         return build_handle(i, one, on);
       case WorldPart::Collision:
@@ -231,6 +157,26 @@ class WorldBuilder {
       if (one.port(effort) >= 0) recipe_.drives.push_back({number_[i], input(one, effort)});
   }
 
+  std::array<WorldInput, 3> inputs(const Element& of, const std::array<const char*, 3>& fields) {
+    return {input(of, fields[0]), input(of, fields[1]), input(of, fields[2])};
+  }
+
+  void build_link(const Element& one) {
+    auto& link = recipe_.links.emplace_back();
+    link.joint = static_cast<int>(recipe_.model.joints.size()) + recipe_.model.links++;
+    link.kind = input(one, "kind");
+    link.first = input(one, "first");
+    link.second = input(one, "second");
+    link.anchor = inputs(one, {"x", "y", "z"});
+    link.axis = inputs(one, {"ax", "ay", "az"});
+    link.second_axis = inputs(one, {"bx", "by", "bz"});
+    link.attach = input(one, "attach");
+    link.stiffness = input(one, "stiffness");
+    link.damping = input(one, "damping");
+    link.effort = input(one, "effort");
+    link.second_effort = input(one, "effort2");
+  }
+
   void build_handle(std::size_t i, const Element& one, int on) {
     number_[i] = static_cast<int>(recipe_.handles.size());
     auto& handle = recipe_.handles.emplace_back();
@@ -240,6 +186,8 @@ class WorldBuilder {
     handle.stiffness = number(one, "stiffness");
     handle.damping = number(one, "damping");
     handle.passivity = number(one, "passivity");
+    handle.holds = input(one, "holds");
+    recipe_.looks.handles.push_back(one.name);
   }
 
   void build_outputs() {
@@ -278,11 +226,11 @@ class WorldBuilder {
 
   void report_left_out() {
     Fingerprint print;
-    for (std::size_t i = 0; i < kept_.size(); ++i) {
-      print.add(std::uint64_t{kept_[i]});
-      if (kept_[i]) continue;
+    for (std::size_t i = 0; i < used_.kept.size(); ++i) {
+      print.add(std::uint64_t{used_.kept[i]});
+      if (used_.kept[i]) continue;
       recipe_.left_out.push_back(
-          {layout_.elements[i].name, absent_[i] ? "is never present" : "reaches no output"});
+          {layout_.elements[i].name, used_.absent[i] ? "is never present" : "reaches no output"});
     }
     if (!recipe_.left_out.empty()) recipe_.variant = print.value();
   }
@@ -290,8 +238,8 @@ class WorldBuilder {
   const WorldLayout& layout_;
   const NodeSetup& setup_;
   WorldRecipe recipe_;
-  std::vector<bool> absent_, kept_;  ///< elements
-  std::vector<int> number_;          ///< of elements: the part that they have become
+  WorldUse used_;
+  std::vector<int> number_;  ///< of elements: the part that they have become
 };
 
 }  // namespace

@@ -35,6 +35,15 @@ struct WorldHandle {
   std::array<WorldInput, 3> position;
   std::array<bool, 3> given{};
   double stiffness = 0, damping = 0, passivity = 0;
+  WorldInput holds;  ///< number of a body in the file; 0: none; below: `body`
+};
+
+/// A joint that is made while the world runs.
+struct WorldLink {
+  int joint = 0;
+  WorldInput kind, first, second;  ///< number in kJointNames from 1; numbers of bodies in the file
+  std::array<WorldInput, 3> anchor, axis, second_axis;
+  WorldInput attach, stiffness, damping, effort, second_effort;
 };
 
 struct WorldDrive {
@@ -63,9 +72,12 @@ struct WorldRecipe {
   int frames = 1;  ///< of a step
   std::vector<WorldBodyInputs> bodies;
   std::vector<WorldHandle> handles;
+  std::vector<WorldLink> links;
   std::vector<WorldDrive> drives;
   std::vector<WorldImpacts> impacts;
   std::array<WorldInput, 3> gravity;
+  std::vector<int> by_number;  ///< bodies by their number in the file less 1; -1: left out
+  BodyLooks looks;
   std::vector<WorldOutput> outputs;  ///< in the order of the declaration
   std::vector<bool> needed;          ///< inputs that something reads, in the order of the declaration
   std::vector<LeftOut> left_out;

@@ -67,10 +67,10 @@ Fields presence_fields() {
 }
 
 Setting remote_setting() {
-  return choice("remote",
+  return choice(kRemote,
                 "yes: each signal that is a number or left out is a control, called world_element_field, "
                 "which OSC messages change at once",
-                {"no", "yes"}, "no");
+                {"no", kRemoteYes}, "no");
 }
 
 std::vector<Setting> body_settings() {
@@ -155,6 +155,41 @@ WorldElementType joint(std::string name, WorldJoint kind, std::string doc, std::
           .joint = kind};
 }
 
+ElementField within_range(ElementField field, double low, double high) {
+  field.low = low;
+  field.high = high;
+  return field;
+}
+
+Fields link_fields() {
+  const auto body_field = [](const char* name, const char* doc) {
+    return within_range(signal(name, "", doc, 0.0), 0, kMostBodies);
+  };
+  const auto least_zero = [](const char* name, const char* doc) {
+    return within_range(signal(name, "", doc, 0.0), 0, kLargestField);
+  };
+  std::string kinds = "0: none";
+  for (int k = 0; k < kJointKinds; ++k)
+    kinds += ", " + std::to_string(k + 1) + ": " + kJointNames[static_cast<std::size_t>(k)];
+  return {within_range(signal("kind", "", std::move(kinds), 0.0), 0, kJointKinds),
+          body_field("first", "number of a body, in the order of the file, from 1"),
+          body_field("second", "number of the other body; 0: the world"),
+          signal("x", "m", "a point of the joint, in the world", 0.0),
+          signal("y", "m", "a point of the joint, in the world", 0.0),
+          signal("z", "m", "a point of the joint, in the world", 0.0),
+          signal("ax", "", "first axis, in the world", 0.0),
+          signal("ay", "", "first axis, in the world", 0.0),
+          signal("az", "", "first axis, in the world", 1.0),
+          signal("bx", "", "second axis, in the world", 0.0),
+          signal("by", "", "second axis, in the world", 1.0),
+          signal("bz", "", "second axis, in the world", 0.0),
+          signal("attach", "", "a trigger: the joint is made as the numbers above say", 0.0),
+          least_zero("stiffness", "back to where it was made, of each axis; SI"),
+          least_zero("damping", "of each axis; SI"),
+          signal("effort", "", "torque or force of the first axis; SI", 0.0),
+          signal("effort2", "", "torque of the second axis; SI", 0.0)};
+}
+
 std::vector<WorldElementType> make_elements() {
   const auto axis = [](const char* doc) {
     return std::vector<Setting>{vector_setting("axis", "", doc, true)};
@@ -189,6 +224,15 @@ std::vector<WorldElementType> make_elements() {
             {}, anchor_fields(), {}, "hook = { type = \"ball\", on = \"ball\", z = \"0.6 m\" }"),
       joint("fixed", WorldJoint::Fixed, "Holds both bodies as they are to each other.", "nothing is free", {},
             {}, {}, "glue = { type = \"fixed\", on = \"ball\", against = \"block\" }"),
+      {.name = "link",
+       .doc =
+           "A joint between any two bodies, of any kind, that signals or messages make, change and remove.",
+       .equation = "torque or force = effort - stiffness q - damping dq/dt,  q the angle or the distance",
+       .part = WorldPart::Link,
+       .ends = Ends::None,
+       .settings = {remote_setting()},
+       .fields = link_fields(),
+       .example = "link_1 = { type = \"link\", remote = \"yes\" }"},
       {.name = "handle",
        .doc = "A haptic handle, coupled to a body by a spring and a damper along each axis that is given. A "
               "passivity controller removes the energy that sampling generates.",
@@ -197,13 +241,20 @@ std::vector<WorldElementType> make_elements() {
            "0 <= b <= passivity, above 0 while the coupling has given more energy than it took",
        .part = WorldPart::Handle,
        .ends = Ends::On,
+       .settings = {remote_setting()},
        .fields = {prompt_signal("x", "m", "position of the handle along x"),
                   prompt_signal("y", "m", "position of the handle along y"),
                   prompt_signal("z", "m", "position of the handle along z"),
                   required("stiffness", "N/m", "stiffness of the coupling", 0.0),
                   with_default("damping", "N s/m", "damping of the coupling", 0.0, 0.0),
                   with_default("passivity", "N s/m",
-                               "largest damping that the passivity controller adds; 0: none", 1.0, 0.0)},
+                               "largest damping that the passivity controller adds; 0: none", 1.0, 0.0),
+                  within_range(
+                      signal("holds", "",
+                             "number of the body that it holds, in the order of the file, from 1; 0: "
+                             "none; -1: `on`",
+                             -1.0),
+                      -1, kMostBodies)},
        .quantities = {{"fx", "N", "force on the handle along x", WorldReading::Frame},
                       {"fy", "N", "force on the handle along y", WorldReading::Frame},
                       {"fz", "N", "force on the handle along z", WorldReading::Frame},
@@ -246,37 +297,6 @@ std::span<const WorldElementType> world_elements() {
 const WorldElementType* find_world_element(std::string_view name) {
   const auto all = world_elements();
   return find_named(all, name);
-}
-
-std::span<const WorldQuantity> world_quantities() {
-  static const std::vector<WorldQuantity> quantities{
-      {"energy", "J", "kinetic and potential energy of all bodies"},
-      {"depth", "m", "deepest penetration of two bodies"},
-      {"refused", "", "steps that were not computed, or without some contacts, because memory ran out"}};
-  return quantities;
-}
-
-const SectionType& world_options() {
-  static const SectionType section{
-      "A world",
-      {quantity_field("rate", "Hz", 1, 1e6, "steps a second; the nearest whole number of frames is a step",
-                      "1 kHz"),
-       choice_field("solver", {"direct", "iterative"},
-                    "direct: exact, its time grows with the cube of the contacts that hang together; "
-                    "iterative: its time grows with their number",
-                    "direct"),
-       whole_field("iterations", 1, 1000, "of the iterative solver", "20"),
-       whole_field("contacts", 1, 10000, "most points of contact in a step", "6 for each body, and 16"),
-       quantity_field("erp", "", 0, 1, "share of a penetration that is corrected in a step", "0.2"),
-       quantity_field("cfm", "s/kg", 0, kUnlimited, "compliance of contacts over the step: 0 is rigid", "0"),
-       quantity_field("stiffness", "N/m", 0, kUnlimited, "of contacts, instead of erp and cfm; with damping"),
-       quantity_field("damping", "N s/m", 0, kUnlimited, "of contacts, instead of erp and cfm"),
-       quantity_field("bounce_speed", "m/s", 0, kUnlimited, "slower impacts do not bounce", "1 cm/s"),
-       quantity_field("correction_speed", "m/s", 0, kUnlimited,
-                      "highest speed at which penetration is corrected", "not limited")},
-      {},
-      {"stiffness", "damping"}};
-  return section;
 }
 
 }  // namespace tactus

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/graph/body_source.h"
 #include "engine/nodes/networks/network_elements.h"
 
 // The table of the elements of worlds: rigid bodies, what joins them, what acts on them and what is read of
@@ -17,9 +18,11 @@ namespace tactus {
 inline constexpr int kMostBodies = 500;
 
 /// What an element becomes.
-enum class WorldPart { Body, Joint, Handle, Gravity, Collision };
+enum class WorldPart { Body, Joint, Link, Handle, Gravity, Collision };
 enum class WorldShape { Sphere, Box, Capsule, Plane };
-enum class WorldJoint { Hinge, Slider, Ball, Fixed };
+/// In the order of kJointNames.
+enum class WorldJoint { Hinge, Slider, Ball, Fixed, Universal, Hinge2, Piston };
+inline constexpr int kJointKinds = static_cast<int>(kJointNames.size());
 
 /// How an output follows the steps of the world: on a line from one step to the next, held, 1 in the first
 /// frame of a step, or computed in each frame.
@@ -63,5 +66,7 @@ inline constexpr const char* kMotionOfBody = "body";
 inline constexpr const char* kFixedBody = "fixed";
 inline constexpr const char* kCollides = "collides";
 inline constexpr const char* kCollidesNot = "none";
+inline constexpr const char* kRemote = "remote";
+inline constexpr const char* kRemoteYes = "yes";
 
 }  // namespace tactus

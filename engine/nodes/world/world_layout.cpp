@@ -188,6 +188,12 @@ std::optional<std::array<double, 3>> WorldElement::vector(std::string_view setti
   return std::nullopt;
 }
 
+bool WorldElement::acts_on_any() const {
+  return type->part == WorldPart::Link || (type->part == WorldPart::Handle && chosen(kRemote, kRemoteYes));
+}
+
+bool WorldElement::collides() const { return !chosen(kCollides, kCollidesNot); }
+
 bool WorldElement::moves() const {
   return type->part == WorldPart::Body && type->shape != WorldShape::Plane &&
          !chosen(kMotionOfBody, kFixedBody);

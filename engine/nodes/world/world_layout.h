@@ -27,6 +27,9 @@ struct WorldElement {
   bool chosen(std::string_view setting, std::string_view word) const;
   /// Of a setting of three numbers; nothing where it is left out.
   std::optional<std::array<double, 3>> vector(std::string_view setting) const;
+  /// Its number says which bodies it acts on.
+  bool acts_on_any() const;
+  bool collides() const;
   /// It moves when something acts on it.
   bool moves() const;
 };
