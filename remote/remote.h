@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -12,6 +13,7 @@
 
 #include "engine/core/dimension.h"
 #include "engine/core/error.h"
+#include "engine/graph/body_source.h"
 #include "engine/rig/rig.h"
 #include "engine/runtime/signal_scope.h"
 #include "remote/picture.h"
@@ -43,6 +45,24 @@ struct RemoteControl {
   double at_position(double position) const;
 };
 
+/// The rigid bodies of one world. Where it belongs to the simulated plant its name begins with "plant/".
+struct RemoteWorld {
+  std::string name;
+  BodyLooks looks;
+};
+
+/// Bodies after the last step, in the order of RemoteDescription::worlds.
+struct RemoteBodies {
+  std::vector<BodyPoses> worlds;
+};
+
+/// What a client wants to know of bodies.
+struct RemoteWatch {
+  bool poses = false, impacts = false;
+
+  bool operator==(const RemoteWatch&) const = default;
+};
+
 /// What can be read and set. The values of its controls follow the instrument; everything else of it stays,
 /// and an edit of the instrument makes another description.
 struct RemoteDescription {
@@ -55,6 +75,7 @@ struct RemoteDescription {
   std::vector<std::string> presets = {};
   std::optional<double> world_delay_s = {};     ///< the delay of a simulated world: see order_verdict
   std::shared_ptr<const Picture> picture = {};  ///< nullptr: no server asked for it
+  std::vector<RemoteWorld> worlds = {};
 
   /// [any] The place of a control or gesture, or -1.
   int find_control(std::string_view name) const;
@@ -90,10 +111,12 @@ struct RemoteEvent {
     Armed,    ///< `value`: 1 or 0
     Muted,
     Trigger,   ///< `text`: name of the instrument's event; `level`: how strong it was
+    Impact,    ///< `value`: world; `bodies`: of it; `level`: speed of approach [m/s]
     NotArmed,  ///< `text`: why an order to arm was not obeyed; for the client that gave it
   };
   Kind kind = Kind::Message;
   int value = 0;
+  std::array<int, 2> bodies{};
   double level = 0.0;      ///< SI of its signal
   std::int64_t frame = 0;  ///< of the stream; of a message the frame that is being processed
   double time_s = 0.0;     ///< of that frame, by the system clock
@@ -205,6 +228,11 @@ class RemoteTarget {
   /// [any, the network thread] The state includes the levels of all signals from now on, or no longer.
   virtual void order_levels(bool /*on*/) {}
   virtual bool take_scope(ScopeChunk& /*chunk*/) { return false; }
+
+  /// [any, the network thread] Bodies and events of kind Impact come from now on, or no longer.
+  virtual void watch_bodies(RemoteWatch /*watch*/) {}
+  /// [any] nullptr: nobody watches, or there was no step since.
+  virtual std::shared_ptr<const RemoteBodies> bodies() const { return nullptr; }
 
   /// [any] How many bundles came after the time of their time tag.
   virtual std::int64_t late() const noexcept = 0;

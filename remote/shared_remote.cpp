@@ -21,6 +21,7 @@ class SharedRemote::Share final : public RemoteTarget {
   ~Share() override {
     const std::lock_guard lock{all_.mutex_};
     std::erase(all_.shares_, this);
+    all_.watch_bodies();
   }
 
   std::shared_ptr<const RemoteDescription> description() const override { return all_.target_.description(); }
@@ -81,7 +82,17 @@ class SharedRemote::Share final : public RemoteTarget {
     return all_.target_.take_scope(chunk);
   }
 
+  void watch_bodies(RemoteWatch watch) override {
+    const std::lock_guard lock{all_.mutex_};
+    watch_ = watch;
+    all_.watch_bodies();
+  }
+  std::shared_ptr<const RemoteBodies> bodies() const override { return all_.target_.bodies(); }
+  RemoteWatch watch() const { return watch_; }
+
   void add(const RemoteEvent& event) {
+    if (event.kind == RemoteEvent::Kind::Impact && !watch_.impacts) return;
+
     if (events_.size() >= kMostEvents) events_.pop_front();
     events_.push_back(event);
   }
@@ -97,6 +108,7 @@ class SharedRemote::Share final : public RemoteTarget {
   // Under its mutex.
   std::deque<RemoteEvent> events_;
   RemoteMeters meters_;
+  RemoteWatch watch_;
 };
 
 std::unique_ptr<RemoteTarget> SharedRemote::share() { return std::make_unique<Share>(*this); }
@@ -104,6 +116,16 @@ std::unique_ptr<RemoteTarget> SharedRemote::share() { return std::make_unique<Sh
 void SharedRemote::collect_events() {
   for (RemoteEvent event; target_.take_event(event);)
     for (auto* share : shares_) share->add(event);
+}
+
+/// What any of them wants.
+void SharedRemote::watch_bodies() {
+  RemoteWatch all;
+  for (const auto* share : shares_) {
+    all.poses |= share->watch().poses;
+    all.impacts |= share->watch().impacts;
+  }
+  target_.watch_bodies(all);
 }
 
 void SharedRemote::collect_meters() {

@@ -26,6 +26,7 @@ class SharedRemote {
 
   void collect_events();
   void collect_meters();
+  void watch_bodies();
 
   RemoteTarget& target_;
   std::mutex mutex_;  ///< of the servers' threads

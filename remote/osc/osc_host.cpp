@@ -242,8 +242,15 @@ void OscHost::gesture(std::string_view name, const Values& values, Context& cont
 }
 
 void OscHost::change_world(const OscMessage& message, Context& context) {
-  if (const auto done = world_.obey(message, *description_, context.orders); !done)
-    error(context, to_string(done.error()));
+  world_values_.touch(context.now);
+  Status done;
+  if (!OscWorldValues::is_question(message.address)) {
+    done = world_.obey(message, *description_, target_.bodies().get(), context.orders);
+  } else {
+    if (add_client(context.from, context.now) == nullptr) return error(context, "there are too many clients");
+    done = world_values_.ask(context.from, message, world_, *description_, context.now);
+  }
+  if (!done) error(context, to_string(done.error()));
 }
 
 void OscHost::preset(RemoteRequest::Kind kind, const Values& values, Context& context) {
@@ -384,10 +391,25 @@ void OscHost::tick(Clock::time_point now, double now_s) {
   renew();
   const std::chrono::duration<double> passed = now - std::exchange(refilled_, now);
   answers_left_ = std::min<double>(kMostAnswers, answers_left_ + kMostAnswers * passed.count());
-  std::erase_if(clients_, [&](const auto& entry) { return now - entry.second.heard > kForgotten; });
+  std::erase_if(clients_, [&](const auto& entry) {
+    const bool forgotten = now - entry.second.heard > kForgotten;
+    if (forgotten) world_values_.forget(entry.first);
+    return forgotten;
+  });
   report_armed();
   send_events();
+  send_world(now);
   send_subscriptions(now, now_s);
+}
+
+void OscHost::send_world(Clock::time_point now) {
+  if (const auto wanted = world_values_.wanted(now); wanted != watch_) target_.watch_bodies(watch_ = wanted);
+  if (!watch_.poses) return;
+  const auto bodies = target_.bodies();
+  world_values_.tick(world_, *description_, bodies.get(), now,
+                     [&](const OscPeer& peer, const OscMessage& message) {
+                       send(peer, {&message, 1}, OscBundle::kNow);
+                     });
 }
 
 void OscHost::send_events() {
@@ -397,6 +419,12 @@ void OscHost::send_events() {
       const OscMessage message{"/error", {std::string{"not armed: "} + event.text}};
       if (owner_) send(*owner_, {&message, 1}, OscBundle::kNow);
       owner_.reset();
+      continue;
+    }
+    if (event.kind == Kind::Impact) {
+      world_values_.impact(event, world_, *description_, [&](const OscPeer& peer, const OscMessage& message) {
+        send(peer, {&message, 1}, OscBundle::kNow);
+      });
       continue;
     }
     OscMessage message{kEvents[static_cast<std::size_t>(event.kind)], {event.frame}};

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <chrono>
-#include <compare>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -18,19 +17,12 @@
 #include <vector>
 
 #include "remote/osc/osc_messages.h"
+#include "remote/osc/osc_peer.h"
 #include "remote/osc/osc_world.h"
+#include "remote/osc/osc_world_values.h"
 #include "remote/remote.h"
 
 namespace tactus {
-
-/// Where a packet comes from.
-struct OscPeer {
-  std::array<unsigned char, 16> address{};  ///< IPv6, or IPv4 mapped into it
-  std::uint16_t port = 0;
-  bool local = false;  ///< the loopback address of this computer
-
-  auto operator<=>(const OscPeer&) const = default;
-};
 
 /// What clients did so far.
 struct OscCounts {
@@ -127,6 +119,7 @@ class OscHost {
   void collect(Subscription& subscription, std::vector<OscMessage>& messages) const;
   double value_of(const OscReading& reading, const Subscription& subscription) const;
   void send_events();
+  void send_world(Clock::time_point now);
   void report_armed();
   void send_subscriptions(Clock::time_point now, double now_s);
 
@@ -144,6 +137,8 @@ class OscHost {
   int arming_ = 0;                ///< of the owner
   bool owner_armed_ = false;      ///< as last reported to the owner
   OscWorld world_;
+  OscWorldValues world_values_;
+  RemoteWatch watch_;      ///< of the bodies, as last ordered
   std::set<int> clamped_;  ///< controls whose last value was outside of the range
   RemoteMeters meters_;
   std::random_device random_;

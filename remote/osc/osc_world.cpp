@@ -8,7 +8,7 @@
 namespace tactus {
 namespace {
 
-constexpr std::string_view kPresent = "_present";
+constexpr std::string_view kPresent = "_present", kHolds = "_holds";
 constexpr std::size_t kLongestName = 64;
 
 /// What an object is asked for: the controls that take its numbers, and the trigger that makes them act.
@@ -32,44 +32,19 @@ struct Shape {
 };
 constexpr std::array kShapes = {Shape{"sphere", "_radius", "_length"}, Shape{"prism", "_width", "_length"}};
 
-const RemoteControl* find_control(const RemoteDescription& description, const std::string& name) {
-  const int at = description.find_control(name);
-  return at < 0 ? nullptr : &description.controls[static_cast<std::size_t>(at)];
-}
-
-std::vector<double> numbers_of(const OscMessage& message, std::size_t first) {
-  std::vector<double> numbers;
-  for (std::size_t i = first; i < message.values.size(); ++i) {
-    const auto* real = std::get_if<double>(&message.values[i]);
-    const auto* whole = std::get_if<std::int64_t>(&message.values[i]);
-    if (real == nullptr && whole == nullptr) return {};
-    numbers.push_back(real != nullptr ? *real : static_cast<double>(*whole));
-    if (!std::isfinite(numbers.back())) return {};
-  }
-  return numbers;
-}
-
-void set(const RemoteDescription& description, const std::string& control, double value,
-         std::vector<RemoteOrder>& orders) {
-  if (const auto* found = find_control(description, control))
-    orders.push_back(
-        {.number = found->number, .value = std::clamp(value, found->low, found->high), .received = {}});
-}
-
-void pull(const RemoteDescription& description, const std::string& control,
-          std::vector<RemoteOrder>& orders) {
-  if (const auto* found = find_control(description, control))
-    orders.push_back({.kind = RemoteOrder::Kind::Trigger, .number = found->number, .received = {}});
-}
-
 /// The beginning of the names of a body's controls; "": this is no control that only a body has.
 std::string body_with(const RemoteControl& control) {
   return control.name.ends_with(kPresent) ? control.name.substr(0, control.name.size() - kPresent.size())
                                           : "";
 }
 
-auto failure(Errc code, std::string what, std::string remedy = {}) {
-  return tl::unexpected(Error{code, "", std::move(what), std::move(remedy)});
+double value_now(const RemoteControl& control) { return control.value.load(std::memory_order_relaxed); }
+
+/// The beginning of the names of a world's gravity; "": there is none.
+std::string gravity_of(const RemoteDescription& description) {
+  const auto gravity = std::ranges::find_if(
+      description.controls, [](const auto& control) { return control.name.ends_with("_gravity_x"); });
+  return gravity == description.controls.end() ? "" : gravity->name.substr(0, gravity->name.size() - 2);
 }
 
 }  // namespace
@@ -77,109 +52,228 @@ auto failure(Errc code, std::string what, std::string remedy = {}) {
 bool OscWorld::has_bodies(const RemoteDescription& description) {
   return std::ranges::any_of(description.controls, [&](const RemoteControl& control) {
     const auto body = body_with(control);
-    return !body.empty() && find_control(description, body + "_place") != nullptr;
+    return !body.empty() && description.find_control(body + "_place") >= 0;
   });
 }
 
 Status OscWorld::obey(const OscMessage& message, const RemoteDescription& description,
-                      std::vector<RemoteOrder>& orders) {
+                      const RemoteBodies* bodies, std::vector<RemoteOrder>& orders) {
+  OscOrders out{description, orders};
   const auto path = std::string_view{message.address}.substr(kBeginning.size());
-  if (path == "clear") {
-    for (const auto& [object, body] : created_) set(description, body + std::string{kPresent}, 0, orders);
-    created_.clear();
-    return {};
-  }
+  if (path == "clear") return clear(out), Status{};
+  if (path == "drop") return grab("", out);
   if (path == "gravity") {
-    const auto gravity = std::ranges::find_if(
-        description.controls, [](const auto& control) { return control.name.ends_with("_gravity_x"); });
+    const auto name = gravity_of(description);
     const auto numbers = numbers_of(message, 0);
-    if (gravity == description.controls.end())
-      return failure(Errc::UnknownName, "gravity cannot be changed",
-                     "give the world an element gravity with remote = \"yes\"");
-    if (numbers.size() != 3) return failure(Errc::BadArgument, "gravity takes three numbers, in m/s^2");
-    const auto name = gravity->name.substr(0, gravity->name.size() - 1);
-    for (std::size_t axis = 0; axis < 3; ++axis) set(description, name + "xyz"[axis], numbers[axis], orders);
+    if (name.empty())
+      return world_error(Errc::UnknownName, "gravity cannot be changed",
+                         "give the world an element gravity with remote = \"yes\"");
+    if (!numbers || numbers->size() != 3)
+      return world_error(Errc::BadArgument, "gravity takes three numbers, in m/s^2");
+    for (std::size_t axis = 0; axis < 3; ++axis) out.set(name + "_" + "xyz"[axis], (*numbers)[axis]);
     return {};
   }
   const auto slash = path.find('/');
-  const auto first = path.substr(0, slash), rest = slash == path.npos ? "" : path.substr(slash + 1);
-  if (rest == "create") return create(first, message, description, orders);
-  return change(std::string{first}, rest, message, description, orders);
+  const std::string first{path.substr(0, slash)};
+  const auto rest = slash == path.npos ? "" : path.substr(slash + 1);
+  if (rest == "create" && OscJoints::is_kind(first)) {
+    const auto* name = text_at(message, 0);
+    if (name != nullptr && !find(*name, description).controls.empty())
+      return world_error(Errc::Duplicate, "there is an object '" + *name + "' already",
+                         "choose another name");
+    return joints_.create(
+        first, message, [&](const auto& object) { return find(object, description); }, out);
+  }
+  if (rest == "create") return create(first, message, out);
+  if (joints_.exists(first)) return joints_.change(first, rest, message, out);
+  return change(first, rest, message, bodies, out);
 }
 
-/// The name that a message created, or that of a body in the graph file which is present.
-std::string OscWorld::body_of(const std::string& object, const RemoteDescription& description) const {
-  if (const auto found = created_.find(object); found != created_.end()) return found->second;
+void OscWorld::clear(OscOrders& orders) {
+  joints_.destroy_of("", orders);
+  for (const auto& [object, body] : created_) orders.set(body + std::string{kPresent}, 0);
+  created_.clear();
+}
+
+/// The controls of an object that a message created, or of a body in the graph file which is present.
+std::string OscWorld::present_body(const std::string& name, const RemoteDescription& description) const {
+  if (const auto found = created_.find(name); found != created_.end()) return found->second;
   for (const auto& control : description.controls)
-    if (const auto body = body_with(control); body.ends_with("_" + object)) {
+    if (const auto body = body_with(control); body.ends_with("_" + name)) {
       const bool taken =
           std::ranges::any_of(created_, [&](const auto& entry) { return entry.second == body; });
-      if (!taken && control.value.load(std::memory_order_relaxed) >= 0.5) return body;
+      if (!taken && value_now(control) >= 0.5) return body;
     }
   return "";
 }
 
-Status OscWorld::create(std::string_view shape, const OscMessage& message,
-                        const RemoteDescription& description, std::vector<RemoteOrder>& orders) {
+OscObject OscWorld::find(const std::string& name, const RemoteDescription& description) const {
+  OscObject object{.controls = present_body(name, description)};
+  for (std::size_t w = 0; w < description.worlds.size(); ++w) {
+    const auto& world = description.worlds[w];
+    for (std::size_t b = 0; b < world.looks.bodies.size(); ++b) {
+      const auto& look = world.looks.bodies[b];
+      const auto controls = world.name + "_" + look.name;
+      // One without controls is known by its name in the file.
+      const bool remote = description.find_control(controls + std::string{kPresent}) >= 0;
+      if (object.controls.empty() ? remote || look.name != name : controls != object.controls) continue;
+      object.world = static_cast<int>(w);
+      object.body = static_cast<int>(b);
+      object.number = look.number;
+      return object;
+    }
+  }
+  return object;
+}
+
+std::string OscWorld::name_of(int world, int body, const RemoteDescription& description) const {
+  if (world < 0 || world >= std::ssize(description.worlds)) return "";
+  const auto& in = description.worlds[static_cast<std::size_t>(world)];
+  if (body < 0 || body >= std::ssize(in.looks.bodies)) return "";
+  const auto& look = in.looks.bodies[static_cast<std::size_t>(body)].name;
+  const auto created =
+      std::ranges::find_if(created_, [&](const auto& entry) { return entry.second == in.name + "_" + look; });
+  return created != created_.end() ? created->first : look;
+}
+
+std::vector<std::string> OscWorld::controls_of(const std::string& name, std::string_view value,
+                                               const RemoteDescription& description) const {
+  std::vector<std::string> names;
+  if (name.empty()) {
+    const auto gravity = gravity_of(description);
+    if (value == "gravity" && !gravity.empty()) names = {gravity + "_x", gravity + "_y", gravity + "_z"};
+    return names;
+  }
+  if (joints_.exists(name)) return joints_.controls_of(name, value);
+  const auto body = present_body(name, description);
+  const auto* known = std::ranges::find(kChanges, value, &Change::message);
+  // Places and velocities are those that it was given, not those that it has.
+  if (body.empty() || known == kChanges.end() || *known->trigger != '\0') return names;
+  for (const auto* part : known->controls) names.push_back(body + part);
+  const bool all =
+      std::ranges::all_of(names, [&](const auto& control) { return description.find_control(control) >= 0; });
+  return all ? names : std::vector<std::string>{};
+}
+
+Status OscWorld::create(std::string_view shape, const OscMessage& message, OscOrders& orders) {
+  const auto& description = orders.description();
   const auto* known = std::ranges::find(kShapes, shape, &Shape::message);
   if (known == kShapes.end())
-    return failure(Errc::UnknownName, "a " + std::string{shape} + " cannot be created while the world runs",
-                   "write it in the graph file");
-  const auto* name = message.values.empty() ? nullptr : std::get_if<std::string>(&message.values[0]);
+    return world_error(Errc::UnknownName,
+                       "a " + std::string{shape} + " cannot be created while the world runs",
+                       "write it in the graph file");
+  const auto* name = text_at(message, 0);
   if (name == nullptr || name->empty() || name->size() > kLongestName || name->find('/') != name->npos)
-    return failure(Errc::BadArgument, message.address + " takes a name and a position");
-  auto place = numbers_of(message, 1);
-  if (message.values.size() == 1) place = {0, 0, 0};
-  if (place.size() != 3) return failure(Errc::BadArgument, "a position is three numbers, in m");
-  if (!body_of(*name, description).empty())
-    return failure(Errc::Duplicate, "there is an object '" + *name + "' already", "destroy it first");
+    return world_error(Errc::BadArgument, message.address + " takes a name and a position");
+  const auto place = message.values.size() == 1 ? std::vector<double>(3) : numbers_of(message, 1);
+  if (!place || place->size() != 3)
+    return world_error(Errc::BadArgument, "a position is three numbers, in m");
+  if (!find(*name, description).controls.empty() || joints_.exists(*name))
+    return world_error(Errc::Duplicate, "there is an object '" + *name + "' already", "destroy it first");
   for (const auto& control : description.controls) {
     const auto body = body_with(control);
-    const bool fits = !body.empty() && find_control(description, body + "_place") != nullptr &&
-                      find_control(description, body + known->has) != nullptr &&
-                      find_control(description, body + known->lacks) == nullptr;
+    const bool fits = !body.empty() && orders.find(body + "_place") != nullptr &&
+                      orders.find(body + known->has) != nullptr &&
+                      orders.find(body + known->lacks) == nullptr;
     const bool taken = std::ranges::any_of(created_, [&](const auto& entry) { return entry.second == body; });
-    if (!fits || taken || control.value.load(std::memory_order_relaxed) >= 0.5) continue;
+    if (!fits || taken || value_now(control) >= 0.5) continue;
     created_[*name] = body;
     for (const auto& change : kChanges)
       if (change.controls.size() == 3 && change.message != "size")
         for (std::size_t axis = 0; axis < 3; ++axis)
-          set(description, body + change.controls[axis], change.message == "position" ? place[axis] : 0.0,
-              orders);
-    set(description, control.name, 1, orders);
-    pull(description, body + "_place", orders);
-    pull(description, body + "_launch", orders);
+          orders.set(body + change.controls[axis], change.message == "position" ? (*place)[axis] : 0.0);
+    orders.set(control.name, 1);
+    orders.pull(body + "_place");
+    orders.pull(body + "_launch");
     return {};
   }
-  return failure(Errc::OutOfRange, "no " + std::string{shape} + " is free",
-                 "give the world more of them with remote = \"yes\" and present = 0");
+  return world_error(Errc::OutOfRange, "no " + std::string{shape} + " is free",
+                     "give the world more of them with remote = \"yes\" and present = 0");
 }
 
-Status OscWorld::change(const std::string& object, std::string_view what, const OscMessage& message,
-                        const RemoteDescription& description, std::vector<RemoteOrder>& orders) {
-  const auto body = body_of(object, description);
-  if (body.empty()) return failure(Errc::UnknownName, "there is no object '" + object + "'");
+Status OscWorld::change(const std::string& name, std::string_view what, const OscMessage& message,
+                        const RemoteBodies* bodies, OscOrders& orders) {
+  if (what == "grab") return grab(name, orders);
+  const auto body = present_body(name, orders.description());
+  if (body.empty()) return world_error(Errc::UnknownName, "there is no object '" + name + "'");
   if (what == "destroy") {
-    set(description, body + std::string{kPresent}, 0, orders);
-    created_.erase(object);
+    joints_.destroy_of(body, orders);
+    orders.set(body + std::string{kPresent}, 0);
+    created_.erase(name);
     return {};
   }
+  if (what.ends_with(kMagnitude))
+    return set_magnitude(name, what.substr(0, what.size() - kMagnitude.size()), message, bodies, orders);
   const auto* known = std::ranges::find(kChanges, what, &Change::message);
   if (known == kChanges.end())
-    return failure(Errc::UnknownName, "there is no message " + message.address,
-                   "an object takes position, velocity, force, mass, density, radius, size and destroy");
+    return world_error(
+        Errc::UnknownName, "there is no message " + message.address,
+        "an object takes position, velocity, force, mass, density, radius, size, grab, collide "
+        "and destroy");
   const auto numbers = numbers_of(message, 0);
-  if (numbers.size() != known->controls.size())
-    return failure(Errc::BadArgument, message.address + " takes " + std::to_string(known->controls.size()) +
-                                          (known->controls.size() == 1 ? " number" : " numbers"));
+  if (!numbers || numbers->size() != known->controls.size())
+    return world_error(Errc::BadArgument, message.address + " takes " +
+                                              std::to_string(known->controls.size()) +
+                                              (known->controls.size() == 1 ? " number" : " numbers"));
   for (const auto* control : known->controls)
-    if (find_control(description, body + control) == nullptr)
-      return failure(Errc::UnknownName,
-                     "'" + object + "' has no " + std::string{what} + " that can be changed");
-  for (std::size_t i = 0; i < numbers.size(); ++i)
-    set(description, body + known->controls[i], numbers[i], orders);
-  if (*known->trigger != '\0') pull(description, body + known->trigger, orders);
+    if (orders.find(body + control) == nullptr)
+      return world_error(Errc::UnknownName,
+                         "'" + name + "' has no " + std::string{what} + " that can be changed");
+  for (std::size_t i = 0; i < numbers->size(); ++i) orders.set(body + known->controls[i], (*numbers)[i]);
+  if (*known->trigger != '\0') orders.pull(body + known->trigger);
   return {};
+}
+
+/// Keeps the direction: of a force that of its controls, of a place or velocity that which the body has.
+Status OscWorld::set_magnitude(const std::string& name, std::string_view what, const OscMessage& message,
+                               const RemoteBodies* bodies, OscOrders& orders) {
+  const auto numbers = numbers_of(message, 0);
+  if (!numbers || numbers->size() != 1)
+    return world_error(Errc::BadArgument, message.address + " takes one number");
+  const auto object = find(name, orders.description());
+  std::array<double, 3> vector{};
+  if (what == "force") {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (const auto* control = orders.find(object.controls + "_f" + "xyz"[axis]))
+        vector[axis] = value_now(*control);
+  } else if ((what == "position" || what == "velocity") && object.body >= 0) {
+    const auto* pose = pose_of(bodies, object);
+    if (pose == nullptr)
+      return world_error(Errc::Missing, "the " + std::string{what} + " of '" + name + "' is not known yet",
+                         "send it again in 50 ms");
+    vector = what == "position" ? pose->position : pose->velocity;
+  } else {
+    return world_error(Errc::UnknownName, "there is no message " + message.address,
+                       "position, velocity and force have a magnitude");
+  }
+  const double length = std::hypot(vector[0], vector[1], vector[2]);
+  if (!(length > 0))
+    return world_error(Errc::OutOfRange, "the " + std::string{what} + " of '" + name + "' has no direction",
+                       "give its three numbers first");
+  OscMessage whole{std::string{kBeginning} + name + "/" + std::string{what}};
+  for (const double part : vector) whole.values.emplace_back(part * (numbers->front() / length));
+  return change(name, what, whole, bodies, orders);
+}
+
+/// Handles of the object's world hold it; without a name all let go.
+Status OscWorld::grab(const std::string& name, OscOrders& orders) {
+  const auto& description = orders.description();
+  const auto object = name.empty() ? OscObject{} : find(name, description);
+  if (!name.empty() && object.number == 0)
+    return world_error(Errc::UnknownName, "there is no object '" + name + "' that can be held");
+  bool any = false;
+  for (std::size_t w = 0; w < description.worlds.size(); ++w)
+    for (const auto& handle : description.worlds[w].looks.handles) {
+      const auto control = description.worlds[w].name + "_" + handle + std::string{kHolds};
+      if (orders.find(control) == nullptr) continue;
+      any |= name.empty() || object.world == static_cast<int>(w);
+      // The object that was held before is dropped.
+      orders.set(control, object.world == static_cast<int>(w) ? object.number : 0);
+      if (!name.empty() && object.world == static_cast<int>(w)) return {};
+    }
+  return any ? Status{}
+             : world_error(Errc::UnknownName, "no handle can hold it",
+                           "give the world's handle remote = \"yes\"");
 }
 
 }  // namespace tactus

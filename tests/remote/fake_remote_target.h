@@ -42,6 +42,7 @@ class FakeRemoteTarget : public RemoteTarget {
     }
     next->events = instrument_events;
     next->world_delay_s = world_delay;
+    next->worlds = worlds;
     if (!learnt.empty()) next->controls[0].osc = learnt;
     for (std::size_t c = 0; c < hid.size(); ++c) next->controls[c].hid = hid[c];
     description_ = std::move(next);
@@ -90,6 +91,7 @@ class FakeRemoteTarget : public RemoteTarget {
   std::optional<RigHid> learnt_hid;
   bool room = true, learning = false;
   std::optional<double> world_delay;  ///< of what is described
+  std::vector<RemoteWorld> worlds;    ///< likewise
   std::string learnt;                 ///< the OSC address of the first control that is described
   // Set by the thread of a server.
   std::atomic<bool> is_armed{false}, is_muted{false};

@@ -19,6 +19,12 @@ ElementField optional_signal(std::string name, std::string unit, std::string doc
 ElementField prompt_signal(std::string name, std::string unit, std::string doc) {
   return {{.name = name, .unit = unit, .doc = doc}, true};
 }
+ElementField within_range(ElementField field, double low, double high) {
+  field.low = low;
+  field.high = high;
+  return field;
+}
+
 Setting vector_setting(std::string name, std::string unit, std::string doc, bool required = false) {
   Setting setting{std::move(name), Setting::Kind::Numbers, std::move(doc), {std::move(unit)}};
   setting.required = required;
@@ -62,8 +68,10 @@ Fields surface_fields() {
 Fields presence_fields() {
   return {signal("place", "", "a trigger: the body is put at x, y, z, turned as at first", 0.0),
           signal("launch", "", "a trigger: the body is given the velocity vx, vy, vz and turns no more", 0.0),
-          signal("present", "",
-                 "below 0.5 the body is not there; when it rises the body is placed and launched", 1.0)};
+          within_range(
+              signal("present", "",
+                     "below 0.5 the body is not there; when it rises the body is placed and launched", 1.0),
+              0, 1)};
 }
 
 Setting remote_setting() {
@@ -153,12 +161,6 @@ WorldElementType joint(std::string name, WorldJoint kind, std::string doc, std::
           .quantities = std::move(quantities),
           .example = std::move(example),
           .joint = kind};
-}
-
-ElementField within_range(ElementField field, double low, double high) {
-  field.low = low;
-  field.high = high;
-  return field;
 }
 
 Fields link_fields() {

@@ -60,6 +60,7 @@ LiveRemote::LiveRemote(Session& session, Performer& performer, Hertz sample_rate
       meter_(std::make_shared<LevelMeter>(static_cast<int>(performer.inputs.size()),
                                           static_cast<int>(performer.outputs.size()))),
       guard_(performer.outputs.size() * kGuardStages),
+      bodies_(performer.instrument(), performer.plant()),
       clock_(sample_rate),
       schedule_(sample_rate, *this) {
   session_.add_meter(meter_);
@@ -131,6 +132,7 @@ void LiveRemote::watch(Clock::time_point now) noexcept {
 void LiveRemote::tick(std::int64_t earliest) {
   follow_frames();
   follow_events();
+  follow_bodies();
   if (session_.controls().version() != version_ || !described_) renew();
   if (scope_ && scope_->tick()) described_ = false;
   take_orders();
@@ -167,6 +169,17 @@ void LiveRemote::follow_events() {
   watched_version_ = player().version();
   watched_ = std::move(events);
   described_ = false;
+}
+
+void LiveRemote::follow_bodies() {
+  if (bodies_.tick(Clock::now())) described_ = false;
+  for (LiveBodies::Impact next; bodies_.take(next);)
+    push_event({.kind = RemoteEvent::Kind::Impact,
+                .value = next.world,
+                .bodies = {next.impact.one, next.impact.other},
+                .level = next.impact.speed,
+                .frame = next.impact.frame},
+               {});
 }
 
 void LiveRemote::take_orders() {
@@ -262,6 +275,7 @@ void LiveRemote::renew() {
     if (hid != hid_.end()) control.hid = *hid;
   }
   next->presets = presets_;
+  next->worlds = bodies_.worlds();
   if (const auto delay = performer_.world_delay()) next->world_delay_s = delay->value;
   for (const auto& event : watched_) next->events.push_back(event.name);
   if (scope_) draw(*next);

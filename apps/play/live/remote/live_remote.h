@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "apps/play/live/performer.h"
+#include "apps/play/live/remote/live_bodies.h"
 #include "apps/play/live/remote/live_scope.h"
 #include "apps/play/live/session.h"
 #include "engine/core/spsc_queue.h"
@@ -105,6 +106,8 @@ class LiveRemote final : public RemoteTarget, private ScheduleTarget {
   void order_verdict(double delay_s) override;
   void order_levels(bool on) override;
   bool take_scope(ScopeChunk& chunk) override { return scope_ && scope_->take(chunk); }
+  void watch_bodies(RemoteWatch watch) override { bodies_.watch(watch); }
+  std::shared_ptr<const RemoteBodies> bodies() const override { return bodies_.bodies(); }
 
  private:
   std::optional<ScheduledControl> control(int number) const override;
@@ -123,6 +126,7 @@ class LiveRemote final : public RemoteTarget, private ScheduleTarget {
   void publish_controls();
   void report_states();
   void follow_events();
+  void follow_bodies();
   void follow_verdict();
   void publish_meters();
   void publish_state();
@@ -154,6 +158,7 @@ class LiveRemote final : public RemoteTarget, private ScheduleTarget {
   EventWatch watch_;
   std::vector<GraphEvent> watched_;  ///< of the control thread
   std::uint64_t watched_version_ = 0;
+  LiveBodies bodies_;
   std::unique_ptr<LiveScope> scope_;  ///< nullptr: no client has a screen
   // Of the control thread.
   std::future<std::vector<PictureFile>> files_read_;
