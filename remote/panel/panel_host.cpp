@@ -73,6 +73,7 @@ void PanelHost::disconnected(int client) {
     scope_client_.reset();
   }
   if (level_clients_.erase(client) > 0 && level_clients_.empty()) target_.order_levels(false);
+  if (body_clients_.erase(client) > 0 && body_clients_.empty()) target_.watch_bodies({});
 }
 
 void PanelHost::received(int number, std::string_view text, Clock::time_point now) {
@@ -98,8 +99,9 @@ PanelHost::Act PanelHost::act_of(std::string_view name) {
       {"arm", &PanelHost::arm},          {"alive", &PanelHost::alive},
       {"disarm", &PanelHost::disarm},    {"mute", &PanelHost::mute},
       {"scope", &PanelHost::scope},      {"levels", &PanelHost::levels},
-      {"delay", &PanelHost::judge},      {"preset_recall", &PanelHost::recall},
-      {"preset_save", &PanelHost::save}, {"learn", &PanelHost::learn},
+      {"bodies", &PanelHost::bodies},    {"delay", &PanelHost::judge},
+      {"preset_save", &PanelHost::save}, {"preset_recall", &PanelHost::recall},
+      {"learn", &PanelHost::learn},
   };
   for (const auto& [order, act] : kOrders)
     if (order == name) return act;
@@ -217,6 +219,16 @@ void PanelHost::levels(const Message& message) {
   if (before == level_clients_.empty()) target_.order_levels(!level_clients_.empty());
 }
 
+void PanelHost::bodies(const Message& message) {
+  const bool on = message.flag("on");
+  if (on && description_->worlds.empty()) return error(message, "there are no rigid bodies");
+  if (on)
+    body_clients_.insert(message.number);
+  else
+    body_clients_.erase(message.number);
+  target_.watch_bodies({.poses = !body_clients_.empty()});
+}
+
 void PanelHost::judge(const Message& message) {
   const auto delay_s = message.value("seconds");
   if (!description_->world_delay_s) return error(message, "there is no simulated world");
@@ -292,6 +304,7 @@ void PanelHost::describe() {
 
 void PanelHost::send_events() {
   for (RemoteEvent event; target_.take_event(event);) {
+    if (event.kind == RemoteEvent::Kind::Impact) continue;
     if (event.kind != RemoteEvent::Kind::NotArmed) {
       send_all(event_text(event));
       continue;
@@ -307,8 +320,10 @@ void PanelHost::send_state(Clock::time_point now) {
   const auto last_state = target_.state();
   const RemoteState state = last_state ? *last_state : RemoteState{};
   PanelState panel{target_.armed(), target_.muted(), false, !level_clients_.empty()};
+  const auto bodies = body_clients_.empty() ? nullptr : target_.bodies();
   for (const auto& [client, unused] : clients_) {
     panel.owner = owner_ == client;
+    panel.bodies = body_clients_.contains(client) ? bodies.get() : nullptr;
     sender_.text(client, state_text(*description_, meters, state, panel));
   }
 }

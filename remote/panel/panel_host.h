@@ -69,6 +69,7 @@ class PanelHost {
   void mute(const Message& message);
   void scope(const Message& message);
   void levels(const Message& message);
+  void bodies(const Message& message);
   void judge(const Message& message);
   void recall(const Message& message);
   void save(const Message& message);
@@ -98,7 +99,7 @@ class PanelHost {
   int arming_ = 0;            ///< of the owner
   bool owner_armed_ = false;  ///< they were seen armed
   std::optional<int> scope_client_;
-  std::set<int> level_clients_;
+  std::set<int> level_clients_, body_clients_;
   std::random_device random_;
   Clock::time_point state_sent_, refilled_;
   PanelCounts counts_;

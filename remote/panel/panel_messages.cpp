@@ -110,6 +110,39 @@ void add_picture(const Picture& picture, Json& json) {
   });
 }
 
+Json world_json(const RemoteWorld& world) {
+  return {{"name", world.name},
+          {"bodies", list(world.looks.bodies,
+                          [](const BodyLook& look) {
+                            return Json{{"name", look.name},
+                                        {"shape", look.shape},
+                                        {"moves", look.moves},
+                                        {"normal", look.normal},
+                                        {"offset", look.offset}};
+                          })},
+          {"handles", world.looks.handles}};
+}
+
+/// A millionth is less than a screen shows.
+Json rounded(double value) { return number(std::round(value * 1e6) / 1e6); }
+
+/// One list of numbers: place, quaternion, size.
+Json pose_json(const BodyPose& pose) {
+  if (!pose.present) return nullptr;
+  Json all = Json::array();
+  for (const double value : pose.position) all.push_back(rounded(value));
+  for (const double value : pose.turn) all.push_back(rounded(value));
+  for (const double value : pose.size) all.push_back(rounded(value));
+  return all;
+}
+
+Json handle_json(const HandlePose& handle) {
+  Json all = Json::array();
+  for (const double value : handle.position) all.push_back(rounded(value));
+  all.push_back(handle.holds);
+  return all;
+}
+
 /// "instrument.toml:3:7" into its parts, as far as there are any.
 Json error_json(const Error& error) {
   Json json = {
@@ -163,6 +196,7 @@ std::string description_text(const RemoteDescription& description) {
                {"guard_stages", description.guard_stages},
                {"events", description.events},
                {"presets", description.presets}};
+  if (!description.worlds.empty()) json["worlds"] = list(description.worlds, world_json);
   if (description.world_delay_s) json["delay"] = number(*description.world_delay_s);
   add_picture(description.picture ? *description.picture : Picture{}, json);
   return text_of(json);
@@ -187,7 +221,7 @@ std::string scope_text(const RemoteScope& scope) {
 }
 
 std::string event_text(const RemoteEvent& event) {
-  static constexpr std::array kKinds = {"message", "guard", "armed", "muted", "trigger", "message"};
+  static constexpr std::array kKinds = {"message", "guard", "armed", "muted", "trigger", "impact", "message"};
   const bool trigger = event.kind == RemoteEvent::Kind::Trigger;
   return text_of({{"kind", "event"},
                   {"frame", event.frame},
@@ -232,6 +266,10 @@ std::string state_text(const RemoteDescription& description, const RemoteMeters&
                {"heat", heat_json(state)},
                {"excursion", shares(state.excursion)}});
   if (panel.levels) json["levels"] = numbers(state.signals);
+  if (panel.bodies != nullptr)
+    json["bodies"] = list(panel.bodies->worlds, [](const BodyPoses& poses) {
+      return Json{{"bodies", list(poses.bodies, pose_json)}, {"handles", list(poses.handles, handle_json)}};
+    });
   return text_of(json);
 }
 

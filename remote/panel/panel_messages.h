@@ -22,8 +22,9 @@ std::string error_text(const std::string& to, const std::string& error);
 /// What a state contains besides what is measured.
 struct PanelState {
   bool armed = false, muted = false;
-  bool owner = false;   ///< this client armed the drives
-  bool levels = false;  ///< the levels of all signals are asked for
+  bool owner = false;                    ///< this client armed the drives
+  bool levels = false;                   ///< the levels of all signals are asked for
+  const RemoteBodies* bodies = nullptr;  ///< that this client asked for; nullptr: none
 };
 std::string state_text(const RemoteDescription& description, const RemoteMeters& meters,
                        const RemoteState& state, const PanelState& panel);

@@ -37,9 +37,24 @@ woofer = { from = "smooth + 0.001 * hit.envelope" }
 sound  = { from = "a_name_of_more_than_forty_characters_in_the_graph", kind = "audio" }
 `;
 
+/** A ball that goes round on a hinge, 2 m/s at 0.3 m, above a floor; a block is absent. */
+const ROUND = `format = 1
+name   = "round"
+
+[worlds.hall]
+ball  = { type = "sphere", radius = "6 cm", mass = "30 g", x = "30 cm", vy = "2 m/s" }
+axis  = { type = "hinge", on = "ball", axis = [0, 0, 1] }
+floor = { type = "plane", normal = [0, 0, 1], offset = "-20 cm" }
+block = { type = "box", width = "6 cm", depth = "6 cm", height = "12 cm", mass = 1, present = 0, z = "30 cm", remote = "yes" }
+
+[outputs]
+out = { from = "hall.ball.x / 1 m", kind = "audio" }
+`;
+
 const SETTINGS = {
   drum: () => Program.start(path.join(copyOf("instruments/haptic_drum"), "instrument.toml")),
   bench: () => Program.start(path.join(instrument("bench", BENCH), "instrument.toml")),
+  bodies: () => Program.start(path.join(instrument("round", ROUND), "instrument.toml")),
   world: () => Program.start("instruments/haptic_drum/scene.toml", "--listen"),
   cellomobo: () => Program.start("instruments/cellomobo/scene.toml", "--listen"),
 };
@@ -766,6 +781,63 @@ test("bench: file: an edit adds a control and a signal; traces, values and focus
   await setControl(page, "amplitude", 0.25);
 });
 
+// ---- bodies
+
+const placeOf = (page, body) => page.$$eval("#bodies_table tr", (rows, name) => [...rows.find((r) => r.cells[0].textContent === name).cells].slice(1).map((c) => c.textContent), body);
+
+/** How many pixels of the canvas have a colour of the theme, and where they are on average. */
+const drawn = (page, name) => page.$eval("#bodies_canvas", (canvas, variable) => {
+  const probe = document.createElement("canvas").getContext("2d");
+  probe.fillStyle = getComputedStyle(document.documentElement).getPropertyValue(`--${variable}`).trim();
+  probe.fillRect(0, 0, 1, 1);
+  const [r, g, b] = probe.getImageData(0, 0, 1, 1).data;
+  const { data, width } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  let count = 0, x = 0;
+  for (let k = 0; k < data.length; k += 4)
+    if (data[k + 3] > 100 && Math.abs(data[k] - r) + Math.abs(data[k + 1] - g) + Math.abs(data[k + 2] - b) < 12) { ++count; x += (k / 4) % width; }
+  return { count, x: count ? x / count : null, width };
+}, name);
+
+test("bodies: the ball goes round in the table and on the canvas", async ({ page }) => {
+  await show(page, "bodies");
+  await until(() => placeOf(page, "ball"), ([x, y]) => close(Math.hypot(Number(x), Number(y)), 0.3, 0.002), "the radius");
+  assert.deepEqual(await placeOf(page, "block"), ["–", "–", "–"], "the block is absent");
+  assert.deepEqual(await placeOf(page, "floor"), ["–", "–", "–"], "a plane has no place");
+  await until(() => drawn(page, "grid"), ({ count }) => count > 50, "the floor is drawn");
+  await page.select("#bodies select[aria-label=View]", "front");
+  const sides = new Set();
+  await until(async () => {
+    const { count, x, width } = await drawn(page, "accent");
+    if (count > 100) sides.add(Math.sign(Math.round((x - width / 2) / 20)));
+    return sides;
+  }, (seen) => seen.has(-1) && seen.has(1), "the ball on both sides");
+});
+
+test("bodies: a body that becomes present is drawn", async ({ page }) => {
+  await show(page, "play");
+  await setControl(page, "hall_block_present", 1);
+  await show(page, "bodies");
+  await until(() => placeOf(page, "block"), (place) => place.join() === "0.000,0.000,0.300", "its place");
+  await show(page, "play");
+  await setControl(page, "hall_block_present", 0);
+});
+
+test("bodies: keys and mouse turn the picture, and Fit brings it back", async ({ page }) => {
+  await show(page, "bodies");
+  await page.select("#bodies select[aria-label=View]", "top");
+  await page.focus("#bodies_canvas");
+  await page.keyboard.press("ArrowLeft");
+  assert.equal(await page.$eval("#bodies select[aria-label=View]", (s) => s.value), "free");
+  for (let k = 0; k < 20; ++k) await page.keyboard.press("+");
+  const [fit] = await page.$$("#bodies button");
+  await fit.click();
+  await until(() => drawn(page, "accent"), ({ count }) => count > 100, "the ball is seen again");
+});
+
+test("drum: without a world there is no such view", async ({ page }) => {
+  assert.ok(!await visible(page, "#tab_bodies"));
+});
+
 // ---- world
 
 test("world: no drives; the plant's signals are chosen for the scope", async ({ page }) => {
@@ -943,10 +1015,10 @@ test("drum: theme follows the system, and the button sets it", async ({ open }) 
   await end();
 });
 
-for (const setting of ["bench", "world", "cellomobo"])
+for (const setting of ["bench", "bodies", "world", "cellomobo"])
   test(`${setting}: 360 px without horizontal scrolling; touch targets of 40 px; every field has a name`, async ({ open }) => {
     const { page, close: end } = await open({ width: 360, height: 740, touch: true, reducedMotion: true });
-    for (const view of ["play", "scope", "graph", "file", "world"]) {
+    for (const view of ["play", "scope", "graph", "file", "bodies", "world"]) {
       if (await page.$eval(`#tab_${view}`, (t) => t.hidden)) continue;
       await show(page, view);
       await pause(300);

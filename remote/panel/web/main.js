@@ -1,6 +1,7 @@
 // Starts the panel: connection, views, tabs, theme and keys.
 import { Connection } from "./connection.js";
 import { byId, el, typesText } from "./dom.js";
+import { startBodies } from "./bodies.js";
 import { startControls } from "./controls.js";
 import { startDrives } from "./drives.js";
 import { startEvents } from "./events.js";
@@ -12,7 +13,7 @@ import { startPresets } from "./presets.js";
 import { Scope } from "./scope.js";
 import { startWorld } from "./world.js";
 
-const VIEWS = [["play", "Play"], ["scope", "Scope"], ["graph", "Graph"], ["file", "File"], ["world", "World"]];
+const VIEWS = [["play", "Play"], ["scope", "Scope"], ["graph", "Graph"], ["file", "File"], ["bodies", "Bodies"], ["world", "World"]];
 const THEMES = ["auto", "light", "dark"];
 
 const connection = new Connection();
@@ -26,6 +27,7 @@ const scope = new Scope(connection);
 const graph = startGraph(connection, (signal) => { scope.add(signal); show("scope"); });
 const files = startFiles(connection);
 startWorld(connection);
+const bodies = startBodies(connection);
 
 /** Shows one view; the scope is part of two of them and moves to the one that is visible. */
 function show(view) {
@@ -39,6 +41,7 @@ function show(view) {
   if (view === "world") scope.preferPlant();
   scope.setVisible(view === "scope" || view === "world");
   graph.setVisible(view === "graph");
+  bodies.setVisible(view === "bodies");
   if (view === "file") files.showError();
   sessionStorage.setItem("view", view);
 }
@@ -91,8 +94,10 @@ function describe(description) {
   byId("device").textContent = `${description.device} · ${description.sample_rate / 1000} kHz · ${description.block} frames`;
   byId("device").title = description.file;
   const simulated = description.gestures.length > 0 || description.signals.some(({ name }) => name.startsWith("plant/"));
-  byId("tab_world").hidden = !simulated;
-  if (!simulated && !byId("world").hidden) show("play");
+  for (const [view, there] of [["world", simulated], ["bodies", (description.worlds ?? []).length > 0]]) {
+    byId(`tab_${view}`).hidden = !there;
+    if (!there && !byId(view).hidden) show("play");
+  }
 }
 
 makeTabs();

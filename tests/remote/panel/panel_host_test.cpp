@@ -21,6 +21,8 @@ class Target final : public test::FakeRemoteTarget {
     scope_signals = std::move(signals);
   }
   void order_levels(bool on) override { levels = on; }
+  void watch_bodies(RemoteWatch watch) override { watched = watch; }
+  std::shared_ptr<const RemoteBodies> bodies() const override { return last_bodies; }
   bool take_scope(ScopeChunk& chunk) override {
     if (chunks.empty()) return false;
     chunk = chunks.front();
@@ -35,6 +37,8 @@ class Target final : public test::FakeRemoteTarget {
   int scope_bin = 0;
   std::vector<std::string> scope_signals;
   bool levels = false;
+  RemoteWatch watched;
+  std::shared_ptr<const RemoteBodies> last_bodies;
   std::deque<ScopeChunk> chunks;
   std::shared_ptr<const RemoteEdit> last_edit;
   std::shared_ptr<const RemoteVerdict> last_verdict;
@@ -285,6 +289,36 @@ TEST_CASE("panel host: the state has the levels, and what the guard did", "[remo
   CHECK(stage.target.levels == false);
 }
 
+TEST_CASE("panel host: bodies go to the browsers that asked, and nothing is said without a world",
+          "[remote][panel]") {
+  Stage stage;
+  stage.connect(1);
+  CHECK_FALSE(stage.last(1, "description").contains("worlds"));
+  stage.send(1, {{"do", "bodies"}});
+  CHECK(stage.error(1) == "there are no rigid bodies");
+  CHECK_FALSE(stage.target.watched.poses);
+  stage.target.worlds = {{"hall", {{{"ball", "sphere", 1}, {"block", "box", 2}}, {"hand"}}}};
+  stage.target.describe({{"strength", ""}});
+  stage.tick();
+  CHECK(stage.last(1, "description")["worlds"][0]["bodies"][1]["name"] == "block");
+  stage.connect(2);
+  stage.send(2, {{"do", "bodies"}, {"on", true}});
+  CHECK(stage.target.watched == RemoteWatch{.poses = true});
+  BodyPoses poses{0, std::vector<BodyPose>(2), {{1, {0.5, 0, 0}, {}}}};
+  poses.bodies[0].present = false;
+  poses.bodies[1].position = {1, -2, 1.0 / 3};
+  poses.bodies[1].size = {0.1, 0.2, 0.3};
+  stage.target.last_bodies = std::make_shared<RemoteBodies>(RemoteBodies{{poses}});
+  stage.tick(60ms);
+  CHECK_FALSE(stage.last(1, "state").contains("bodies"));
+  const auto bodies = stage.last(2, "state")["bodies"][0];
+  CHECK(bodies["bodies"][0].is_null());
+  CHECK(bodies["bodies"][1] == Json{1.0, -2.0, 0.333333, 1.0, 0.0, 0.0, 0.0, 0.1, 0.2, 0.3});
+  CHECK(bodies["handles"] == Json::array({{0.5, 0.0, 0.0, 1}}));
+  stage.host.disconnected(2);
+  CHECK_FALSE(stage.target.watched.poses);
+}
+
 TEST_CASE("panel host: events and errors of edits reach every browser", "[remote][panel]") {
   Stage stage;
   stage.connect(1);
@@ -403,6 +437,7 @@ TEST_CASE("panel host: random and mutated messages move nothing beyond its range
       R"({"do":"mute","on":true})",
       R"({"do":"scope","id":3,"signals":["a","b"],"bin":1})",
       R"({"do":"levels","on":true})",
+      R"({"do":"bodies","on":true})",
       R"({"do":"set","name":"level","value":-1e308})",
       R"([[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[{"do":"disarm"}]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]])"};
   Stage stage;
