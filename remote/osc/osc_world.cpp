@@ -32,6 +32,14 @@ struct Shape {
 };
 constexpr std::array kShapes = {Shape{"sphere", "_radius", "_length"}, Shape{"prism", "_width", "_length"}};
 
+/// What has a magnitude, and where its direction is known from; nullptr: from its controls.
+struct Direction {
+  std::string_view message;
+  std::array<double, 3> BodyPose::*now;
+};
+constexpr std::array kDirections = {Direction{"position", &BodyPose::position},
+                                    Direction{"velocity", &BodyPose::velocity}, Direction{"force", nullptr}};
+
 /// The beginning of the names of a body's controls; "": this is no control that only a body has.
 std::string body_with(const RemoteControl& control) {
   return control.name.ends_with(kPresent) ? control.name.substr(0, control.name.size() - kPresent.size())
@@ -230,21 +238,22 @@ Status OscWorld::set_magnitude(const std::string& name, std::string_view what, c
   const auto numbers = numbers_of(message, 0);
   if (!numbers || numbers->size() != 1)
     return world_error(Errc::BadArgument, message.address + " takes one number");
+  const auto* known = std::ranges::find(kDirections, what, &Direction::message);
+  if (known == kDirections.end())
+    return world_error(Errc::UnknownName, "there is no message " + message.address,
+                       "position, velocity and force have a magnitude");
   const auto object = find(name, orders.description());
   std::array<double, 3> vector{};
-  if (what == "force") {
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      if (const auto* control = orders.find(object.controls + "_f" + "xyz"[axis]))
-        vector[axis] = value_now(*control);
-  } else if ((what == "position" || what == "velocity") && object.body >= 0) {
+  if (known->now != nullptr) {
     const auto* pose = pose_of(bodies, object);
     if (pose == nullptr)
       return world_error(Errc::Missing, "the " + std::string{what} + " of '" + name + "' is not known yet",
                          "send it again in 50 ms");
-    vector = what == "position" ? pose->position : pose->velocity;
+    vector = pose->*known->now;
   } else {
-    return world_error(Errc::UnknownName, "there is no message " + message.address,
-                       "position, velocity and force have a magnitude");
+    const auto controls = controls_of(name, what, orders.description());
+    for (std::size_t axis = 0; axis < std::min(controls.size(), vector.size()); ++axis)
+      vector[axis] = value_now(*orders.find(controls[axis]));
   }
   const double length = std::hypot(vector[0], vector[1], vector[2]);
   if (!(length > 0))

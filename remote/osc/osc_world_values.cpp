@@ -33,16 +33,21 @@ constexpr std::array kBodyValues = {
     BodyValue{"rotation", rotation_of},
     BodyValue{"radius", [](const BodyPose& pose) { return Numbers{pose.size[0]}; }},
     BodyValue{"size", [](const BodyPose& pose) { return list_of(pose.size); }}};
-constexpr std::array kCursorValues = {"position", "force"};
+struct CursorValue {
+  std::string_view name;
+  std::array<double, 3> HandlePose::*now;
+};
+constexpr std::array kCursorValues = {CursorValue{"position", &HandlePose::position},
+                                      CursorValue{"force", &HandlePose::force}};
 
 /// Nothing: it is not known now.
 std::optional<Numbers> value_of(const std::string& name, const std::string& value, const OscWorld& world,
                                 const RemoteDescription& description, const RemoteBodies* bodies) {
   if (name == OscWorld::kCursor) {
-    if (bodies == nullptr) return std::nullopt;
+    const auto* known = std::ranges::find(kCursorValues, value, &CursorValue::name);
+    if (bodies == nullptr || known == kCursorValues.end()) return std::nullopt;
     for (const auto& one : bodies->worlds)
-      if (!one.handles.empty())
-        return list_of(value == "force" ? one.handles.front().force : one.handles.front().position);
+      if (!one.handles.empty()) return list_of(one.handles.front().*known->now);
     return std::nullopt;
   }
   const auto* known = std::ranges::find(kBodyValues, value, &BodyValue::name);
@@ -63,7 +68,7 @@ std::optional<Numbers> value_of(const std::string& name, const std::string& valu
 bool can_be_read(const std::string& name, const std::string& value, const OscWorld& world,
                  const RemoteDescription& description) {
   if (name == OscWorld::kCursor)
-    return std::ranges::find(kCursorValues, value) != kCursorValues.end() &&
+    return std::ranges::find(kCursorValues, value, &CursorValue::name) != kCursorValues.end() &&
            std::ranges::any_of(description.worlds,
                                [](const auto& one) { return !one.looks.handles.empty(); });
   if (!world.controls_of(name, value, description).empty()) return true;
