@@ -22,6 +22,19 @@ struct OdeBody {
 inline double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 inline Vector3 vector_of(const dReal* v) { return {v[0], v[1], v[2]}; }
 
+/// Spread evenly.
+inline dMass mass_of(WorldShape shape, const BodyState& state) {
+  dMass mass;
+  const auto& size = state.size;
+  if (shape == WorldShape::Sphere)
+    dMassSetSphereTotal(&mass, state.mass, size[0]);
+  else if (shape == WorldShape::Box)
+    dMassSetBoxTotal(&mass, state.mass, size[0], size[1], size[2]);
+  else
+    dMassSetCapsuleTotal(&mass, state.mass, 3, size[0], size[1]);
+  return mass;
+}
+
 /// Where a body is and how it is turned, to the last bit.
 struct OdePose {
   std::array<double, 3> position{};

@@ -19,18 +19,6 @@ namespace {
 
 constexpr double kLeastSize_m = 1e-6, kLeastMass_kg = 1e-9;
 
-dMass mass_of(WorldShape shape, const BodyState& state) {
-  dMass mass;
-  const auto& size = state.size;
-  if (shape == WorldShape::Sphere)
-    dMassSetSphereTotal(&mass, state.mass, size[0]);
-  else if (shape == WorldShape::Box)
-    dMassSetBoxTotal(&mass, state.mass, size[0], size[1], size[2]);
-  else
-    dMassSetCapsuleTotal(&mass, state.mass, 3, size[0], size[1]);
-  return mass;
-}
-
 BodyState within_limits(BodyState state) {
   for (auto& size : state.size) size = std::max(size, kLeastSize_m);
   state.mass = std::max(state.mass, kLeastMass_kg);
