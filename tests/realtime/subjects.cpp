@@ -15,6 +15,7 @@
 #include "engine/scene/closed_loop.h"
 #include "engine/scene/guard_report.h"
 #include "tests/realtime/every_node.h"
+#include "tests/realtime/world_subject.h"
 #include "tests/support/optional_files.h"
 
 namespace tactus::realtime {
@@ -213,6 +214,7 @@ Subjects all_subjects(const fs::path& instruments, int frames) {
   drives.drives = {{LimitSource::Kind::Profile, "woofer", woofer}};
   subjects.push_back(std::make_unique<GraphSubject>(drives, frames));
   subjects.push_back(std::make_unique<EditedSubject>(drives, frames));
+  if (auto world = world_subject(instruments, frames)) subjects.push_back(std::move(world));
   return subjects;
 }
 

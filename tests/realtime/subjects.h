@@ -28,9 +28,9 @@ class Subject {
 
 using Subjects = std::vector<std::unique_ptr<Subject>>;
 
-/// Every scene below `instruments` as it is played, and the graph of every_node.h, once as it is and once
-/// replaced over and over by its edited version and back; all in blocks of `frames`. Throws a text: what is
-/// wrong.
+/// Every scene below `instruments` as it is played, the graph of every_node.h, once as it is and once
+/// replaced over and over by its edited version and back, and a world that messages change; all in blocks of
+/// `frames`. Throws a text: what is wrong.
 Subjects all_subjects(const std::filesystem::path& instruments, int frames);
 
 }  // namespace tactus::realtime
