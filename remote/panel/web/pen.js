@@ -6,7 +6,7 @@ import { circlesOf, endsOf, facesOf, gridOf, lightness } from "./solid.js";
 export class Pen {
   constructor(context, camera, width, height) {
     Object.assign(this, { context, camera, at: camera.projection(width, height), eye: camera.axes()[2] });
-    [this.fill, this.fixed, this.line, this.gridLine] = ["accent", "quiet", "text", "grid"].map(colour);
+    [this.fill, this.fixed, this.line, this.gridLine, this.back] = ["accent", "quiet", "text", "grid", "card"].map(colour);
     this.reach = Math.hypot(width, height) / camera.scale / 2;
   }
 
@@ -29,9 +29,11 @@ export class Pen {
     for (const { points, normal } of facesOf("box", solid.pose)) {
       const light = lightness(normal, this.eye);
       if (light === 0) continue;   // it faces away
-      this.context.globalAlpha = 0.45 + 0.55 * light;
       this.#path(points, true);
-      this.context.fill();
+      for (const [style, alpha] of [[this.back, 1], [solid.moves ? this.fill : this.fixed, 0.45 + 0.55 * light]]) {
+        Object.assign(this.context, { fillStyle: style, globalAlpha: alpha });
+        this.context.fill();
+      }
       this.context.globalAlpha = 1;
       this.context.stroke();
     }
