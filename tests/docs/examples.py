@@ -58,7 +58,7 @@ def logical_lines(text, prompt):
         joined = ""
 
 
-WORLD_ELEMENTS = ("sphere", "box", "capsule", "plane", "hinge", "slider", "ball", "fixed", "handle", "gravity", "collision")
+WORLD_ELEMENTS = ("sphere", "box", "capsule", "plane", "hinge", "slider", "ball", "fixed", "handle", "gravity", "collision", "link")
 
 
 class NotBuilt(Exception):
@@ -238,16 +238,17 @@ class Examples:
         folder = self.folder(fence.page)
         file = folder / f"example_{fence.line}.toml"
         (folder / "thud.wav").write_bytes(silent_wav())
-        element = re.search(r"between = |\bon = |type = \"(?:mass|oscillator|ground|motion|chain|ring|grid)\"", text)
+        element = re.search(r"between = |\bon = |type = \"(?:mass|oscillator|ground|motion|chain|ring|grid|particle|anchor|trajectory|thread|sheet)\"", text)
         bodies = {name.partition(".")[0] for names in re.findall(r"(?:between = \[|on = )([^\],}]*(?:, *\"[^\"]*\")?)", text)
                   for name in re.findall(r"\"([\w.]+)\"", names)} if element else set()
         world = re.search(rf"type = \"(?:{'|'.join(WORLD_ELEMENTS)})\"", text)
         if world:
-            named = set(re.findall(r"(?:on|against) = \"(\w+)\"", text)) or ({"body"} if "gravity" in text else set())
+            named = set(re.findall(r"(?:on|against) = \"(\w+)\"", text)) or ({"body"} if re.search("gravity|link", text) else set())
             text = "[worlds.example]\n" + "".join(f'{body} = {{ type = "sphere", radius = "1 cm", mass = "10 g" }}\n' for body in sorted(named)) + text
         network = "[networks.example]\n" + "".join(
             f'{body} = {{ type = "chain", masses = 80, mass = "1 g", stiffness = "1 kN/m" }}\n' if f'"{body}.' in text else
-            f'{body} = {{ type = "mass", mass = "10 g" }}\n' for body in sorted(bodies))
+            f'{body} = {{ type = "particle", mass = "10 g", z = "{place} m" }}\n' if "line_spring" in text else
+            f'{body} = {{ type = "mass", mass = "10 g" }}\n' for place, body in enumerate(sorted(bodies)))
         # A wave comes from a port of a network of the example's impedance.
         waves = re.findall(r"wave = \"(\w+)\.(\w+)\.wave\", impedance = \"([^\"]*)\"", text)
         waves += [(*wave, "1 N s/m") for wave in re.findall(r"wave = \"(\w+)\.(\w+)\.wave\", (?!impedance)", text)]
