@@ -77,7 +77,7 @@ void print_sources(const Actuator& actuator) {
                                      {"band", &figures.band},
                                      {"excursion", &figures.excursion},
                                      {"resolution", &figures.resolution}})
-    fmt::print("    {:<11} {}{}\n", what, figure->value.empty() ? "unknown" : figure->value,
+    fmt::print("    {:<11} {}{}\n", what, figure->value.empty() ? price_cell(*figure) : figure->value,
                figure->source.empty() ? "" : " (" + figure->source + ")");
 }
 

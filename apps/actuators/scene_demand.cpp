@@ -53,6 +53,12 @@ void measure(const PlayedScene& played, Demand& demand) {
     raise(demand.torque, *force, "N m", largest(*force));
     travels(port.position.name);
   }
+  const auto is_in = [&](const char* unit) {
+    return std::ranges::any_of(played.recording.signals, [&](const RecordedSignal& signal) {
+      return to_string(signal.dimension) == unit;
+    });
+  };
+  demand.turns = is_in("rad") && !is_in("m");
   const bool at_ports = (demand.force || demand.torque) && (demand.travel || demand.angle);
   const auto* instrument = played.scene.part("instrument");
   if (instrument == nullptr) return;

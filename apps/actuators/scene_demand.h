@@ -79,7 +79,8 @@ struct Demand {
       stability;                    ///< with the plant of the scene; nothing: the instrument senses nothing
   std::vector<std::string> plants;  ///< files of the other parts
 
-  bool rotates() const { return (torque || angle) && !force && !travel; }
+  bool turns = false;  ///< what moves in the scene moves in rad
+  bool rotates() const { return ((torque || angle) && !force && !travel) || turns; }
   bool moves_straight() const { return (force || travel) && !torque && !angle; }
   /// A force must be there at rest.
   bool holds_force() const { return force || torque || senses; }

@@ -17,11 +17,12 @@ constexpr double kLimitedShare = 1e-3;    // of the frames: fewer are not felt
 constexpr double kEdgeUncertainty = 0.1;  // of the ends of a band that were not read in a source
 constexpr int kBlock = 64;
 
-/// The limits of the scene where it names the profile of the actuator.
+/// The limits of the scene where its profile has the figures of the actuator's, whatever its name and place.
 const DriveLimits* own_limits(const Drive& drive, const Actuator& actuator) {
-  const auto named = "profile '" + actuator.figures.profile + "' ";
   const auto found = std::ranges::find_if(drive.limits, [&](const LimitSource& source) {
-    return source.kind == LimitSource::Kind::Profile && source.name.starts_with(named);
+    if (source.kind != LimitSource::Kind::Profile || !actuator.profile) return false;
+    const auto profile = load_profile(source.file);
+    return profile && *profile == *actuator.profile;
   });
   return found == drive.limits.end() ? nullptr : &found->limits;
 }

@@ -29,8 +29,9 @@ struct LimitSource {
     Sound,         ///< built in
   };
   Kind kind = Kind::Profile;
-  std::string name;    ///< for messages: "[outputs] woofer"
-  DriveLimits limits;  ///< those that this kind of source states count
+  std::string name;       ///< for messages: "[outputs] woofer"
+  DriveLimits limits;     ///< those that this kind of source states count
+  std::string file = {};  ///< of a profile
 };
 
 /// [any] The limits of an output, limit by limit the lowest (the longest soft start) of all `sources` that

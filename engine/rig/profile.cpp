@@ -180,7 +180,7 @@ std::vector<LimitSource> DriveEntry::sources() const {
   if (profile_limits)
     sources.push_back({LimitSource::Kind::Profile,
                        "profile '" + profile + "' (" + profile_file.generic_string() + ") of " + name,
-                       *profile_limits});
+                       *profile_limits, profile_file.string()});
   if (ceiling) sources.push_back({LimitSource::Kind::Ceiling, name, DriveLimits{.ceiling = *ceiling}});
   return sources;
 }

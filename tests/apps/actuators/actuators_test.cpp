@@ -200,8 +200,23 @@ TEST_CASE("actuators command: nothing renders a scene of which a criterion was n
           "[apps][actuators]") {
   const auto text =
       actuators_text("--for " TACTUS_SOURCE_DIR "/instruments/actuators/motorised_fader/detents.toml");
-  CHECK(text.find("Novint Falcon: no objection; not compared: force, drive guard, stability") !=
+  CHECK(text.find("Novint Falcon: no objection; not compared: force, band, drive guard, stability") !=
         std::string::npos);
+}
+
+TEST_CASE("actuators command: a profile is known by its figures, however its path is written",
+          "[apps][actuators]") {
+  const auto text = actuators_text("--for " TACTUS_SOURCE_DIR "/instruments/wall");  // profile = "servo.toml"
+  CHECK(text.find("servomotor with an encoder: renders it") != std::string::npos);
+}
+
+TEST_CASE("actuators command: a scene whose plant is in rad turns, also without ports", "[apps][actuators]") {
+  const auto fader = actuator_of(judged_for("gamepad/scene_wheel_wall.toml"), "motorised fader");
+  CHECK(says(fader["objections"], "turns"));
+}
+
+TEST_CASE("actuators command: the sources begin with the price", "[apps][actuators]") {
+  CHECK(actuators_text("--sources").find("$40 (Berdahl") != std::string::npos);
 }
 
 TEST_CASE("actuators command: a length without a unit is refused", "[apps][actuators]") {
