@@ -52,6 +52,12 @@ Status OscJoints::create(std::string_view kind, const OscMessage& message, const
                                               std::to_string(needed) + " numbers");
   if (exists(*name))
     return world_error(Errc::Duplicate, "there is a joint '" + *name + "' already", "destroy it first");
+  for (int axis = 0; axis < known.axes; ++axis) {
+    const double* const at = numbers->data() + (known.anchor ? 3 : 0) + 3 * axis;
+    if (at[0] == 0 && at[1] == 0 && at[2] == 0)
+      return world_error(Errc::OutOfRange, "an axis of '" + *name + "' has no direction",
+                         "give a vector that is not 0, as in 0 0 1");
+  }
   const auto one = find_object(*first);
   const auto other = *second == "world" ? OscObject{} : find_object(*second);
   for (const auto& [text, object] : {std::pair{first, &one}, std::pair{second, &other}})

@@ -167,9 +167,9 @@ Status OscWorld::create(std::string_view shape, const OscMessage& message, OscOr
   const auto& description = orders.description();
   const auto* known = std::ranges::find(kShapes, shape, &Shape::message);
   if (known == kShapes.end())
-    return world_error(Errc::UnknownName,
-                       "a " + std::string{shape} + " cannot be created while the world runs",
-                       "write it in the graph file");
+    return world_error(
+        Errc::UnknownName,
+        "a " + std::string{shape} + " cannot be created; worlds create spheres and prisms, and joints");
   const auto* name = text_at(message, 0);
   if (name == nullptr || name->empty() || name->size() > kLongestName || name->find('/') != name->npos)
     return world_error(Errc::BadArgument, message.address + " takes a name and a position");

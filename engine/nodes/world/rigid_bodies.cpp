@@ -13,11 +13,10 @@
 #include "engine/nodes/world/ode_contacts.h"
 #include "engine/nodes/world/ode_joints.h"
 #include "engine/nodes/world/ode_memory.h"
+#include "engine/nodes/world/world_elements.h"
 
 namespace tactus {
 namespace {
-
-constexpr double kLeastSize_m = 1e-6, kLeastMass_kg = 1e-9;
 
 BodyState within_limits(BodyState state) {
   for (auto& size : state.size) size = std::max(size, kLeastSize_m);

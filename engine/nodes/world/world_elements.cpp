@@ -53,7 +53,8 @@ Fields matter_fields() {
   auto density = optional_signal("density", "kg/m^3", "density; mass = density x volume");
   density.instead_of = "mass";
   density.one_required = true;
-  return {optional_signal("mass", "kg", "mass, spread evenly; at least 1 ug"), density};
+  return {within_range(optional_signal("mass", "kg", "mass, spread evenly"), kLeastMass_kg, kUnlimited),
+          density};
 }
 
 Fields surface_fields() {
@@ -120,7 +121,7 @@ WorldElementType body(std::string name, WorldShape shape, std::string doc, Field
 }
 
 ElementField size_field(std::string name, std::string doc) {
-  return signal(std::move(name), "m", std::move(doc) + "; at least 1 um");
+  return within_range(signal(std::move(name), "m", std::move(doc)), kLeastSize_m, kUnlimited);
 }
 
 WorldElementType plane() {

@@ -16,6 +16,7 @@ namespace tactus {
 
 /// More are refused: every pair of them is tested for contact in each step.
 inline constexpr int kMostBodies = 500;
+inline constexpr double kLeastSize_m = 1e-6, kLeastMass_kg = 1e-9;
 
 /// What an element becomes.
 enum class WorldPart { Body, Joint, Link, Handle, Gravity, Collision };
