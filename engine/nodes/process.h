@@ -47,16 +47,24 @@ class GroupSteps {
   bool first_ = true;
 };
 
+/// A few frames of a block that cannot be skipped as a whole, then again the rest. Not inlined: what it
+/// prepares would delay a block in which nothing happens.
+template <class Skip, class Step>
+[[gnu::noinline]] void run_in_parts(int frames, bool may_skip, Skip skip, Step step) noexcept {
+  constexpr int kFew = 8;
+  for (int n = 0; n < frames;) {
+    const int count = std::min(kFew, frames - n);
+    step(n, count);
+    n += count;
+    if (may_skip && n < frames && skip(n, frames - n)) return;
+  }
+}
+
 /// For nodes in which most of the time nothing happens: all that is left of a block at once where `may_skip`
 /// and `skip(from, count)` allow it, else `step(from, count)` for a few frames.
 template <class Skip, class Step>
 void run_with_skips(const NodeBlock& block, bool may_skip, Skip skip, Step step) noexcept {
-  constexpr int kFew = 8;
-  for (int n = 0; n < block.frames;) {
-    int count = block.frames - n;
-    if (!may_skip || !skip(n, count)) step(n, count = std::min(kFew, count));
-    n += count;
-  }
+  if (!may_skip || !skip(0, block.frames)) run_in_parts(block.frames, may_skip, skip, step);
 }
 
 /// Puts the outputs that somebody reads to the front of `outputs`, which has room for all. Returns how many.

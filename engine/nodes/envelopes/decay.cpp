@@ -19,15 +19,12 @@ class DecayNode final : public Node {
   void copy(const Node& other) noexcept override { assign(*this, other); }
 
  private:
-  // Neither is inlined: what one prepares would delay the other, or a single frame.
+  // Not inlined: the setup for many frames would delay a single one.
   [[gnu::noinline]] void process_frames(const NodeBlock& block) noexcept {
     const Signal trigger = block.in[0], time = block.in[1], length = block.in[3];
-    const bool may_skip = time.constant() && length.constant() && !trigger.constant();
-    if (!may_skip || !skip(block, 0, block.frames)) process_triggers(block, may_skip);
-  }
-  [[gnu::noinline]] void process_triggers(const NodeBlock& block, bool may_skip) noexcept {
     run_with_skips(
-        block, may_skip, [&](int from, int count) { return skip(block, from, count); },
+        block, time.constant() && length.constant() && !trigger.constant(),
+        [&](int from, int count) { return skip(block, from, count); },
         [&](int from, int count) { step(block, from, count); });
   }
 

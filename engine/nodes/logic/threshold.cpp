@@ -21,14 +21,11 @@ class ThresholdNode final : public Node {
   void copy(const Node& other) noexcept override { assign(*this, other); }
 
  private:
-  // Neither is inlined: what one prepares would delay the other, or a single frame.
+  // Not inlined: the setup for many frames would delay a single one.
   [[gnu::noinline]] void process_frames(const NodeBlock& block) noexcept {
-    const bool may_skip = all_constant(block, kLevel, 2) && !block.in[kIn].constant();
-    if (!may_skip || !skip(block, 0, block.frames)) process_changes(block, may_skip);
-  }
-  [[gnu::noinline]] void process_changes(const NodeBlock& block, bool may_skip) noexcept {
     run_with_skips(
-        block, may_skip, [&](int from, int count) { return skip(block, from, count); },
+        block, all_constant(block, kLevel, 2) && !block.in[kIn].constant(),
+        [&](int from, int count) { return skip(block, from, count); },
         [&](int from, int count) { step(block, from, count); });
   }
 
