@@ -37,6 +37,14 @@ void raise(std::optional<double>& most, const RecordedSignal& signal, const char
   if (to_string(signal.dimension) == unit) most = std::max(most.value_or(0.0), value);
 }
 
+std::vector<DriveProfile> profiles_of(const std::vector<LimitSource>& sources) {
+  std::vector<DriveProfile> profiles;
+  for (const auto& source : sources)
+    if (source.kind == LimitSource::Kind::Profile)
+      if (auto figures = load_profile(source.file)) profiles.push_back({std::move(*figures), source.limits});
+  return profiles;
+}
+
 /// Force and travel at the ports and sensors. A port with a constant force counts the work of several, and
 /// its position is no travel.
 void measure(const PlayedScene& played, Demand& demand) {
@@ -102,11 +110,11 @@ Demand demand_of(const std::string& text) {
     const auto* signal = recording.find("instrument." + name);
     if (signal == nullptr) continue;
     const auto limits = played.scene.drives.named.find(name);
-    demand.drives.push_back(
-        {name,
-         signal->samples,
-         {signal->samples, demand.rate_hz},
-         limits == played.scene.drives.named.end() ? std::vector<LimitSource>{} : limits->second});
+    demand.drives.push_back({name,
+                             signal->samples,
+                             {signal->samples, demand.rate_hz},
+                             limits == played.scene.drives.named.end() ? std::vector<DriveProfile>{}
+                                                                       : profiles_of(limits->second)});
   }
   if (demand.drives.empty())
     exit_with({Errc::BadArgument, text, "it drives no actuator", "name a scene with a drive"}, kNo);

@@ -11,6 +11,7 @@
 #include "engine/core/index.h"
 #include "engine/graph/semantics/interval.h"
 #include "engine/rig/limits.h"
+#include "engine/rig/profile.h"
 #include "engine/study/stability/stability.h"
 #include "latency/estimation/fourier.h"
 
@@ -50,12 +51,18 @@ class Spectrum {
   double bin_hz_ = 0.0;
 };
 
+/// A profile, and the limits that it gives a drive.
+struct DriveProfile {
+  ActuatorProfile figures;
+  DriveLimits limits;
+};
+
 /// What goes to one drive of a scene.
 struct Drive {
   std::string name;
   std::vector<double> samples;
   Spectrum spectrum;
-  std::vector<LimitSource> limits;  ///< of the scene
+  std::vector<DriveProfile> profiles;  ///< that the scene names for it
 
   Interval band() const { return spectrum.band(); }
   /// [N] The largest force on the case of an actuator whose mass this drive moves, mass x'', with

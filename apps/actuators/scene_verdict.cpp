@@ -19,12 +19,9 @@ constexpr int kBlock = 64;
 
 /// The limits of the scene where its profile has the figures of the actuator's, whatever its name and place.
 const DriveLimits* own_limits(const Drive& drive, const Actuator& actuator) {
-  const auto found = std::ranges::find_if(drive.limits, [&](const LimitSource& source) {
-    if (source.kind != LimitSource::Kind::Profile || !actuator.profile) return false;
-    const auto profile = load_profile(source.file);
-    return profile && *profile == *actuator.profile;
-  });
-  return found == drive.limits.end() ? nullptr : &found->limits;
+  const auto found = std::ranges::find_if(
+      drive.profiles, [&](const DriveProfile& profile) { return profile.figures == actuator.profile; });
+  return found == drive.profiles.end() ? nullptr : &found->limits;
 }
 
 /// Those, else the limits with full scale at the largest voltage. It must have a profile.
