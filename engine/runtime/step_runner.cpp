@@ -245,11 +245,11 @@ bool StepRunner::run_at_rest(const MicroOperation& operation, int frames) noexce
   if (!rests) return false;
   double value = 0;
   run_operation(operation.op, operation.operands, operands, &value, 1);
-  running_->computed_in[index(operation.can_rest)] = running_->settings;
-  if (!is_finite(value)) {
+  const bool finite = is_finite(value);
+  running_->computed_in[index(operation.can_rest)] = finite ? running_->settings : 0;
+  if (!finite) {
     value = 0;
     count_fault(operation.vertex, frames);
-    running_->computed_in[index(operation.can_rest)] = 0;
   }
   std::fill_n(operation.out, kVectorWidth, value);
   return true;
