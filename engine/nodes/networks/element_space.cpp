@@ -49,13 +49,12 @@ struct Line {
   bool linear;
   double stiffness, damping;
 };
-Bond bond_of(const Line& line, int lower, int upper, int axes, double rest) {
+Bond bond_of(const Line& line, int lower, int upper, int axes) {
   return {.lower = lower,
           .upper = upper,
           .law = std::make_shared<LinearBond>(line.stiffness),
           .damping = line.damping,
-          .axes = axes,
-          .rest = rest};
+          .axes = axes};
 }
 void append_springs(NetworkBuilder& b, const Bond& bond, const std::vector<double>& places) {
   for (const auto& spring : line_springs(bond, places)) b.elements.springs.push_back(spring);
@@ -64,7 +63,7 @@ void append_springs(NetworkBuilder& b, const Bond& bond, const std::vector<doubl
 void build_line_spring(NetworkBuilder& b, const NetworkElement& e, ElementParts& parts) {
   const Line line{e.chosen("geometry", "linear"), b.number(e, "stiffness"), b.number(e, "damping")};
   const auto places = places_of(b);
-  auto bond = bond_of(line, b.end(e, 0), b.end(e, 1), b.axes_at(e, 0), 0.0);
+  auto bond = bond_of(line, b.end(e, 0), b.end(e, 1), b.axes_at(e, 0));
   bond.rest = b.has(e, "rest") ? b.number(e, "rest")
                                : length(apart(places, bond)) - b.number(e, "tension") / line.stiffness;
   if (!line.linear) {
@@ -131,7 +130,7 @@ class Fabric {
     const auto one = at_.find({row, column}), other = at_.find({other_row, other_column});
     if (one == at_.end() || other == at_.end() || (!is_mass(one->second) && !is_mass(other->second))) return;
     const Line line{e_.chosen("geometry", "linear"), stiffness, b_.number(e_, "damping")};
-    auto bond = bond_of(line, one->second, other->second, axes_, 0.0);
+    auto bond = bond_of(line, one->second, other->second, axes_);
     bond.rest = length(apart(places_, bond)) - tension / stiffness;
     if (line.linear)
       append_springs(b_, bond, places_);

@@ -121,9 +121,8 @@ struct SolverChoice {
 ///    and bonds as deep as in `ContactDemand` among them (sufficient), these alone are below
 ///    `kStiffestContact`, and every contact lasts its `fewest_steps`;
 ///  - bonds: those of a spring of their largest stiffness, held over the step (exact too), and of several
-///  axes
-///    those of their dampers, which are never weighted. A line that turns at w is as wrong as an oscillator
-///    of w, and the spring that holds its ends on their circle has at least w;
+///    axes those of their dampers, which are never weighted. A line that turns at w is as wrong as an
+///    oscillator of w, and the spring that holds its ends on their circle has at least w;
 ///  - contacts, with s steps in the time of one of exponent a: exact (0.5 + 0.33 a) / s^2, explicit the same
 ///    but at least 1.4 / s^2, passive max(1, 0.12 a) / s^1.5, implicit (1.3 + 0.86 a) / s^2; with loss,
 ///    implicit 1.3 times as much and explicit 0.45 min(1, 2.8 (1 - e)) / s more. Their restitution e: 0
