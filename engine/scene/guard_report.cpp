@@ -128,10 +128,10 @@ std::vector<LimitedOutput> limited_outputs(const Plan& schedule) {
 std::vector<std::string> output_names(const Plan& schedule) { return names_of(limited_outputs(schedule)); }
 
 std::vector<std::string> sound_names(const Plan& schedule, const std::vector<Role>& roles) {
-  constexpr std::string_view kRole = "monitor", kInstrument = "instrument.";
+  constexpr std::string_view kRole = "monitor", kPrefix = "instrument.";
   const auto signal = signal_of(roles, kRole);
-  const auto monitor = signal.starts_with(kInstrument) ? signal.substr(kInstrument.size())
-                                                       : find_named(role_types(), kRole)->port;
+  const auto monitor =
+      signal.starts_with(kPrefix) ? signal.substr(kPrefix.size()) : find_named(role_types(), kRole)->port;
   std::vector<std::string> names, monitors;
   for (const auto& channel : schedule.channels) {
     if (channel.use != OutputUse::Audio) continue;
