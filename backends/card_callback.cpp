@@ -1,10 +1,13 @@
 #include "backends/card_callback.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <thread>
 
 #include "backends/realtime_thread.h"
+#include "engine/core/every_block.h"
 #include "engine/core/index.h"
 
 namespace tactus {
@@ -26,13 +29,17 @@ std::chrono::nanoseconds duration_of(int blocks, int block_frames, const StreamG
 
 /// Returns how many samples were not finite, and became 0.
 static int copy_finite(const float* plane, double* samples, int frames) noexcept {
-  int bad = 0;
+  constexpr std::uint32_t kExponent = 0x7f800000;  // all ones: infinite, or no number
+  std::uint32_t highest = 0;
   for (int n = 0; n < frames; ++n) {
-    const float sample = plane[n];
-    const bool finite = std::isfinite(sample);
-    samples[n] = finite ? static_cast<double>(sample) : 0.0;
-    bad += finite ? 0 : 1;
+    samples[n] = plane[n];
+    highest = std::max(highest, std::bit_cast<std::uint32_t>(plane[n]) & kExponent);
   }
+  if (highest < kExponent) [[likely]]
+    return 0;
+  int bad = 0;
+  for (int n = 0; n < frames; ++n)
+    if (!std::isfinite(samples[n])) samples[n] = 0.0, ++bad;
   return bad;
 }
 
@@ -93,7 +100,8 @@ void CardCallback::fill_with_zeros(std::int64_t frames) const {
   }
 }
 
-void CardCallback::block(const float* const* in, float* const* out, int device_outputs, int frames) noexcept {
+TACTUS_EVERY_BLOCK void CardCallback::block(const float* const* in, float* const* out, int device_outputs,
+                                            int frames) noexcept {
   busy_.store(true);
   const auto stage = stage_.load();
   for (int c = 0; c < device_outputs; ++c)
@@ -137,8 +145,8 @@ void CardCallback::skip(Clock::time_point now) noexcept {
 }
 
 /// True: when finishing, every output ends at zero.
-bool CardCallback::process(const float* const* in, float* const* out, int offset, int frames,
-                           Stage stage) noexcept {
+TACTUS_EVERY_BLOCK bool CardCallback::process(const float* const* in, float* const* out, int offset,
+                                              int frames, Stage stage) noexcept {
   convert_input(in, offset, frames);
   const BlockIo io{in_.data(), out_.data(), frames};
   bool at_zero = false;
@@ -155,7 +163,7 @@ bool CardCallback::process(const float* const* in, float* const* out, int offset
   return at_zero;
 }
 
-void CardCallback::convert_input(const float* const* in, int offset, int frames) noexcept {
+TACTUS_EVERY_BLOCK void CardCallback::convert_input(const float* const* in, int offset, int frames) noexcept {
   std::int64_t bad = 0;
   for (int c = 0; c < in_.size(); ++c) {
     const auto* plane = in == nullptr ? nullptr : in[in_map_[index(c)]];
@@ -169,7 +177,7 @@ void CardCallback::convert_input(const float* const* in, int offset, int frames)
 
 /// The clock finds missing frames at the end of the half second after a gap: if the library reported no gap
 /// in that time, it missed it.
-void CardCallback::watch(int frames, Clock::time_point now) noexcept {
+TACTUS_EVERY_BLOCK void CardCallback::watch(int frames, Clock::time_point now) noexcept {
   watch_buffer(now);
   last_block_.store(now, std::memory_order_relaxed);
   const auto missing = clock_.block(frames_, frames, seconds(now.time_since_epoch()));
@@ -183,7 +191,7 @@ void CardCallback::watch(int frames, Clock::time_point now) noexcept {
 /// When a block begins later than the driver's buffer lasts after the one before, the buffer has run dry.
 /// RtAudio tells ALSA to go on then and reports nothing: the blocks that follow come at once until none is
 /// missing, and the clock finds nothing either.
-void CardCallback::watch_buffer(Clock::time_point now) noexcept {
+TACTUS_EVERY_BLOCK void CardCallback::watch_buffer(Clock::time_point now) noexcept {
   const auto before = last_block_.load(std::memory_order_relaxed);
   if (frames_ == 0 || buffer_ == buffer_.zero() || now - before <= buffer_) return;
   if (last_gap_.load(std::memory_order_relaxed) < before) gap(Gap::Unsaid);

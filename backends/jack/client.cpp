@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "backends/midi_output.h"
+#include "engine/core/every_block.h"
 #include "engine/core/index.h"
 
 namespace tactus::jack {
@@ -239,7 +240,7 @@ void Client::note_removal(std::uint32_t port) {
   midi_.keep(is_there);
 }
 
-void Client::process(int frames) noexcept {
+TACTUS_EVERY_BLOCK void Client::process(int frames) noexcept {
   if (!card) return;
   midi_.receive(frames);
   const auto buffer = [frames](jack_port_t* port) {

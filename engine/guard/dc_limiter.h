@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/core/every_block.h"
 #include "engine/guard/drive_limits.h"
 #include "engine/guard/guard_group.h"
 
@@ -46,7 +47,7 @@ class DcLimiter {
     change_sum_.add(position, frames, [=](int n) { return output[n] - samples[n]; });
   }
   /// [realtime] A group is over. Not inlined: with it the guard's `end_group` is too long to be inlined.
-  [[gnu::noinline]] void end_group() noexcept {
+  TACTUS_EVERY_BLOCK [[gnu::noinline]] void end_group() noexcept {
     if (!limited_) return;
     mean_ += (sum_.take() / kGuardGroup - mean_) * mean_share_;
     mean_change_ += (change_sum_.take() / kGuardGroup - mean_change_) * mean_share_;

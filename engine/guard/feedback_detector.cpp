@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "engine/core/every_block.h"
+
 namespace tactus {
 
 void FeedbackDetector::forget() noexcept {
@@ -15,7 +17,7 @@ void FeedbackDetector::forget() noexcept {
 }
 
 /// Enters a group into the window.
-bool FeedbackDetector::update(bool busy) noexcept {
+TACTUS_EVERY_BLOCK bool FeedbackDetector::update(bool busy) noexcept {
   auto& oldest = window_[next_];
   count_ = count_ - oldest + (busy ? 1 : 0);
   oldest = busy ? 1 : 0;
@@ -28,7 +30,7 @@ bool FeedbackDetector::update(bool busy) noexcept {
 }
 
 /// Whether the output returns through an input.
-bool FeedbackDetector::returns(bool suspect, bool mostly) noexcept {
+TACTUS_EVERY_BLOCK bool FeedbackDetector::returns(bool suspect, bool mostly) noexcept {
   const bool probed = probe_.running();
   const auto verdict = trial_.end_group(suspect);
   probe_.mute(trial_.is_muted());
@@ -51,7 +53,7 @@ bool FeedbackDetector::returns(bool suspect, bool mostly) noexcept {
 }
 
 /// Counts the rests down; two seconds after the last limit everything starts again.
-void FeedbackDetector::rest(bool suspect) noexcept {
+TACTUS_EVERY_BLOCK void FeedbackDetector::rest(bool suspect) noexcept {
   probe_rest_ = std::max(0, probe_rest_ - 1);
   trial_rest_ = std::max(0, trial_rest_ - 1);
   resting_ = suspect ? 2 * second_ : std::max(0, resting_ - 1);

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "engine/core/every_block.h"
+
 namespace tactus {
 namespace {
 
@@ -20,7 +22,7 @@ void FeedbackTrial::begin() noexcept {
   reference_ = level();
 }
 
-FeedbackTrial::Verdict FeedbackTrial::end_group(bool limited) noexcept {
+TACTUS_EVERY_BLOCK FeedbackTrial::Verdict FeedbackTrial::end_group(bool limited) noexcept {
   if (++group_ < groups_) return Verdict::None;
   group_ = 0;
   std::rotate(ranges_.begin(), ranges_.begin() + 1, ranges_.end());

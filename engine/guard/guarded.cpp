@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "engine/core/every_block.h"
 #include "engine/core/index.h"
 
 namespace tactus {
@@ -134,7 +135,7 @@ void Guarded::apply_to(Channel& channel, const JournalEntry& command) noexcept {
     guard.add_feedback_path(FeedbackPath::of(static_cast<int>(command.value)));
 }
 
-void Guarded::open_guards(std::int64_t frame) noexcept {
+TACTUS_EVERY_BLOCK void Guarded::open_guards(std::int64_t frame) noexcept {
   for (auto& channel : channels_) channel.guard.set_open(!faded_ && !expired_ && channel.is_enabled(), frame);
 }
 
@@ -142,7 +143,7 @@ void Guarded::skip_soft_start() noexcept {
   for (auto& channel : channels_) channel.guard.skip_soft_start();
 }
 
-void Guarded::process(const BlockIo& io) noexcept {
+TACTUS_EVERY_BLOCK void Guarded::process(const BlockIo& io) noexcept {
   const auto first_frame = frame_.load(std::memory_order_relaxed);
   {
     const NoDenormals no_denormals;
@@ -168,7 +169,7 @@ bool Guarded::finish(const BlockIo& io) noexcept {
   return silent;
 }
 
-bool Guarded::at_rest(std::int64_t frame) const noexcept {
+TACTUS_EVERY_BLOCK bool Guarded::at_rest(std::int64_t frame) const noexcept {
   return std::all_of(channels_.begin(), channels_.end(),
                      [frame](const Channel& channel) { return channel.guard.at_rest(frame); });
 }
@@ -179,7 +180,7 @@ Seconds Guarded::closing_time() const noexcept {
   return longest;
 }
 
-void Guarded::observe_dead_man(std::int64_t frame) noexcept {
+TACTUS_EVERY_BLOCK void Guarded::observe_dead_man(std::int64_t frame) noexcept {
   act_on_dead_man(dead_mans_watch_.observe(frame), frame);
   if (dead_mans_watch_.was_away()) act_on_dead_man(DeadMansWatch::Action::Disarm, frame);
   const auto* source = dead_mans_watch_.source();
@@ -194,7 +195,7 @@ void Guarded::note_pause(Seconds pause) noexcept {
   (void)events_.push({frame_.load(std::memory_order_relaxed), GuardEvent::Kind::DeadManDisarmed, 0});
 }
 
-void Guarded::act_on_dead_man(DeadMansWatch::Action action, std::int64_t frame) noexcept {
+TACTUS_EVERY_BLOCK void Guarded::act_on_dead_man(DeadMansWatch::Action action, std::int64_t frame) noexcept {
   using Action = DeadMansWatch::Action;
   if (action == Action::None) return;
   const bool disarms = action == Action::Disarm;
@@ -204,7 +205,7 @@ void Guarded::act_on_dead_man(DeadMansWatch::Action action, std::int64_t frame) 
   (void)events_.push({frame, disarms ? GuardEvent::Kind::DeadManDisarmed : GuardEvent::Kind::DeadMan, 0});
 }
 
-void Guarded::guard_block(const BlockIo& io, std::int64_t first) noexcept {
+TACTUS_EVERY_BLOCK void Guarded::guard_block(const BlockIo& io, std::int64_t first) noexcept {
   take_pending([&](const JournalEntry& entry) { apply(entry, first); });
   observe_dead_man(first);
   for (int done = 0; done < io.frames;) {
@@ -218,7 +219,8 @@ void Guarded::guard_block(const BlockIo& io, std::int64_t first) noexcept {
   }
 }
 
-void Guarded::guard_frames(const BlockIo& io, int from, int to, std::int64_t first_frame) noexcept {
+TACTUS_EVERY_BLOCK void Guarded::guard_frames(const BlockIo& io, int from, int to,
+                                              std::int64_t first_frame) noexcept {
   const int fault = first_sensor_fault(io, from, to, first_frame);
   guard_outputs(io, from, fault, first_frame);
   if (fault == to) return;
@@ -228,7 +230,8 @@ void Guarded::guard_frames(const BlockIo& io, int from, int to, std::int64_t fir
   guard_outputs(io, fault, to, first_frame);
 }
 
-void Guarded::guard_outputs(const BlockIo& io, int from, int to, std::int64_t first_frame) noexcept {
+TACTUS_EVERY_BLOCK void Guarded::guard_outputs(const BlockIo& io, int from, int to,
+                                               std::int64_t first_frame) noexcept {
   if (from == to) return;
   for (std::size_t c = 0; c < channels_.size(); ++c) {
     auto& channel = channels_[c];
@@ -241,7 +244,8 @@ void Guarded::guard_outputs(const BlockIo& io, int from, int to, std::int64_t fi
 }
 
 /// The frame at which the first sensor is found at fault, or `to`.
-int Guarded::first_sensor_fault(const BlockIo& io, int from, int to, std::int64_t first_frame) noexcept {
+TACTUS_EVERY_BLOCK int Guarded::first_sensor_fault(const BlockIo& io, int from, int to,
+                                                   std::int64_t first_frame) noexcept {
   int first = to;
   if (!watch_sensors_) return first;
   for (std::size_t c = 0; c < sensors_.size(); ++c) {

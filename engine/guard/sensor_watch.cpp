@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/core/every_block.h"
+
 namespace tactus {
 namespace {
 
@@ -28,7 +30,8 @@ Run follow(std::int64_t before, std::int64_t patience, int frames, Alike alike) 
 
 }  // namespace
 
-std::optional<SensorWatch::Found> SensorWatch::observe(const double* samples, int frames) noexcept {
+TACTUS_EVERY_BLOCK std::optional<SensorWatch::Found> SensorWatch::observe(const double* samples,
+                                                                          int frames) noexcept {
   std::optional<Found> found;
   for (int done = 0; done < frames;) {
     const int part =
@@ -40,7 +43,8 @@ std::optional<SensorWatch::Found> SensorWatch::observe(const double* samples, in
   return found;
 }
 
-std::optional<SensorWatch::Found> SensorWatch::observe_part(const double* samples, int frames) noexcept {
+TACTUS_EVERY_BLOCK std::optional<SensorWatch::Found> SensorWatch::observe_part(const double* samples,
+                                                                               int frames) noexcept {
   const auto previous = [&](int n) { return n > 0 ? samples[n - 1] : last_; };
   const auto same = follow(same_, patience_, frames,
                            [&](int n) { return samples[n] == previous(n) || std::isnan(samples[n]); });

@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "engine/core/every_block.h"
 #include "engine/graph/semantics/lane_operators.h"
 
 namespace tactus {
@@ -54,7 +55,7 @@ void ternary(const Signal* in, double* out, int frames, F f) noexcept {
 }
 
 template <std::size_t kEntry>
-void run(const Signal* in, double* out, int frames) noexcept {
+TACTUS_EVERY_BLOCK void run(const Signal* in, double* out, int frames) noexcept {
   constexpr auto& type = kOperators[kEntry];
   constexpr auto value = type.value;
   if constexpr (type.operands == 1)
@@ -81,7 +82,8 @@ constexpr auto kRuns = []<std::size_t... kEntries>(std::index_sequence<kEntries.
 
 }  // namespace
 
-void run_operation(Expression::Op op, int operands, const Signal* in, double* out, int frames) noexcept {
+TACTUS_EVERY_BLOCK void run_operation(Expression::Op op, int operands, const Signal* in, double* out,
+                                      int frames) noexcept {
   if (frames == 1)
     *out = evaluate(op, *in[0].data, *in[1].data, operands < 3 ? 0 : *in[2].data);
   else if (all_rest(in, operands))
@@ -90,7 +92,7 @@ void run_operation(Expression::Op op, int operands, const Signal* in, double* ou
     kRuns[entry_of(op)](in, out, frames);
 }
 
-bool row_is_finite(const double* samples, int frames) noexcept {
+TACTUS_EVERY_BLOCK bool row_is_finite(const double* samples, int frames) noexcept {
   constexpr int kLanes = Lanes::kCount;
   FiniteSum sum;
   const double* const end = samples + (frames & -kLanes);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "engine/core/every_block.h"
 #include "engine/core/transpose.h"
 #include "engine/dsp/simd/lanes.h"
 #include "engine/runtime/operations.h"
@@ -36,7 +37,7 @@ Status Player::prepare(const StreamFormat& format) {
   return {};
 }
 
-void Player::process(const BlockIo& io) noexcept {
+TACTUS_EVERY_BLOCK void Player::process(const BlockIo& io) noexcept {
   io_ = &io;
   for (offset_ = 0; offset_ < io.frames;) {
     int frames = std::min(io.frames - offset_, kMaxSubBlock);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "engine/core/every_block.h"
 #include "engine/runtime/operations.h"
 
 namespace tactus {
@@ -84,14 +85,14 @@ inline StepRunner::Fault StepRunner::run_operations(const Step& step, bool loop,
 }
 
 /// The same for any outputs.
-bool StepRunner::gave_finite(const Step& step, const NodeBlock& block) noexcept {
+TACTUS_EVERY_BLOCK bool StepRunner::gave_finite(const Step& step, const NodeBlock& block) noexcept {
   for (int i = 0; i < step.can_fail; ++i)
     if (block.out[i] != nullptr && !all_finite(block.out[i], block.frames * step.width)) return false;
   return true;
 }
 
 template <bool kTimed>
-void StepRunner::run(std::int64_t now, int frames) noexcept {
+TACTUS_EVERY_BLOCK void StepRunner::run(std::int64_t now, int frames) noexcept {
   now_ = now;
   for (const auto& section : plan_->sections)
     section.loop ? run_loop<kTimed>(section, frames) : run_straight<kTimed>(section, frames);
