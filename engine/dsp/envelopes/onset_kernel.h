@@ -168,6 +168,9 @@ static inline int tactus_onset_follow(tactus_onset* s, tactus_real in) {
   return above;
 }
 
+/// Whether the level of the last hit still rises.
+static inline int tactus_onset_rises(const tactus_onset* s) { return s->groups_since < 5; }
+
 /// 1 in the frame of a hit, `above` being what `tactus_onset_follow` returned for it.
 static inline int tactus_onset_decide(tactus_onset* s, int above, tactus_real threshold, tactus_real hold,
                                       tactus_real margin, tactus_real noise_margin) {
@@ -181,7 +184,7 @@ static inline int tactus_onset_decide(tactus_onset* s, int above, tactus_real th
     s->level = 0;
     for (int b = 0; b < TACTUS_ONSET_BANDS; ++b) s->mask[b] = s->last[b] = s->fast[b];
   }
-  if (s->groups_since < 5) s->level = tactus_max(s->level, s->fast[0]);
+  if (tactus_onset_rises(s)) s->level = tactus_max(s->level, s->fast[0]);
   if (++s->frame >= s->group_frames) tactus_onset_close_group(s, threshold, margin, noise_margin);
   return hit;
 }

@@ -1,7 +1,12 @@
+#include <algorithm>
 #include <cstring>
 
 #include "engine/dsp/envelopes/onset_kernel.h"
 #include "engine/nodes/declare.h"
+
+#if defined(__AVX__)
+#include <immintrin.h>
+#endif
 
 // Without AVX, GCC points out that code with AVX would pass a Four differently: none crosses a file's border.
 #if defined(__GNUC__) && !defined(__clang__)
@@ -14,29 +19,58 @@ namespace {
 /// The four bands in one register (a vector type of GCC and Clang); Lanes would leave half of it empty.
 using Four = double __attribute__((vector_size(32)));
 
-/// `tactus_onset_follow`, vectorised.
-[[gnu::always_inline]] inline int follow(tactus_onset& s, double in) noexcept {
-  const auto load = [](const double* x) {
-    Four four;
-    std::memcpy(&four, x, sizeof four);
-    return four;
-  };
-  const auto store = [](const Four& four, double* x) { std::memcpy(x, &four, sizeof four); };
-  const auto max = [](const Four& a, const Four& b) { return a > b ? a : b; };
-  const double step = s.started != 0 ? in - s.previous : 0;
-  s.started = 1;
-  s.previous = in;
-  const Four feedback = load(s.feedback), before = load(s.first), mean = load(s.mean);
-  const Four first = feedback * (before + step), second = feedback * (load(s.second) + (first - before));
-  const Four size = max(second, -second), fast = max(size, load(s.fast) * load(s.fast_fall));
-  store(first, s.first);
-  store(second, s.second);
-  store(fast, s.fast);
-  store(mean + s.mean_rise * (size - mean), s.mean);
-  store(max(load(s.group), fast), s.group);
-  const auto above = fast > load(s.bar);
-  return (above[0] | above[1] | above[2] | above[3]) != 0;
+inline Four read(const double* x) noexcept {
+  Four four;
+  std::memcpy(&four, x, sizeof four);
+  return four;
 }
+inline void write(const Four& four, double* x) noexcept { std::memcpy(x, &four, sizeof four); }
+inline Four max(const Four& a, const Four& b) noexcept { return a > b ? a : b; }
+
+/// `tactus_onset_follow` for many frames, vectorised: what changes with each frame stays in registers.
+class Bands {
+ public:
+  explicit Bands(tactus_onset& s) noexcept
+      : s_(s),
+        feedback_(read(s.feedback)),
+        fall_(read(s.fast_fall)),
+        bar_(read(s.bar)),
+        first_(read(s.first)),
+        second_(read(s.second)),
+        fast_(read(s.fast)),
+        mean_(read(s.mean)),
+        group_(read(s.group)) {}
+  void follow(double step) noexcept {
+    const Four before = first_;
+    first_ = feedback_ * (before + step);
+    second_ = feedback_ * (second_ + (first_ - before));
+    const Four size = max(second_, -second_);
+    fast_ = max(size, fast_ * fall_);
+    mean_ += s_.mean_rise * (size - mean_);
+    group_ = max(group_, fast_);
+  }
+  bool is_above() const noexcept {
+    const auto above = fast_ > bar_;
+#if defined(__AVX__)
+    return _mm256_movemask_pd(reinterpret_cast<__m256d>(above)) != 0;
+#else
+    return (above[0] | above[1] | above[2] | above[3]) != 0;
+#endif
+  }
+  double fast() const noexcept { return fast_[0]; }
+  void store() const noexcept {
+    write(first_, s_.first);
+    write(second_, s_.second);
+    write(fast_, s_.fast);
+    write(mean_, s_.mean);
+    write(group_, s_.group);
+  }
+
+ private:
+  tactus_onset& s_;
+  const Four feedback_, fall_, bar_;
+  Four first_, second_, fast_, mean_, group_;
+};
 
 class OnsetNode final : public Node {
   enum Input { kIn, kThreshold, kHold, kMargin, kNoiseMargin, kMaskTime, kHighPass, kRinging };
@@ -49,18 +83,58 @@ class OnsetNode final : public Node {
   }
 
   void process(const NodeBlock& block) noexcept override {
-    const Signal* in = block.in;
-    for (int i = 0; i < block.frames; ++i) {
-      block.out[0][i] = tactus_onset_decide(&state_, follow(state_, in[kIn][i]), in[kThreshold][i],
-                                            in[kHold][i], in[kMargin][i], in[kNoiseMargin][i]);
-      block.out[1][i] = state_.level;
-      block.out[2][i] = state_.fast[0];
-    }
+    for (int n = 0; n < block.frames;) n = run(block, n);
   }
   void reset() noexcept override { state_ = start_; }
   void copy(const Node& other) noexcept override { assign(*this, other); }
 
  private:
+  /// As `tactus_onset_step`, to the end of the block, of the group or of the hold, or to a hit: only the last
+  /// of these frames can decide. Returns the frame behind it.
+  int run(const NodeBlock& block, int from) noexcept {
+    const bool held = state_.hold > 0;
+    int to = std::min(block.frames, from + state_.group_frames - state_.frame);
+    if (held) to = std::min(to, from + state_.hold);
+    bool above = false;
+    const int last = held ? follow<true>(block, from, to, above) : follow<false>(block, from, to, above);
+    if (held) state_.hold -= last - from;
+    state_.frame += last - from;
+    const Signal* in = block.in;
+    block.out[0][last] = tactus_onset_decide(&state_, above, in[kThreshold][last], in[kHold][last],
+                                             in[kMargin][last], in[kNoiseMargin][last]);
+    block.out[1][last] = state_.level;
+    return last + 1;
+  }
+
+  /// Returns the last frame: that of a hit, which is `above`, or the one before `to`.
+  template <bool Held>
+  int follow(const NodeBlock& block, int from, int to, bool& above) noexcept {
+    const Signal in = block.in[kIn], threshold = block.in[kThreshold];
+    double* const hit = block.out[0];
+    double* const level = block.out[1];
+    double* const envelope = block.out[2];
+    const double rises = tactus_onset_rises(&state_) != 0 ? 1 : 0;
+    double highest = state_.level, previous = state_.started != 0 ? state_.previous : in[from];
+    Bands bands(state_);
+    int n = from;
+    while (true) {
+      const double sample = in[n];
+      bands.follow(sample - previous);
+      previous = sample;
+      const double fast = envelope[n] = bands.fast();
+      above = !Held && fast > threshold[n] && bands.is_above();
+      if (above || n + 1 == to) break;
+      hit[n] = 0;
+      level[n] = highest = std::max(highest, rises * fast);
+      ++n;
+    }
+    bands.store();
+    state_.level = highest;
+    state_.previous = previous;
+    state_.started = 1;
+    return n;
+  }
+
   tactus_onset start_{}, state_{};
 };
 
