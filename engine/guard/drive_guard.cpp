@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "engine/core/every_block.h"
 #include "engine/core/index.h"
+#include "engine/dsp/simd/lanes.h"
 
 namespace tactus {
 namespace {
@@ -15,12 +17,29 @@ std::int64_t whole_frames(Seconds time, Hertz sample_rate) {
   return std::llround(frames_in(time, sample_rate));
 }
 
-/// A sample beyond the ceiling counts, and so does a NaN, which lies within nothing.
-double beyond(double sample, double ceiling) noexcept { return std::abs(sample) <= ceiling ? 0.0 : 1.0; }
+/// Within the ceiling and no steeper than `step`, where it begins at `last`; a NaN is not. Rounded as
+/// `within` rounds, so that both agree on what passes.
+bool is_within(double sample, double last, double ceiling, double step) noexcept {
+  return std::abs(sample) <= ceiling && sample >= last - step && sample <= last + step;
+}
 
-/// Rounded as `within` rounds, so that both agree on what passes.
-double too_steep(double last, double sample, double step) noexcept {
-  return sample >= last - step && sample <= last + step ? 0.0 : 1.0;
+/// The same of many; the last few are looked at twice.
+bool all_within(const double* samples, int frames, double last, double ceiling, double step) noexcept {
+  constexpr int kFew = Lanes::kCount, kAll = (1 << kFew) - 1;
+  bool within = is_within(samples[0], last, ceiling, step);
+  if (frames <= kFew) {
+    for (int n = 1; n < frames; ++n) within = within && is_within(samples[n], samples[n - 1], ceiling, step);
+    return within;
+  }
+  const auto high = Lanes::broadcast(ceiling), low = -high, steepest = Lanes::broadcast(step);
+  int bits = kAll;
+  for (int n = 1; n < frames; n += kFew) {
+    const double* const here = samples + std::min(n, frames - kFew);
+    const auto x = Lanes::load(here), before = Lanes::load(here - 1);
+    bits &= at_least(high, x) & at_least(x, low) & at_least(x, before - steepest) &
+            at_least(before + steepest, x);
+  }
+  return within && bits == kAll;
 }
 
 double sum_of_absolutes(const double* samples, int frames) noexcept {
@@ -69,7 +88,7 @@ std::optional<std::int64_t> DriveGuard::take_feedback() noexcept {
   return frame;
 }
 
-void DriveGuard::process(double* samples, int frames, std::int64_t first_frame) noexcept {
+TACTUS_EVERY_BLOCK void DriveGuard::process(double* samples, int frames, std::int64_t first_frame) noexcept {
   while (frames > 0) {
     const int position = guard_position(first_frame);
     const int length = std::min(frames, kGuardGroup - position);
@@ -94,23 +113,17 @@ void DriveGuard::process(double* samples, int frames, std::int64_t first_frame) 
 }
 
 /// True if no stage can have anything to do in this block.
-bool DriveGuard::passes(const double* samples, int frames, std::int64_t first_frame,
-                        double sum_of_absolutes) const noexcept {
+TACTUS_EVERY_BLOCK bool DriveGuard::passes(const double* samples, int frames, std::int64_t first_frame,
+                                           double sum_of_absolutes) const noexcept {
   if (!gain_.done(first_frame) || gain_.to != 1.0 || feedback_.probing()) return false;
   if (!dc_.gain().idle() || (heat_ && !heat_->gain().idle())) return false;
-  GroupSum bad;
-  bad.add(0, frames, [=, this](int n) { return beyond(samples[n], ceiling_); });
-  if (bad.take() != 0.0) return false;
-  if (largest_step_ < 2.0 * ceiling_) {
-    if (too_steep(last_, samples[0], largest_step_) != 0.0) return false;
-    bad.add(0, frames - 1, [=, this](int n) { return too_steep(samples[n], samples[n + 1], largest_step_); });
-    if (bad.take() != 0.0) return false;
-  }
+  if (!all_within(samples, frames, last_, ceiling_, largest_step_)) return false;
   return !excursion_ || excursion_->stays_within(sum_of_absolutes, ceiling_);
 }
 
 /// One frame through all stages; `wanted`: what it is before the DC gain.
-double DriveGuard::shape(double sample, double& wanted, std::int64_t frame, int position) noexcept {
+TACTUS_EVERY_BLOCK double DriveGuard::shape(double sample, double& wanted, std::int64_t frame,
+                                            int position) noexcept {
   double y = sample;
   if (!std::isfinite(y)) {
     // Zero and not the last value: a fault that lasts must not leave DC on a coil.
@@ -169,7 +182,7 @@ double DriveGuard::within(double x, double last) const noexcept {
   return std::clamp(std::clamp(x, last - largest_step_, last + largest_step_), -ceiling_, ceiling_);
 }
 
-void DriveGuard::end_group(std::int64_t frame) noexcept {
+TACTUS_EVERY_BLOCK void DriveGuard::end_group(std::int64_t frame) noexcept {
   if (heat_) heat_->end_group();
   if (excursion_) excursion_->end_group();
   dc_.end_group();
