@@ -22,6 +22,7 @@
 #include "backends/reconnecting_stream.h"
 #include "backends/take/take_recorder.h"
 #include "engine/core/index.h"
+#include "engine/dsp/simd/peak.h"
 #include "engine/guard/guarded.h"
 #include "engine/scene/guard_report.h"
 
@@ -52,9 +53,8 @@ class LevelMeter final : public BlockTap {
   using Peaks = std::vector<std::atomic<double>>;
 
   static void raise(std::atomic<double>& peak, const double* samples, int frames) noexcept {
-    double highest = peak.load(std::memory_order_relaxed);
-    for (int n = 0; n < frames; ++n) highest = std::max(highest, std::abs(samples[n]));
-    peak.store(highest, std::memory_order_relaxed);
+    const double so_far = peak.load(std::memory_order_relaxed);
+    peak.store(highest_magnitude(samples, frames, so_far), std::memory_order_relaxed);
   }
   static std::vector<double> take(Peaks& peaks) {
     std::vector<double> levels;
