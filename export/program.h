@@ -75,9 +75,10 @@ struct CProgram {
   std::size_t table_bytes = 0;
   std::vector<std::string> start;      ///< statements; the state is all zero before
   std::vector<std::string> follow;     ///< what depends on controls alone
+  std::vector<std::string> designs;    ///< the same, at the start of a group of eight frames
   std::vector<std::string> variables;  ///< of a frame, which parts with a rate of their own give
   std::vector<Statement> frame;
-  std::vector<std::string> checked;  ///< values that stay non-finite once they are
+  std::vector<std::string> checked;  ///< values that stay non-finite once they are, and reach no other one
 
   bool needs_frame_number() const;
 };

@@ -111,6 +111,11 @@ constexpr auto kTaken = std::to_array<std::string_view>({"auto",
 
 class PlanReader {
   using Kind = Vertex::Kind;
+  using Port = std::pair<int, int>;  ///< vertex, output
+  struct Check {
+    Port port;
+    std::string text;
+  };
 
  public:
   PlanReader(CProgram program, const Plan& plan, const RecordedNodes& nodes)
@@ -123,6 +128,7 @@ class PlanReader {
     read_inputs();
     for (const auto& step : plan_.steps) read_step(step);
     read_outputs();
+    keep_checks();
     if (!errors_.empty()) return tl::unexpected(std::move(errors_));
     return std::move(program_);
   }
@@ -435,13 +441,15 @@ class PlanReader {
     std::ranges::move(node.tables, std::back_inserter(program_.tables));
     program_.table_bytes += node.table_bytes;
     std::ranges::move(node.start, std::back_inserter(program_.start));
+    std::ranges::move(node.follow, std::back_inserter(program_.follow));
+    std::ranges::move(node.design, std::back_inserter(program_.designs));
     auto statements = std::move(node.step);
     for (const bool last : {false, true})
       for (int port = 0; port < static_cast<int>(node.values.size()); ++port) {
         const bool later = std::ranges::find(node.last, port) != node.last.end();
         if (later != last || !ports_[index(v)][index(port)] || node.values[index(port)].empty()) continue;
         name_value(v, port, {node.values[index(port)]}, statements);
-        if (can_stay_non_finite(vertex, port)) program_.checked.push_back(values_[{v, port}].text);
+        if (can_stay_non_finite(vertex, port)) checks_.push_back({{v, port}, values_[{v, port}].text});
       }
     add_statements(v, std::move(statements));
     if (step.kind == Step::Kind::Emit)
@@ -454,6 +462,39 @@ class PlanReader {
     if (vertex.type == nullptr) return false;
     const auto& output = vertex.type->outputs[index(port)];
     return !vertex.type->stateless && output.kind == OutputKind::Signal && !output.range.bounded();
+  }
+
+  // Checks: a value that makes another one non-finite in the same frame needs none of its own.
+
+  bool passes_non_finite(const Vertex& vertex, int input) const {
+    using enum Expression::Op;
+    if (vertex.kind == Kind::Operation)
+      return vertex.op == Signal || vertex.op == Negate || vertex.op == Add || vertex.op == Subtract ||
+             vertex.op == Multiply;
+    const auto* entry = vertex.kind == Kind::Node ? find_node_export(vertex.type->name) : nullptr;
+    return entry != nullptr && entry->passes == input;
+  }
+  bool is_checked(const Port& port) const {
+    return std::ranges::find(checks_, port, &Check::port) != checks_.end() ||
+           std::ranges::any_of(plan_.channels, [&](const OutputChannel& channel) {
+             return channel.use != OutputUse::Tap && Port{channel.from.vertex, channel.from.port} == port;
+           });
+  }
+  bool reaches_check(const Port& port) const {
+    if (at(port.first).divisor != 1) return false;
+    for (std::size_t v = 0; v < plan_.vertices.size(); ++v) {
+      const auto& vertex = plan_.vertices[v];
+      const Port result{static_cast<int>(v), 0};
+      for (std::size_t i = 0; i < vertex.in.size(); ++i)
+        if (Port{vertex.in[i].vertex, vertex.in[i].port} == port && vertex.divisor == 1 &&
+            passes_non_finite(vertex, static_cast<int>(i)) && (is_checked(result) || reaches_check(result)))
+          return true;
+    }
+    return false;
+  }
+  void keep_checks() {
+    for (const auto& check : checks_)
+      if (!reaches_check(check.port)) program_.checked.push_back(check.text);
   }
 
   /// Late inputs are known only now. What goes once around a loop is checked here, where it begins anew.
@@ -481,7 +522,8 @@ class PlanReader {
       declare(v, name, text, statements);
       text = name;
     }
-    if (std::ranges::find(program_.checked, text) == program_.checked.end()) program_.checked.push_back(text);
+    if (std::ranges::find(checks_, text, &Check::text) == checks_.end())
+      checks_.push_back({{wire.vertex, wire.port}, text});
     return text;
   }
   static std::string late_input(int v, int input) { return fmt::format("late_{}_{}__", v, input); }
@@ -566,7 +608,8 @@ class PlanReader {
   std::vector<Pace> paces_;                               ///< [vertex]
   std::vector<int> readers_, fast_readers_;               ///< [vertex]; those that run in each frame
   std::vector<std::vector<bool>> ports_;                  ///< [vertex] which outputs are read
-  std::map<std::pair<int, int>, CExpression> values_;     ///< [vertex, port]
+  std::map<Port, CExpression> values_;
+  std::vector<Check> checks_;
   std::map<int, std::string> node_names_;
   std::map<int, std::vector<std::string>> late_;  ///< [vertex] its second half
   int divisor_ = 1;

@@ -23,7 +23,8 @@ static inline tactus_real tactus_control_at(const tactus_control* s) {
   return s->passed >= s->frames ? s->to : s->from + (s->to - s->from) * tactus_control_share(s);
 }
 
-/// One frame on. 1 where the value is not that of the frame before. A `wanted` that is not finite is ignored.
+/// One frame on. 1 while it moves: also in the frame in which it begins to, and until a frame with the value
+/// of the one before. A `wanted` that is not finite is ignored.
 static inline int tactus_control_step(tactus_control* s, tactus_real wanted, tactus_real low,
                                       tactus_real high, long frames) {
   const tactus_real target = tactus_is_finite(wanted) ? tactus_clamp(wanted, low, high) : s->to;
@@ -37,7 +38,7 @@ static inline int tactus_control_step(tactus_control* s, tactus_real wanted, tac
     s->passed = 0;
     s->value = tactus_control_at(s);
   }
-  return s->value != before;
+  return s->value != before || s->passed < s->frames;
 }
 
 /// The same on a straight line in decibels, where both ends are positive.
@@ -58,5 +59,5 @@ static inline int tactus_control_decibel_step(tactus_control* s, tactus_real wan
     s->passed = 0;
     s->value = tactus_control_decibel_at(s);
   }
-  return s->value != before;
+  return s->value != before || s->passed < s->frames;
 }

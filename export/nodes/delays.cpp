@@ -31,7 +31,7 @@ void write_delay(NodeWriter& node) {
   const auto aim_at =
       "tactus_aim_at(&" + aim + ", &" + range_text + ", " + order_text + ", " + node.in(kTime) + ");";
   node.halves() ? node.late(write) : node.step(write);
-  node.pace(kTime) == Pace::Constant ? node.start(aim_at) : node.step(aim_at);
+  node.at_pace_of(kTime, aim_at);
   node.give(0, "tactus_aim_read(&" + aim + ", " + order_text + ", &" + line + ", " + written + ")");
 }
 
@@ -113,8 +113,11 @@ void write_waveguide(NodeWriter& node) {
 }
 
 constexpr NodeExport kDelays[] = {
-    {"align", write_align},   {"delay", write_delay},         {"event_delay", write_event_delay},
-    {"string", write_string}, {"waveguide", write_waveguide},
+    {"align", write_align},
+    {"delay", write_delay},
+    {"event_delay", write_event_delay},
+    {"string", write_string, "", "", nullptr, 0},
+    {"waveguide", write_waveguide},
 };
 
 }  // namespace

@@ -93,12 +93,12 @@ void write_modal(NodeWriter& node) {
 }
 
 constexpr NodeExport kFilters[] = {
-    {"one_pole", write_one_pole, "", "", one_pole_design},
-    {"dc_blocker", write_filter, "tactus_dc_blocker($1)", "", own_design},
-    {"velocity", write_filter, "tactus_filtered_velocity($1, $rate)", "", own_design},
-    {"low_pass", write_filter, "tactus_low_pass($1, $2)", "", own_design},
-    {"high_pass", write_filter, "tactus_high_pass($1, $2)", "", own_design},
-    {"band_pass", write_filter, "tactus_band_pass($1, $2)", "", own_design},
+    {"one_pole", write_one_pole, "", "", one_pole_design, 0},
+    {"dc_blocker", write_filter, "tactus_dc_blocker($1)", "", own_design, 0},
+    {"velocity", write_filter, "tactus_filtered_velocity($1, $rate)", "", own_design, 0},
+    {"low_pass", write_filter, "tactus_low_pass($1, $2)", "", own_design, 0},
+    {"high_pass", write_filter, "tactus_high_pass($1, $2)", "", own_design, 0},
+    {"band_pass", write_filter, "tactus_band_pass($1, $2)", "", own_design, 0},
     {"difference", write_step_at_rate<tactus_difference>, "tactus_difference_step", "tactus_difference"},
     {"fir", write_fir},
     {"modal", write_modal},

@@ -52,6 +52,25 @@ std::string NodeWriter::table(const std::string& suffix, const std::vector<doubl
   return table("tactus_real", suffix, text + "}", 8 * values.size());
 }
 
+void NodeWriter::at_pace_of(int input, std::string statement) {
+  auto& statements = pace(input) == Pace::Constant  ? node_.start
+                     : pace(input) == Pace::Control ? node_.follow
+                                                    : node_.step;
+  statements.push_back(std::move(statement));
+}
+
+void NodeWriter::design(const std::vector<int>& inputs, const WithInputs& statement) {
+  const bool of_controls =
+      divisor_ == 1 && std::ranges::all_of(inputs, [&](int input) { return pace(input) != Pace::Frame; });
+  if (!of_controls) return when_changed(inputs, statement, position() + " == 0 && ");
+  // The program looks at the place in the group.
+  const auto steps = node_.step.size();
+  when_changed(inputs, statement);
+  std::move(node_.step.begin() + static_cast<std::ptrdiff_t>(steps), node_.step.end(),
+            std::back_inserter(node_.design));
+  node_.step.resize(steps);
+}
+
 void NodeWriter::when_changed(const std::vector<int>& inputs, const WithInputs& statement,
                               const std::string& condition) {
   std::vector<int> moving;

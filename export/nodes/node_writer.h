@@ -34,6 +34,8 @@ struct WrittenNode {
   std::vector<std::string> tables;
   std::size_t table_bytes = 0;
   std::vector<std::string> start;   ///< statements for a state of zeros
+  std::vector<std::string> follow;  ///< whenever controls move
+  std::vector<std::string> design;  ///< the same, at the start of a group of eight frames
   std::vector<std::string> step;    ///< of each frame
   std::vector<std::string> late;    ///< what reads late inputs; on a loop it follows later
   std::vector<std::string> values;  ///< [output] the expression; "": it is not read
@@ -111,6 +113,8 @@ class NodeWriter {
 
   void start(std::string statement) { node_.start.push_back(std::move(statement)); }
   void step(std::string statement) { node_.step.push_back(std::move(statement)); }
+  /// A statement that depends on one input: once at the start, whenever controls move, or in each frame.
+  void at_pace_of(int input, std::string statement);
   void late(std::string statement) { node_.late.push_back(std::move(statement)); }
   /// What an output is, behind the statements of `step`.
   void give(int output, std::string value) {
@@ -131,9 +135,7 @@ class NodeWriter {
   /// A statement that depends on some inputs: once at the start if they are constant, else at the start of
   /// each group of eight frames in which one of them has changed. `statement` is given how to refer to the
   /// inputs, in their order.
-  void design(const std::vector<int>& inputs, const WithInputs& statement) {
-    when_changed(inputs, statement, position() + " == 0 && ");
-  }
+  void design(const std::vector<int>& inputs, const WithInputs& statement);
   /// The same in each frame in which one of them has changed.
   void when_changed(const std::vector<int>& inputs, const WithInputs& statement,
                     const std::string& condition = {});

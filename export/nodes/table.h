@@ -17,6 +17,7 @@ struct NodeExport {
   const char* state = "";   ///< the type of its state
   /// Of filters: the text for `filter_design`, for whose phase delay others may be compensated.
   std::string (*design)(const NodeExport& entry, const NodeSetup& setup) = nullptr;
+  int passes = -1;  ///< the input that, while it is not finite, makes the first output so in the same frame
 };
 
 /// [any] The families, each in the file of its name.

@@ -14,6 +14,11 @@ namespace {
 
 constexpr std::size_t kWidth = 110;
 
+constexpr const char* kSeldom =
+    "/* What does not run in each frame stays apart, so that a frame saves no registers for it. */\n"
+    "#ifdef __GNUC__\n#define TACTUS_SELDOM __attribute__((noinline, cold))\n"
+    "#else\n#define TACTUS_SELDOM\n#endif\n\n";
+
 std::string literal(double value) { return c_number(value, *find_number_type("double")); }
 
 bool mentions(const std::vector<Statement>& statements, const std::string& name) {
@@ -89,8 +94,12 @@ std::string program_struct(const CProgram& program) {
                         std::max<std::size_t>(1, program.outputs.size()));
   if (program.needs_frame_number()) text += "  unsigned long long frame; /* since the start */\n";
   text +=
-      "  unsigned char cell;    /* frame number modulo 64 */\n"
+      "  unsigned char cell;    /* frame number modulo 256 */\n"
       "  unsigned char silent;  /* frames left of the silence after a fault */\n";
+  if (!program.controls.empty())
+    text += "  unsigned char busy;    /* a control moves, or a design does not follow the controls yet */\n";
+  if (!program.designs.empty())
+    text += "  unsigned char stale;   /* a design does not follow the controls yet */\n";
   return text + "} tactus;\n\n";
 }
 
@@ -133,11 +142,31 @@ std::string limits_table(const CProgram& program) {
   return text + "};\n\n";
 }
 
-std::string follow_function(const CProgram& program) {
-  if (program.follow.empty()) return {};
-  return "/* What depends on controls alone. */\nstatic void tactus_follow(tactus* self) {\n"
-         "  tactus_nodes* const s = &self->nodes;\n  const tactus_ramps* const c = &self->ramps;\n" +
-         indented(program.follow, 2) + "}\n\n";
+/// What statements call `s` and `c`.
+std::string names_in(const std::string& statements) {
+  const auto names = identifiers_of(statements);
+  std::string text;
+  if (names.contains("s")) text += "  tactus_nodes* const s = &self->nodes;\n";
+  if (names.contains("c")) text += "  const tactus_ramps* const c = &self->ramps;\n";
+  return text;
+}
+
+std::string follow_functions(const CProgram& program) {
+  std::string text;
+  if (!program.follow.empty()) {
+    const auto body = indented(program.follow, 2);
+    text +=
+        "/* What depends on controls alone. */\nstatic TACTUS_SELDOM void tactus_follow(tactus* self) {\n" +
+        names_in(body) + body + "}\n\n";
+  }
+  if (!program.designs.empty()) {
+    const auto body = indented(program.designs, 2);
+    text +=
+        "/* Filters and strings follow the controls at the start of a group of eight frames. */\n"
+        "static TACTUS_SELDOM void tactus_design(tactus* self) {\n" +
+        names_in(body) + body + "  self->stale = 0;\n}\n\n";
+  }
+  return text;
 }
 
 std::string reset_function(const CProgram& program) {
@@ -145,6 +174,7 @@ std::string reset_function(const CProgram& program) {
   if (!program.start.empty()) text += "  tactus_nodes* const s = &self->nodes;\n";
   text += "  memset(&self->nodes, 0, sizeof self->nodes);\n" + indented(program.start, 2);
   if (!program.follow.empty()) text += "  tactus_follow(self);\n";
+  if (!program.designs.empty()) text += "  self->stale = self->busy = 1;\n";
   return text + "}\n\n";
 }
 
@@ -204,31 +234,43 @@ std::string frame_statements(const CProgram& program) {
   return text + (divisor > 1 ? "  }\n" : "");
 }
 
-/// The statements of one frame; whether all that matters stayed finite.
-std::string frame_function(const CProgram& program) {
-  std::string body = frame_statements(program), check;
+std::string statements_of_frame(const CProgram& program) {
+  auto body = frame_statements(program);
   for (std::size_t i = 0; i < program.outputs.size(); ++i)
     body += indented({fmt::format("out[{}] = {};", i, program.outputs[i].value)}, 2);
-  for (const auto& value : program.checked) check += (check.empty() ? "0 * " : " + 0 * ") + value;
-  for (std::size_t i = 0; i < program.outputs.size(); ++i)
-    check += (check.empty() ? "0 * " : " + 0 * ") + fmt::format("out[{}]", i);
-  body += indented({"return " + (check.empty() ? "1" : check + " == 0") + ";"}, 2);
+  return body;
+}
 
+/// Whether all that matters stayed finite: x - x is 0, or NaN where x is not finite.
+std::string finite_check(const CProgram& program) {
+  std::string sum;
+  const auto add = [&](const std::string& value) {
+    sum += fmt::format("{}({} - {})", sum.empty() ? "" : " + ", value, value);
+  };
+  for (const auto& value : program.checked) add(value);
+  for (std::size_t i = 0; i < program.outputs.size(); ++i) add(fmt::format("out[{}]", i));
+  if (sum.empty()) return "  return 1;\n";
+  return indented({"const tactus_real check = " + sum + ";  /* 0 or NaN */", "return check == check;"}, 2);
+}
+
+/// A frame of nodes needs to know its place in a group of eight.
+bool needs_position(const std::string& body) { return identifiers_of(body).contains("group_position"); }
+
+std::string frame_function(const CProgram& program) {
+  const auto body = statements_of_frame(program);
   const auto names = identifiers_of(body);
   std::string text =
       "/* One frame of all nodes. 0: something is not finite. */\n"
-      "static int tactus_frame(tactus* self, const tactus_real* in, tactus_real* out) {\n";
-  if (names.contains("s")) text += "  tactus_nodes* const s = &self->nodes;\n";
-  if (names.contains("c")) text += "  const tactus_ramps* const c = &self->ramps;\n";
-  if (names.contains("group_position")) text += "  const int group_position = self->cell % 8;\n";
+      "static int tactus_frame(tactus* self, " +
+      std::string{needs_position(body) ? "int group_position, " : ""} +
+      "const tactus_real* in, tactus_real* out) {\n" + names_in(body);
   if (program.needs_frame_number()) text += "  const unsigned long long frame_number = self->frame;\n";
   text += divided_names(program) + indented(program.variables, 2);
   if (!names.contains("in")) text += "  (void)in;\n";
   if (program.outputs.empty()) text += "  (void)out;\n";
-  if (!names.contains("s") && !names.contains("c") && !names.contains("group_position") &&
-      !program.needs_frame_number())
+  if (!names.contains("s") && !names.contains("c") && !program.needs_frame_number())
     text += "  (void)self;\n";
-  return text + body + "}\n\n";
+  return text + body + finite_check(program) + "}\n\n";
 }
 
 std::string init_function(const CProgram& program) {
@@ -255,43 +297,74 @@ std::string control_steps(const CProgram& program) {
   return text;
 }
 
-std::string step_function(const CProgram& program) {
-  const bool follows = !program.follow.empty();
-  std::string text = "void tactus_step(tactus* self, const tactus_real* in, tactus_real* out) {\n";
-  auto moves = control_steps(program);
-  if (!follows)
-    for (auto at = moves.find("moved |= "); at != std::string::npos; at = moves.find("moved |= "))
-      moves.erase(at, 9);
+std::string silence_function(const CProgram& program) {
+  std::string text =
+      "/* After a fault: all nodes start anew, and outputs are 0 to the next multiple of 64 frames. */\n"
+      "static TACTUS_SELDOM void tactus_silence(tactus* self, unsigned char cell, tactus_real* out) {\n"
+      "  if (self->silent == 0) {\n"
+      "    tactus_reset(self);\n"
+      "    self->silent = (unsigned char)(64 - cell % 64);\n"
+      "  }\n"
+      "  --self->silent;\n";
+  return text +
+         (program.outputs.empty() ? "  (void)out;\n" : "  memset(out, 0, TACTUS_OUTPUTS * sizeof *out);\n") +
+         "}\n\n";
+}
+
+/// Nodes and guard.
+std::string statements_of_step(const CProgram& program) {
+  std::string text = "  const unsigned char cell = self->cell++;\n";
   if (program.guard)
     text += fmt::format("  const int open = tactus_switch_step(&self->alive, {});\n",
                         std::llround(0.5 * program.sample_rate.value));
-  if (follows) text += "  int moved = 0;\n";
-  text += moves;
-  if (follows) text += "  if (moved) tactus_follow(self);\n";
-  text +=
-      "  if (self->silent == 0 && !tactus_frame(self, in, out)) {\n"
-      "    tactus_reset(self);\n"
-      "    self->silent = (unsigned char)(64 - self->cell);\n"
-      "  }\n"
-      "  if (self->silent > 0) {\n"
-      "    --self->silent;\n";
-  if (!program.outputs.empty()) text += "    memset(out, 0, TACTUS_OUTPUTS * sizeof *out);\n";
-  text += "  }\n";
+  text += std::string{"  if (self->silent > 0 || !tactus_frame(self, "} +
+          (needs_position(statements_of_frame(program)) ? "cell % 8, " : "") +
+          "in, out)) tactus_silence(self, cell, out);\n";
   if (program.guard && !program.outputs.empty())
     text +=
         "  for (int k = 0; k < TACTUS_OUTPUTS; ++k)\n"
         "    out[k] = tactus_guard_step(&self->guards[k], &tactus_output_limits[k], open, out[k]);\n";
   if (program.guard && program.outputs.empty()) text += "  (void)open;\n";
   if (program.needs_frame_number()) text += "  ++self->frame;\n";
-  return text + "  self->cell = (unsigned char)((self->cell + 1) % 64);\n}\n";
+  return text;
+}
+
+/// Where a control moves, on the way to the same frame.
+std::string attend_function(const CProgram& program) {
+  const bool follows = !program.follow.empty(), designs = !program.designs.empty();
+  std::string text =
+      "/* A frame in which controls move. */\n"
+      "static TACTUS_SELDOM void tactus_attend(tactus* self, const tactus_real* in, tactus_real* out) {\n"
+      "  int moved = 0;\n" +
+      control_steps(program);
+  if (follows) text += "  if (moved) tactus_follow(self);\n";
+  if (designs)
+    text +=
+        "  if (moved) self->stale = 1;\n"
+        "  if (self->stale && self->cell % 8 == 0) tactus_design(self);\n";
+  text += std::string{"  self->busy = (unsigned char)(moved"} + (designs ? " || self->stale" : "") + ");\n";
+  return text + "  tactus_run(self, in, out);\n}\n\n";
+}
+
+std::string step_functions(const CProgram& program) {
+  const std::string parameters = "(tactus* self, const tactus_real* in, tactus_real* out) {\n";
+  const auto statements = statements_of_step(program);
+  if (program.controls.empty()) return "void tactus_step" + parameters + statements + "}\n";
+  std::string condition = "self->busy";
+  for (const auto& control : program.controls)
+    condition += fmt::format(" || self->controls.{0} != self->ramps.{0}.to", control.name);
+  return "static void tactus_run" + parameters + statements + "}\n\n" + attend_function(program) +
+         "void tactus_step" + parameters + indented({"if (" + condition + ")"}, 2) +
+         "    tactus_attend(self, in, out);\n  else\n    tactus_run(self, in, out);\n}\n";
 }
 
 std::string functions(const CProgram& program) {
   std::string text;
   for (const auto& table : program.tables) text += wrapped(table) + "\n";
   if (!program.tables.empty()) text += "\n";
-  return text + limits_table(program) + follow_function(program) + reset_function(program) +
-         frame_function(program) + init_function(program) + alive_function(program) + step_function(program);
+  return text + limits_table(program) + follow_functions(program) + reset_function(program) +
+         frame_function(program) + init_function(program) + alive_function(program) +
+         silence_function(program) + step_functions(program);
 }
 
 }  // namespace
@@ -416,7 +489,7 @@ std::string c_source(const CProgram& program) {
   auto items = kernels_for(own + declared, program);
   std::erase_if(items, [&](const KernelItem& item) { return in_header.contains(item.names.front()); });
   return as_of_program("/* " + program.title + ": see " + program.name + ".h. */\n#include \"" +
-                           program.name + ".h\"\n\n#include <math.h>\n#include <string.h>\n\n" +
+                           program.name + ".h\"\n\n#include <math.h>\n#include <string.h>\n\n" + kSeldom +
                            text_of(items) + own,
                        program);
 }
