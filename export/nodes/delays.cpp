@@ -12,8 +12,33 @@
 namespace tactus {
 namespace {
 
+enum DelayInput { kIn, kTime };
+
+/// Where the taps lie: constants, or the state that aims them.
+std::string write_aim(NodeWriter& node, const tactus_delay& range, int order) {
+  if (const auto time = node.constant(kTime)) {
+    tactus_aim aim{};
+    tactus_aim_at(&aim, &range, order, *time);
+    std::string weights;
+    for (int k = 0; k <= order; ++k) weights += (k == 0 ? "" : ", ") + NodeWriter::number(aim.weights[k]);
+    return node.table(
+        "tactus_aim", "aim",
+        "{" + NodeWriter::number(aim.seconds) + ", 1, " + std::to_string(aim.newest) + ", {" + weights + "}}",
+        sizeof(tactus_aim));
+  }
+  const auto range_text =
+      node.table("tactus_delay", "range",
+                 "{" + NodeWriter::number(range.low) + ", " + NodeWriter::number(range.high) + ", " +
+                     NodeWriter::number(range.rate) + ", " + std::to_string(range.first) + "}",
+                 sizeof(tactus_delay));
+  const auto aim = node.state<tactus_aim>("tactus_aim", "aim");
+  const auto aim_at = "tactus_aim_at(&" + aim + ", &" + range_text + ", " + std::to_string(order) + ", " +
+                      node.in(kTime) + ");";
+  node.pace(kTime) == Pace::Control ? node.follow(aim_at) : node.step(aim_at);
+  return aim;
+}
+
 void write_delay(NodeWriter& node) {
-  enum Input { kIn, kTime };
   const int order = delay_order(node.setup());
   const auto range = *delay_range(node.setup());
   // What matters is how long it can get here; places of taps follow from the range of the engine.
@@ -21,17 +46,9 @@ void write_delay(NodeWriter& node) {
   reach.high = std::max(range.low, std::min(range.high, node.range(kTime).high));
   const auto line = write_line(node, tactus_delay_most(&reach, order) + order + 1, order + 1);
   const auto order_text = std::to_string(order), written = std::string{node.halves() ? "0" : "1"};
-  const auto range_text =
-      node.table("tactus_delay", "range",
-                 "{" + NodeWriter::number(range.low) + ", " + NodeWriter::number(range.high) + ", " +
-                     NodeWriter::number(range.rate) + ", " + std::to_string(range.first) + "}",
-                 sizeof(tactus_delay));
   const auto write = "tactus_line_write(&" + line + ", " + node.in(kIn) + ");";
-  const auto aim = node.state<tactus_aim>("tactus_aim", "aim");
-  const auto aim_at =
-      "tactus_aim_at(&" + aim + ", &" + range_text + ", " + order_text + ", " + node.in(kTime) + ");";
+  const auto aim = write_aim(node, range, order);
   node.halves() ? node.late(write) : node.step(write);
-  node.at_pace_of(kTime, aim_at);
   node.give(0, "tactus_aim_read(&" + aim + ", " + order_text + ", &" + line + ", " + written + ")");
 }
 
@@ -109,14 +126,15 @@ void write_waveguide(NodeWriter& node) {
   const auto newest = design + ".newest" + (node.halves() ? "" : " + 1");
   const auto taken = "tactus_tap_sum(tactus_line_tap(&" + line + ", " + newest +
                      ", TACTUS_STRING_TAPS - 1), " + design + ".taps, TACTUS_STRING_TAPS, 0)";
-  node.call(0, one_pole ? "tactus_filter_step(" + pole + ", " + taken + ", " + node.position() + ")" : taken);
+  node.call(0,
+            one_pole ? "tactus_filter_step(" + pole + ", 1, " + taken + ", " + node.position() + ")" : taken);
 }
 
 constexpr NodeExport kDelays[] = {
     {"align", write_align},
     {"delay", write_delay},
     {"event_delay", write_event_delay},
-    {"string", write_string, "", "", nullptr, 0},
+    {"string", write_string, "", "", nullptr, nullptr, 0},
     {"waveguide", write_waveguide},
 };
 

@@ -60,10 +60,43 @@ void write_stroke(NodeWriter& node) {
   node.give(2, state + ".evidence");
 }
 
+/// What an exponential keeps in one frame: a constant, or worked out whenever its time changes.
+std::string keep_of(NodeWriter& node, int input, const std::string& suffix) {
+  if (const auto seconds = node.constant(input))
+    return NodeWriter::number(tactus_keep(*seconds, node.setup().sample_rate.value));
+  return "tactus_time_constant_keep(&" + node.state<tactus_time_constant>("tactus_time_constant", suffix) +
+         ", " + node.in(input) + ", " + node.rate() + ")";
+}
+
+void write_envelope(NodeWriter& node) {
+  enum Input { kIn, kAttack, kRelease };
+  const auto follower = node.state<tactus_follower>("tactus_follower");
+  const auto attack = keep_of(node, kAttack, "attack"), release = keep_of(node, kRelease, "release");
+  node.give(0,
+            "tactus_follower_step(&" + follower + ", " + node.in(kIn) + ", " + attack + ", " + release + ")");
+}
+
+void write_decay(NodeWriter& node) {
+  enum Input { kTrigger, kTime, kLevel, kLength };
+  const auto rise = node.state<tactus_rise>("tactus_rise", "rise");
+  const auto keep = keep_of(node, kTime, "time");
+  const auto rises = "if (tactus_rise_step(&" + rise + ", " + node.in(kTrigger) + ")) ";
+  const auto length = node.constant(kLength);
+  if (length && *length <= 0) {
+    const auto value = node.state<double>("tactus_real", "value");
+    node.step(rises + value + " = " + node.in(kLevel) + ";");
+    return node.give(0, "tactus_pulse_fall(&" + value + ", " + keep + ")");
+  }
+  const auto pulse = node.state<tactus_pulse>("tactus_pulse");
+  node.step(rises + "tactus_pulse_start(&" + pulse + ", " + node.in(kLevel) + ");");
+  node.give(0, "tactus_pulse_step(&" + pulse + ", " + keep + ", " + node.operand(kLength) + " * " +
+                   node.rate() + ")");
+}
+
 constexpr NodeExport kEnvelopes[] = {
-    {"envelope", write_step_at_rate<tactus_envelope>, "tactus_envelope_step", "tactus_envelope"},
+    {"envelope", write_envelope},
     {"adsr", write_step_at_rate<tactus_adsr>, "tactus_adsr_step", "tactus_adsr"},
-    {"decay", write_step_at_rate<tactus_decay>, "tactus_decay_step", "tactus_decay"},
+    {"decay", write_decay},
     {"onset", write_onset},
     {"pitch", write_pitch},
     {"stroke", write_stroke},

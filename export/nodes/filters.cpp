@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include "engine/dsp/delays/resample.h"
 #include "engine/dsp/delays/taps_kernel.h"
 #include "engine/dsp/filters/filter_kernel.h"
@@ -9,17 +11,48 @@
 namespace tactus {
 namespace {
 
-/// A recursive filter. Its kernel is the design, with $1 and $2 for its parameters and $rate.
-void write_filter(NodeWriter& node) {
-  const auto filter = node.state<tactus_filter>("tactus_filter");
+std::string design_text(const tactus_filter_design& design) {
+  const auto text = [](double value) { return NodeWriter::number(value); };
+  return fmt::format("{{{}, {{{}, {}, {}}}, {{{}, {}}}}}", design.order, text(design.b[0]), text(design.b[1]),
+                     text(design.b[2]), text(design.a[0]), text(design.a[1]));
+}
+
+/// Of a filter whose parameters are all its inputs but the first: as constants, or worked out whenever they
+/// change. Returns the order.
+int write_coefficients(NodeWriter& node, const std::string& filter) {
+  const auto& entry = *find_node_export(node.setup().type->name);
+  const double rate = node.setup().sample_rate.value;
+  const auto coefficients = [&](double cutoff, double q) {
+    return entry.coefficients(node.setup(), tactus_filter_radians(cutoff, rate), tactus_filter_q(q), rate);
+  };
   std::vector<int> parameters;
-  for (int i = 1; i < static_cast<int>(node.setup().inputs.size()); ++i) parameters.push_back(i);
+  bool constant = true;
+  for (int i = 1; i < static_cast<int>(node.setup().inputs.size()); ++i) {
+    parameters.push_back(i);
+    constant = constant && node.constant(i);
+  }
+  if (constant) {
+    const auto design = coefficients(*node.constant(1), parameters.size() > 1 ? *node.constant(2) : 1);
+    node.start(
+        "tactus_filter_set(&" + filter + ", " +
+        node.table("tactus_filter_design", "design", design_text(design), sizeof(tactus_filter_design)) +
+        ");");
+    return design.order;
+  }
   node.design(parameters, [&](const std::vector<std::string>& values) {
     return "tactus_filter_set(&" + filter + ", " + filter_design(node.kernel(), values, node.rate()) + ");";
   });
+  return coefficients(rate / 8, 1).order;
+}
+
+/// A recursive filter. Its kernel is the design, with $1 and $2 for its parameters and $rate.
+void write_filter(NodeWriter& node) {
+  const auto filter = node.state<tactus_filter>("tactus_filter");
+  const int order = write_coefficients(node, filter);
   const bool remainder = node.setup().type->outputs.size() > 1 && node.reads(1);
   const auto in = remainder ? node.variable(0) : node.in(0);
-  const auto step = "tactus_filter_step(&" + filter + ", " + in + ", " + node.position() + ")";
+  const auto step = "tactus_filter_step(&" + filter + ", " + std::to_string(order) + ", " + in + ", " +
+                    node.position() + ")";
   if (!remainder) return node.give(0, step);
   if (!node.reads(0)) return node.give(1, in + " - " + step);
   const auto filtered = node.local("low", step);
@@ -31,6 +64,11 @@ std::string own_design(const NodeExport& entry, const NodeSetup&) { return entry
 
 std::string one_pole_design(const NodeExport&, const NodeSetup& setup) {
   return setup.setting("form").text == "matched" ? "tactus_matched_one_pole($1)" : "tactus_one_pole($1)";
+}
+
+tactus_filter_design one_pole_coefficients(const NodeSetup& setup, double radians, double, double) {
+  return setup.setting("form").text == "matched" ? tactus_matched_one_pole(radians)
+                                                 : tactus_one_pole(radians);
 }
 
 void write_one_pole(NodeWriter& node) {
@@ -93,12 +131,20 @@ void write_modal(NodeWriter& node) {
 }
 
 constexpr NodeExport kFilters[] = {
-    {"one_pole", write_one_pole, "", "", one_pole_design, 0},
-    {"dc_blocker", write_filter, "tactus_dc_blocker($1)", "", own_design, 0},
-    {"velocity", write_filter, "tactus_filtered_velocity($1, $rate)", "", own_design, 0},
-    {"low_pass", write_filter, "tactus_low_pass($1, $2)", "", own_design, 0},
-    {"high_pass", write_filter, "tactus_high_pass($1, $2)", "", own_design, 0},
-    {"band_pass", write_filter, "tactus_band_pass($1, $2)", "", own_design, 0},
+    {"one_pole", write_one_pole, "", "", one_pole_design, one_pole_coefficients, 0},
+    {"dc_blocker", write_filter, "tactus_dc_blocker($1)", "", own_design,
+     [](const NodeSetup&, double radians, double, double) { return tactus_dc_blocker(radians); }, 0},
+    {"velocity", write_filter, "tactus_filtered_velocity($1, $rate)", "", own_design,
+     [](const NodeSetup&, double radians, double, double rate) {
+       return tactus_filtered_velocity(radians, rate);
+     },
+     0},
+    {"low_pass", write_filter, "tactus_low_pass($1, $2)", "", own_design,
+     [](const NodeSetup&, double radians, double q, double) { return tactus_low_pass(radians, q); }, 0},
+    {"high_pass", write_filter, "tactus_high_pass($1, $2)", "", own_design,
+     [](const NodeSetup&, double radians, double q, double) { return tactus_high_pass(radians, q); }, 0},
+    {"band_pass", write_filter, "tactus_band_pass($1, $2)", "", own_design,
+     [](const NodeSetup&, double radians, double q, double) { return tactus_band_pass(radians, q); }, 0},
     {"difference", write_step_at_rate<tactus_difference>, "tactus_difference_step", "tactus_difference"},
     {"fir", write_fir},
     {"modal", write_modal},

@@ -56,9 +56,9 @@ void write_interval(NodeWriter& node) {
 
 void write_threshold(NodeWriter& node) {
   const auto state = node.state<tactus_threshold>("tactus_threshold");
-  node.call(0, "tactus_threshold_step(&" + state + ", " + node.in(0) + ", " + node.in(1) +
-                   ", tactus_max(0.0, " + node.in(2) + "), tactus_clamp(" + node.in(3) + ", 0.0, 3600.0) * " +
-                   node.rate() + ")");
+  const auto* kernel = node.reads(1) ? "tactus_threshold_step(&" : "tactus_threshold_fires(&";
+  node.call(0, kernel + state + ", " + node.in(0) + ", " + node.in(1) + ", tactus_max(0.0, " + node.in(2) +
+                   "), tactus_clamp(" + node.in(3) + ", 0.0, 3600.0) * " + node.rate() + ")");
   node.give(1, state + ".high");
 }
 

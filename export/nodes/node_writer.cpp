@@ -52,13 +52,6 @@ std::string NodeWriter::table(const std::string& suffix, const std::vector<doubl
   return table("tactus_real", suffix, text + "}", 8 * values.size());
 }
 
-void NodeWriter::at_pace_of(int input, std::string statement) {
-  auto& statements = pace(input) == Pace::Constant  ? node_.start
-                     : pace(input) == Pace::Control ? node_.follow
-                                                    : node_.step;
-  statements.push_back(std::move(statement));
-}
-
 void NodeWriter::design(const std::vector<int>& inputs, const WithInputs& statement) {
   const bool of_controls =
       divisor_ == 1 && std::ranges::all_of(inputs, [&](int input) { return pace(input) != Pace::Frame; });

@@ -90,6 +90,7 @@ class NodeWriter {
   const std::string& in(int input) const { return inputs_[index(input)].value.text; }
   std::string operand(int input) const { return inputs_[index(input)].value.within(CExpression::Operand); }
   Pace pace(int input) const { return inputs_[index(input)].pace; }
+  std::optional<double> constant(int input) const { return inputs_[index(input)].constant; }
   Interval range(int input) const { return inputs_[index(input)].range; }
   /// The same where it is read several times.
   std::string variable(int input);
@@ -113,8 +114,8 @@ class NodeWriter {
 
   void start(std::string statement) { node_.start.push_back(std::move(statement)); }
   void step(std::string statement) { node_.step.push_back(std::move(statement)); }
-  /// A statement that depends on one input: once at the start, whenever controls move, or in each frame.
-  void at_pace_of(int input, std::string statement);
+  /// A statement that depends on controls alone.
+  void follow(std::string statement) { node_.follow.push_back(std::move(statement)); }
   void late(std::string statement) { node_.late.push_back(std::move(statement)); }
   /// What an output is, behind the statements of `step`.
   void give(int output, std::string value) {

@@ -5,6 +5,7 @@
 #include <span>
 #include <string_view>
 
+#include "engine/dsp/filters/filter_kernel.h"
 #include "export/nodes/node_writer.h"
 
 namespace tactus {
@@ -17,6 +18,9 @@ struct NodeExport {
   const char* state = "";   ///< the type of its state
   /// Of filters: the text for `filter_design`, for whose phase delay others may be compensated.
   std::string (*design)(const NodeExport& entry, const NodeSetup& setup) = nullptr;
+  /// The same coefficients as numbers, for a cutoff in radians per frame, a q and a sample rate.
+  tactus_filter_design (*coefficients)(const NodeSetup& setup, double radians, double q,
+                                       double rate) = nullptr;
   int passes = -1;  ///< the input that, while it is not finite, makes the first output so in the same frame
 };
 

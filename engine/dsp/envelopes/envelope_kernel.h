@@ -13,7 +13,7 @@ typedef struct tactus_rise {
 static inline int tactus_rise_step(tactus_rise* s, tactus_real trigger) {
   const int was_high = s->high;
   s->high = trigger >= 0.5;
-  return s->high > was_high;
+  return s->high && !was_high;
 }
 
 /// What an exponential keeps in one frame, e^(-1 / (rate seconds)); 0 for seconds <= 0: at once.

@@ -119,26 +119,26 @@ static inline void tactus_filter_set(tactus_filter* s, tactus_filter_design desi
 }
 
 /// `sum` and the response, k frames into the group, to the outputs before the group.
-static inline tactus_real tactus_filter_output(const tactus_filter* s, int k, tactus_real sum) {
-  if (s->design.order == 2) sum = tactus_fma(s->design.a[1] * s->h[k], s->y[1], sum);
+static inline tactus_real tactus_filter_output(const tactus_filter* s, int order, int k, tactus_real sum) {
+  if (order == 2) sum = tactus_fma(s->design.a[1] * s->h[k], s->y[1], sum);
   return tactus_fma(s->h[k + 1], s->y[0], sum);
 }
 
-/// `position`: frame number modulo 8.
-static inline tactus_real tactus_filter_step(tactus_filter* s, tactus_real in, int position) {
+/// `order`: that of the design; `position`: frame number modulo 8.
+static inline tactus_real tactus_filter_step(tactus_filter* s, int order, tactus_real in, int position) {
   const tactus_real* b = s->design.b;
-  const int twice = s->design.order == 2;
   // Not fused, so that equal inputs cancel exactly.
-  const tactus_real v = twice ? (b[0] * in + b[2] * s->x[1]) + b[1] * s->x[0] : b[0] * in + b[1] * s->x[0];
+  const tactus_real v =
+      order == 2 ? (b[0] * in + b[2] * s->x[1]) + b[1] * s->x[0] : b[0] * in + b[1] * s->x[0];
   tactus_real out;
   s->x[1] = s->x[0];
   s->x[0] = in;
   for (int k = 0; k < 8; ++k)
     s->sums[k] = tactus_fma(k < position ? 0.0 : s->h[k - position], v, position == 0 ? 0.0 : s->sums[k]);
-  out = tactus_filter_output(s, position, s->sums[position]);
+  out = tactus_filter_output(s, order, position, s->sums[position]);
   if (position == 7) {
-    const tactus_real newest = tactus_filter_output(s, 7, s->sums[7]);
-    s->y[1] = tactus_filter_output(s, 6, s->sums[6]);
+    const tactus_real newest = tactus_filter_output(s, order, 7, s->sums[7]);
+    s->y[1] = tactus_filter_output(s, order, 6, s->sums[6]);
     s->y[0] = newest;
   }
   return out + 0.0;

@@ -127,7 +127,7 @@ static inline tactus_real tactus_string_step(const tactus_string_design* design,
                                              int position) {
   const tactus_real* newest = tactus_line_tap(line, design->newest, TACTUS_STRING_TAPS - 1);
   tactus_real out = tactus_tap_sum(newest, design->taps, TACTUS_STRING_TAPS, one_pole ? 0 : in);
-  if (one_pole) out = in + tactus_filter_step(pole, out, position);
+  if (one_pole) out = in + tactus_filter_step(pole, 1, out, position);
   tactus_line_write(line, out);
   return out;
 }
@@ -182,5 +182,5 @@ static inline tactus_real tactus_waveguide_step(const tactus_string_design* desi
   tactus_line_write(line, in);
   newest = tactus_line_tap(line, design->newest + 1, TACTUS_STRING_TAPS - 1);
   out = tactus_tap_sum(newest, design->taps, TACTUS_STRING_TAPS, 0);
-  return one_pole ? tactus_filter_step(pole, out, position) : out;
+  return one_pole ? tactus_filter_step(pole, 1, out, position) : out;
 }

@@ -11,14 +11,21 @@ typedef struct tactus_pulse {
   long long age;
 } tactus_pulse;
 
-/// The value of this frame; then one frame on.
-static inline tactus_real tactus_pulse_step(tactus_pulse* s, tactus_real keep, tactus_real length_frames) {
-  tactus_real now;
-  if (length_frames > 0 && (tactus_real)s->age + 0.5 >= length_frames) s->value = 0;
-  now = s->value;
-  s->value *= keep;
-  ++s->age;
+static inline void tactus_pulse_start(tactus_pulse* s, tactus_real level) {
+  s->value = level;
+  s->age = 0;
+}
+
+/// The value of this frame; then one frame on, without an end.
+static inline tactus_real tactus_pulse_fall(tactus_real* value, tactus_real keep) {
+  const tactus_real now = *value;
+  *value = now * keep;
   return now;
+}
+static inline tactus_real tactus_pulse_step(tactus_pulse* s, tactus_real keep, tactus_real length_frames) {
+  if (length_frames > 0 && (tactus_real)s->age + 0.5 >= length_frames) s->value = 0;
+  ++s->age;
+  return tactus_pulse_fall(&s->value, keep);
 }
 
 /// `count` steps with the same arguments.
@@ -46,10 +53,7 @@ typedef struct tactus_decay {
 
 static inline tactus_real tactus_decay_step(tactus_decay* s, tactus_real trigger, tactus_real time,
                                             tactus_real level, tactus_real length, tactus_real rate) {
-  if (tactus_rise_step(&s->rise, trigger)) {
-    s->pulse.value = level;
-    s->pulse.age = 0;
-  }
+  if (tactus_rise_step(&s->rise, trigger)) tactus_pulse_start(&s->pulse, level);
   return tactus_pulse_step(&s->pulse, tactus_time_constant_keep(&s->time, time, rate), length * rate);
 }
 

@@ -12,20 +12,25 @@ typedef struct tactus_threshold {
   long long wait;   ///< frames until it may fire again
 } tactus_threshold;
 
-/// 1 in the frame in which it fires. hold_frames: 0 and above.
+/// 1 in the frame in which it fires; leaves out `high`. hysteresis, hold_frames: 0 and above.
+static inline int tactus_threshold_fires(tactus_threshold* s, tactus_real in, tactus_real level,
+                                         tactus_real hysteresis, tactus_real hold_frames) {
+  if (s->wait > 0) --s->wait;
+  if (s->fired) {
+    s->fired = in >= level - hysteresis;
+    return 0;  // at or above the level it is not released
+  }
+  if (!(in >= level) || s->wait > 0) return 0;
+  s->fired = 1;
+  s->wait = llround(hold_frames);
+  return 1;
+}
+
+/// The same with `high`.
 static inline int tactus_threshold_step(tactus_threshold* s, tactus_real in, tactus_real level,
                                         tactus_real hysteresis, tactus_real hold_frames) {
-  const int reached = in >= level, released = !(in >= level - hysteresis);
-  int fires;
-  if (s->wait > 0) --s->wait;
-  s->high = s->high ? !released : reached;
-  s->fired = s->fired && !released;
-  fires = !s->fired && reached && s->wait == 0;
-  if (fires) {
-    s->fired = 1;
-    s->wait = llround(hold_frames);
-  }
-  return fires;
+  s->high = in >= (s->high ? level - hysteresis : level);
+  return tactus_threshold_fires(s, in, level, hysteresis, hold_frames);
 }
 
 /// `count` frames that change nothing.

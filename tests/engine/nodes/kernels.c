@@ -25,7 +25,7 @@
     for (int n = 0; n < frames; ++n) {                                             \
       const double radians = tactus_filter_radians(in[1][n], rate);                \
       if (n % 8 == 0) tactus_filter_set(&state, (shape));                          \
-      out[n] = tactus_filter_step(&state, in[0][n], n % 8);                        \
+      out[n] = tactus_filter_step(&state, state.design.order, in[0][n], n % 8);    \
     }                                                                              \
     return 1;                                                                      \
   } while (0)
