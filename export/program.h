@@ -76,9 +76,9 @@ struct CProgram {
   std::vector<std::string> start;      ///< statements; the state is all zero before
   std::vector<std::string> follow;     ///< what depends on controls alone
   std::vector<std::string> designs;    ///< the same, at the start of a group of eight frames
-  std::vector<std::string> variables;  ///< of a frame, which parts with a rate of their own give
+  std::vector<std::string> variables;  ///< of a frame, declared at its start
   std::vector<Statement> frame;
-  std::vector<std::string> checked;  ///< values that stay non-finite once they are, and reach no other one
+  std::vector<std::string> checked;  ///< what, all of it finite, says that no value is non-finite
 
   bool needs_frame_number() const;
 };

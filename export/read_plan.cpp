@@ -128,6 +128,7 @@ class PlanReader {
     read_inputs();
     for (const auto& step : plan_.steps) read_step(step);
     read_outputs();
+    check_outputs();
     keep_checks();
     if (!errors_.empty()) return tl::unexpected(std::move(errors_));
     return std::move(program_);
@@ -441,6 +442,7 @@ class PlanReader {
     std::ranges::move(node.tables, std::back_inserter(program_.tables));
     program_.table_bytes += node.table_bytes;
     std::ranges::move(node.start, std::back_inserter(program_.start));
+    std::ranges::move(node.variables, std::back_inserter(program_.variables));
     std::ranges::move(node.follow, std::back_inserter(program_.follow));
     std::ranges::move(node.design, std::back_inserter(program_.designs));
     auto statements = std::move(node.step);
@@ -475,10 +477,50 @@ class PlanReader {
     return entry != nullptr && entry->passes == input;
   }
   bool is_checked(const Port& port) const {
-    return std::ranges::find(checks_, port, &Check::port) != checks_.end() ||
-           std::ranges::any_of(plan_.channels, [&](const OutputChannel& channel) {
-             return channel.use != OutputUse::Tap && Port{channel.from.vertex, channel.from.port} == port;
+    return std::ranges::find(checks_, port, &Check::port) != checks_.end();
+  }
+  /// By interval arithmetic, while what it comes from is finite; unbounded if nothing is known.
+  Interval range_of_port(const Port& port) const {
+    const auto& vertex = at(port.first);
+    if (vertex.kind == Kind::Operation && paces_[index(port.first)] != Pace::Constant) {
+      OperandRanges ranges{};
+      for (std::size_t i = 0; i < vertex.in.size(); ++i)
+        ranges[i] = range_of_port({vertex.in[i].vertex, vertex.in[i].port});
+      return range_of(operator_of(vertex.op), ranges);
+    }
+    if (vertex.kind != Kind::Node) return range_of_wire({port.first, port.second});
+    const auto* setup = vertex.runs < 0 ? nullptr : nodes_.setup_of(*plan_.nodes[index(vertex.runs)]);
+    if (setup == nullptr) return {};
+    const auto& type = *setup->type;
+    return type.range ? type.range(port.second, *setup) : type.outputs[index(port.second)].range;
+  }
+  /// While checked values are finite.
+  bool is_finite(const Port& port) const {
+    const auto kind = at(port.first).kind;
+    return is_checked(port) || kind == Kind::Input || kind == Kind::Control ||
+           paces_[index(port.first)] == Pace::Constant || stays_finite(port);
+  }
+  /// While what it comes from is finite. Each loop has a checked value.
+  bool stays_finite(const Port& port) const {
+    const auto& vertex = at(port.first);
+    const auto* entry = vertex.kind == Kind::Node ? find_node_export(vertex.type->name) : nullptr;
+    const bool known = vertex.kind == Kind::Operation || entry != nullptr;
+    return known && ((entry != nullptr && entry->picks) || range_of_port(port).bounded()) &&
+           std::ranges::all_of(vertex.in, [&](const Wire& wire) {
+             return is_finite({wire.vertex, wire.port});
            });
+  }
+  /// Outputs are checked unless they are finite while all nodes are.
+  void check_outputs() {
+    std::vector<Check> checks;
+    int output = 0;
+    for (const auto& channel : plan_.channels) {
+      if (channel.use == OutputUse::Tap) continue;
+      const auto text = fmt::format("out[{}]", output++);
+      if (const Port port{channel.from.vertex, channel.from.port}; !is_finite(port))
+        checks.push_back({port, text});
+    }
+    std::ranges::move(checks, std::back_inserter(checks_));
   }
   bool reaches_check(const Port& port) const {
     if (at(port.first).divisor != 1) return false;
@@ -493,6 +535,10 @@ class PlanReader {
     return false;
   }
   void keep_checks() {
+    std::vector<Check> needed;
+    std::ranges::copy_if(checks_, std::back_inserter(needed),
+                         [&](const Check& check) { return !stays_finite(check.port); });
+    checks_ = std::move(needed);
     for (const auto& check : checks_)
       if (!reaches_check(check.port)) program_.checked.push_back(check.text);
   }

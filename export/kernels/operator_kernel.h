@@ -27,7 +27,7 @@ static inline tactus_real tactus_finite(tactus_real a) { return tactus_is_finite
 /// A sample from outside: numbers too small to be normal are 0, as for the engine.
 static inline tactus_real tactus_sample_in(tactus_real a) {
   const tactus_real size = fabs(a);
-  return (size >= 2.2250738585072014e-308) & (size < HUGE_VAL) ? a : 0;
+  return (size >= 2.2250738585072014e-308) & !(size >= HUGE_VAL) ? a : 0;
 }
 /// Whether a parameter is another one than before.
 static inline int tactus_changed(tactus_real* before, tactus_real now) {

@@ -44,12 +44,13 @@ void write_delay(NodeWriter& node) {
   // What matters is how long it can get here; places of taps follow from the range of the engine.
   auto reach = range;
   reach.high = std::max(range.low, std::min(range.high, node.range(kTime).high));
-  const auto line = write_line(node, tactus_delay_most(&reach, order) + order + 1, order + 1);
+  const WrittenLine line{node, tactus_delay_most(&reach, order) + order + 1, order + 1};
   const auto order_text = std::to_string(order), written = std::string{node.halves() ? "0" : "1"};
-  const auto write = "tactus_line_write(&" + line + ", " + node.in(kIn) + ");";
+  const auto write = "tactus_line_write(" + line.text() + ", " + node.in(kIn) + ");";
   const auto aim = write_aim(node, range, order);
   node.halves() ? node.late(write) : node.step(write);
-  node.give(0, "tactus_aim_read(&" + aim + ", " + order_text + ", &" + line + ", " + written + ")");
+  node.late(line.keep());
+  node.give(0, "tactus_aim_read(&" + aim + ", " + order_text + ", " + line.text() + ", " + written + ")");
 }
 
 void write_align(NodeWriter& node) {
@@ -58,11 +59,12 @@ void write_align(NodeWriter& node) {
   tactus_align_start(&start, node.setup().sample_rate.value, longest);
   constexpr int kOrder = TACTUS_ALIGN_TAPS - 1;
   const auto state = node.state<tactus_align>("tactus_align");
-  const auto line = write_line(node, tactus_delay_most(&start.delay, kOrder) + kOrder + 1, kOrder + 1);
+  const WrittenLine line{node, tactus_delay_most(&start.delay, kOrder) + kOrder + 1, kOrder + 1};
   node.start("tactus_align_start(&" + state + ", " + node.rate() + ", " +
              NodeWriter::number(std::min(longest, TACTUS_ALIGN_LONGEST)) + ");");
   node.set_kernel("tactus_align_step");
-  node.give(0, kernel_call(node, "&" + state + ", &" + line));
+  node.give(0, kernel_call(node, "&" + state + ", " + line.text()));
+  node.late(line.keep());
 }
 
 void write_event_delay(NodeWriter& node) {
@@ -92,8 +94,8 @@ std::string write_tuning(NodeWriter& node, const std::string& pole, const NodeWr
 void write_string(NodeWriter& node) {
   const double rate = node.setup().sample_rate.value;
   const double lowest = std::min(pitches_of(node.setup()).low, 0.3 * rate);
-  const auto line = write_line(node, StringLoop::longest_delay(Hertz{rate}, lowest) + TACTUS_STRING_TAPS,
-                               TACTUS_STRING_TAPS);
+  const WrittenLine line{node, StringLoop::longest_delay(Hertz{rate}, lowest) + TACTUS_STRING_TAPS,
+                         TACTUS_STRING_TAPS};
   const auto pole = pole_of(node);
   const auto one_pole = std::string{pole == "0" ? "0" : "1"};
   const auto kind =
@@ -103,8 +105,9 @@ void write_string(NodeWriter& node) {
            values[0] + "), " + NodeWriter::number(StringLoop::kHighestPitch) + "), " + values[1] + ", " +
            values[2] + ", " + node.rate() + ")";
   });
-  node.call(0, "tactus_string_step(&" + design + ", " + one_pole + ", &" + line + ", " + pole + ", " +
+  node.call(0, "tactus_string_step(&" + design + ", " + one_pole + ", " + line.text() + ", " + pole + ", " +
                    node.in(0) + ", " + node.position() + ")");
+  node.late(line.keep());
 }
 
 void write_waveguide(NodeWriter& node) {
@@ -113,7 +116,7 @@ void write_waveguide(NodeWriter& node) {
   const auto pitches = pitches_of(node.setup());
   const auto guide = tactus_waveguide_between(pitches.low, pitches.high, one_pole, fixed_end,
                                               node.setup().sample_rate.value);
-  const auto line = write_line(node, guide.most + 1 + TACTUS_STRING_TAPS, TACTUS_STRING_TAPS);
+  const WrittenLine line{node, guide.most + 1 + TACTUS_STRING_TAPS, TACTUS_STRING_TAPS};
   const auto state = node.state<tactus_waveguide>("tactus_waveguide");
   node.start(state + " = tactus_waveguide_between(" + NodeWriter::number(pitches.low) + ", " +
              NodeWriter::number(pitches.high) + ", " + (one_pole ? "1" : "0") + ", " +
@@ -121,10 +124,11 @@ void write_waveguide(NodeWriter& node) {
   const auto design = write_tuning(node, pole, [&](const std::vector<std::string>& values) {
     return "tactus_waveguide_design(&" + state + ", " + values[0] + ", " + values[1] + ", " + values[2] + ")";
   });
-  const auto write = "tactus_line_write(&" + line + ", " + node.in(0) + ");";
+  const auto write = "tactus_line_write(" + line.text() + ", " + node.in(0) + ");";
   node.halves() ? node.late(write) : node.step(write);
+  node.late(line.keep());
   const auto newest = design + ".newest" + (node.halves() ? "" : " + 1");
-  const auto taken = "tactus_tap_sum(tactus_line_tap(&" + line + ", " + newest +
+  const auto taken = "tactus_tap_sum(tactus_line_tap(" + line.text() + ", " + newest +
                      ", TACTUS_STRING_TAPS - 1), " + design + ".taps, TACTUS_STRING_TAPS, 0)";
   node.call(0,
             one_pole ? "tactus_filter_step(" + pole + ", 1, " + taken + ", " + node.position() + ")" : taken);

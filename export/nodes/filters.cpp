@@ -84,11 +84,13 @@ void write_fir(NodeWriter& node) {
   taps.resize((taps.size() + TACTUS_FIR_SUMS - 1) / TACTUS_FIR_SUMS * TACTUS_FIR_SUMS);
   std::ranges::reverse(taps);
   const int count = static_cast<int>(taps.size());
-  const auto line = write_line(node, count, count);
-  node.step("tactus_line_write(&" + line + ", " + node.in(0) + ");");
+  const WrittenLine line{node, count, count};
+  node.step("tactus_line_write(" + line.text() + ", " + node.in(0) + ");");
+  node.late(line.keep());
   const auto taken = std::to_string(count);
-  node.give(0, "tactus_fir_frame(" + node.table("taps", taps) + ", " + taken + ", tactus_line_tap(&" + line +
-                   ", 1, " + std::to_string(count - 1) + ") - " + std::to_string(count - 1) + ")");
+  node.give(0, "tactus_fir_frame(" + node.table("taps", taps) + ", " + taken + ", tactus_line_tap(" +
+                   line.text() + ", 1, " + std::to_string(count - 1) + ") - " + std::to_string(count - 1) +
+                   ")");
 }
 
 /// A table of one number for all modes is that number.

@@ -10,16 +10,25 @@
 
 namespace tactus {
 
-/// A line that remembers `longest` samples, of which up to `run` are read in a row. Returns how code refers
-/// to it.
-inline std::string write_line(NodeWriter& node, int longest, int run) {
-  const int capacity = static_cast<int>(std::bit_ceil(static_cast<unsigned>(longest)));
-  const auto samples = node.state<double>("tactus_real", "samples", capacity + run);
-  const auto line = node.state<tactus_line>("tactus_line", "line");
-  node.start(line + ".samples = " + samples + ";");
-  node.start(line + ".capacity = " + std::to_string(capacity) + ";");
-  node.start(line + ".mirrored = " + std::to_string(run) + ";");
-  return line;
-}
+/// A line that remembers `longest` samples, of which up to `run` are read in a row. What is constant of it is
+/// so for the compiler as well.
+class WrittenLine {
+ public:
+  WrittenLine(NodeWriter& node, int longest, int run) {
+    const int capacity = static_cast<int>(std::bit_ceil(static_cast<unsigned>(longest)));
+    const auto samples = node.state<double>("tactus_real", "samples", capacity + run);
+    next_ = node.state<int>("int", "next");
+    name_ = node.frame_variable(
+        "tactus_line", "line",
+        "{" + samples + ", " + std::to_string(capacity) + ", " + std::to_string(run) + ", " + next_ + "}");
+  }
+  /// How code refers to it.
+  std::string text() const { return "&" + name_; }
+  /// Behind what writes to it.
+  std::string keep() const { return next_ + " = " + name_ + ".next;"; }
+
+ private:
+  std::string name_, next_;
+};
 
 }  // namespace tactus

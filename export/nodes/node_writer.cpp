@@ -26,6 +26,13 @@ std::string NodeWriter::local(const std::string& type, const std::string& suffix
   return name;
 }
 
+std::string NodeWriter::frame_variable(const std::string& type, const std::string& suffix,
+                                       const std::string& value) {
+  auto name = make_name_(named(name_, suffix), false);
+  node_.variables.push_back(type + " " + name + " = " + value + ";");
+  return name;
+}
+
 std::string NodeWriter::add_member(const std::string& type, const std::string& suffix, int count,
                                    std::size_t bytes) {
   const auto name = make_name_(named(name_, suffix), true);

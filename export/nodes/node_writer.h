@@ -33,13 +33,14 @@ struct WrittenNode {
   std::vector<ProgramMember> members;
   std::vector<std::string> tables;
   std::size_t table_bytes = 0;
-  std::vector<std::string> start;   ///< statements for a state of zeros
-  std::vector<std::string> follow;  ///< whenever controls move
-  std::vector<std::string> design;  ///< the same, at the start of a group of eight frames
-  std::vector<std::string> step;    ///< of each frame
-  std::vector<std::string> late;    ///< what reads late inputs; on a loop it follows later
-  std::vector<std::string> values;  ///< [output] the expression; "": it is not read
-  std::vector<int> last;            ///< outputs that are worked out behind the others
+  std::vector<std::string> start;      ///< statements for a state of zeros
+  std::vector<std::string> follow;     ///< whenever controls move
+  std::vector<std::string> design;     ///< the same, at the start of a group of eight frames
+  std::vector<std::string> variables;  ///< of a frame, declared at its start
+  std::vector<std::string> step;       ///< of each frame
+  std::vector<std::string> late;       ///< what reads late inputs; on a loop it follows later
+  std::vector<std::string> values;     ///< [output] the expression; "": it is not read
+  std::vector<int> last;               ///< outputs that are worked out behind the others
   std::optional<ExportRefusal> refusal;
 };
 
@@ -111,6 +112,9 @@ class NodeWriter {
     return local("tactus_real", suffix, value);
   }
   std::string local(const std::string& type, const std::string& suffix, const std::string& value);
+
+  /// A variable of the frame that `step` and `late` may change; `value` is its value at the start.
+  std::string frame_variable(const std::string& type, const std::string& suffix, const std::string& value);
 
   void start(std::string statement) { node_.start.push_back(std::move(statement)); }
   void step(std::string statement) { node_.step.push_back(std::move(statement)); }

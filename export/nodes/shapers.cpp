@@ -45,7 +45,7 @@ constexpr NodeExport kShapers[] = {
     {"hysteresis", write_step<tactus_hysteresis>, "tactus_hysteresis_step", "tactus_hysteresis"},
     {"slew", write_slew, "tactus_slew_step"},
     {"shaper", write_shaper, "tactus_shaper_step"},
-    {"clip", write_value, "tactus_clip"},
+    {"clip", write_value, "tactus_clip", "", nullptr, nullptr, -1, true},
     {"map", write_map},
     {"mix", write_mix},
     {"crossfade", write_crossfade, "tactus_crossfade"},

@@ -21,7 +21,8 @@ struct NodeExport {
   /// The same coefficients as numbers, for a cutoff in radians per frame, a q and a sample rate.
   tactus_filter_design (*coefficients)(const NodeSetup& setup, double radians, double q,
                                        double rate) = nullptr;
-  int passes = -1;  ///< the input that, while it is not finite, makes the first output so in the same frame
+  int passes = -1;     ///< the input that, while not finite, makes the first output so in the same frame
+  bool picks = false;  ///< what it gives is one of its inputs
 };
 
 /// [any] The families, each in the file of its name.

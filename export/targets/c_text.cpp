@@ -94,7 +94,7 @@ std::string program_struct(const CProgram& program) {
                         std::max<std::size_t>(1, program.outputs.size()));
   if (program.needs_frame_number()) text += "  unsigned long long frame; /* since the start */\n";
   text +=
-      "  unsigned char cell;    /* frame number modulo 256 */\n"
+      "  unsigned char cell;    /* frames so far modulo 256 */\n"
       "  unsigned char silent;  /* frames left of the silence after a fault */\n";
   if (!program.controls.empty())
     text += "  unsigned char busy;    /* a control moves, or a design does not follow the controls yet */\n";
@@ -248,27 +248,24 @@ std::string finite_check(const CProgram& program) {
     sum += fmt::format("{}({} - {})", sum.empty() ? "" : " + ", value, value);
   };
   for (const auto& value : program.checked) add(value);
-  for (std::size_t i = 0; i < program.outputs.size(); ++i) add(fmt::format("out[{}]", i));
   if (sum.empty()) return "  return 1;\n";
   return indented({"const tactus_real check = " + sum + ";  /* 0 or NaN */", "return check == check;"}, 2);
 }
 
-/// A frame of nodes needs to know its place in a group of eight.
-bool needs_position(const std::string& body) { return identifiers_of(body).contains("group_position"); }
-
 std::string frame_function(const CProgram& program) {
-  const auto body = statements_of_frame(program);
-  const auto names = identifiers_of(body);
+  const auto body = statements_of_frame(program), variables = indented(program.variables, 2);
+  const auto names = identifiers_of(body + variables);
   std::string text =
       "/* One frame of all nodes. 0: something is not finite. */\n"
-      "static int tactus_frame(tactus* self, " +
-      std::string{needs_position(body) ? "int group_position, " : ""} +
-      "const tactus_real* in, tactus_real* out) {\n" + names_in(body);
+      "static int tactus_frame(tactus* self, const tactus_real* in, tactus_real* out) {\n" +
+      names_in(body + variables);
+  const bool positioned = names.contains("group_position");
+  if (positioned) text += "  const int group_position = (self->cell + 7) % 8;  /* this frame is counted */\n";
   if (program.needs_frame_number()) text += "  const unsigned long long frame_number = self->frame;\n";
-  text += divided_names(program) + indented(program.variables, 2);
+  text += divided_names(program) + variables;
   if (!names.contains("in")) text += "  (void)in;\n";
   if (program.outputs.empty()) text += "  (void)out;\n";
-  if (!names.contains("s") && !names.contains("c") && !program.needs_frame_number())
+  if (!names.contains("s") && !names.contains("c") && !positioned && !program.needs_frame_number())
     text += "  (void)self;\n";
   return text + body + finite_check(program) + "}\n\n";
 }
@@ -300,10 +297,10 @@ std::string control_steps(const CProgram& program) {
 std::string silence_function(const CProgram& program) {
   std::string text =
       "/* After a fault: all nodes start anew, and outputs are 0 to the next multiple of 64 frames. */\n"
-      "static TACTUS_SELDOM void tactus_silence(tactus* self, unsigned char cell, tactus_real* out) {\n"
+      "static TACTUS_SELDOM void tactus_silence(tactus* self, tactus_real* out) {\n"
       "  if (self->silent == 0) {\n"
       "    tactus_reset(self);\n"
-      "    self->silent = (unsigned char)(64 - cell % 64);\n"
+      "    self->silent = (unsigned char)(64 - (self->cell + 63) % 64);\n"
       "  }\n"
       "  --self->silent;\n";
   return text +
@@ -313,13 +310,11 @@ std::string silence_function(const CProgram& program) {
 
 /// Nodes and guard.
 std::string statements_of_step(const CProgram& program) {
-  std::string text = "  const unsigned char cell = self->cell++;\n";
+  std::string text = "  ++self->cell;\n";
   if (program.guard)
     text += fmt::format("  const int open = tactus_switch_step(&self->alive, {});\n",
                         std::llround(0.5 * program.sample_rate.value));
-  text += std::string{"  if (self->silent > 0 || !tactus_frame(self, "} +
-          (needs_position(statements_of_frame(program)) ? "cell % 8, " : "") +
-          "in, out)) tactus_silence(self, cell, out);\n";
+  text += "  if (self->silent > 0 || !tactus_frame(self, in, out)) tactus_silence(self, out);\n";
   if (program.guard && !program.outputs.empty())
     text +=
         "  for (int k = 0; k < TACTUS_OUTPUTS; ++k)\n"
