@@ -166,6 +166,21 @@ TEST_CASE("export: what cannot be exported is reported all at once, with its pla
   }
 }
 
+TEST_CASE("export: only what no other check covers is looked at for non-finite values", "[export]") {
+  const auto checked = [](const std::string& nodes, const std::string& from) {
+    const auto text =
+        "format = 1\n[inputs]\nx = {}\n[nodes]\n" + nodes + "[outputs]\ny = { from = \"" + from + "\" }\n";
+    return write_program(parse_graph_leniently(text, "test.toml"), standard_nodes(), exact_options())
+        ->checked;
+  };
+  const std::string low = "u = { type = \"low_pass\", in = \"x\", cutoff = \"1 kHz\" }\n";
+  CHECK(checked(low, "0.5 * u + x") == std::vector<std::string>{"out[0]"});
+  // The clip ends what is not finite, and gives nothing that is not.
+  CHECK(checked(low + "c = { type = \"clip\", in = \"u\", low = -1, high = 1 }\n", "c") ==
+        std::vector<std::string>{"u"});
+  CHECK(checked("p = { type = \"decay\", trigger = \"x\", time = \"1 ms\" }\n", "0.5 * p").empty());
+}
+
 TEST_CASE("export: a program holds nothing that its graph does not use", "[export]") {
   const auto program =
       write_program(parse_graph_leniently(kWire, "test.toml"), standard_nodes(), exact_options());
