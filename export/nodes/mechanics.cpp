@@ -153,9 +153,11 @@ void write_proxy(NodeWriter& node) {
   for (int i = 0; i < 3; ++i)
     device += (i > 0 ? ", " : "") + node.operand(i) + " - " + place + ".of[" + std::to_string(i) + "]";
   const auto at = node.local("struct { tactus_real of[3]; }", "device", "{{" + device + "}}");
-  const auto felt = node.local("tactus_proxy_force", "felt",
-                               "tactus_proxy_step(&" + state + ", &" + solid + ", " + at + ".of, " +
-                                   node.in(3) + ", " + node.in(4) + ")");
+  const auto step = "tactus_proxy_step(&" + state + ", &" + solid + ", " + at + ".of, " + node.in(3) + ", " +
+                    node.in(4) + ")";
+  const bool is_felt = node.reads(0) || node.reads(1) || node.reads(2) || node.reads(6);
+  const auto felt = is_felt ? node.local("tactus_proxy_force", "felt", step) : "";
+  if (!is_felt) node.step(step + ";");
   for (int i = 0; i < 3; ++i) {
     const auto axis = "[" + std::to_string(i) + "]";
     node.give(i, felt + ".force" + axis);
