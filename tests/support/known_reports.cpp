@@ -4,10 +4,11 @@
 // Libraries stay loaded: the report of a leak names only those that are, and a suppression needs the name.
 extern "C" int dlclose(void*) { return 0; }
 
-// JACK and PipeWire keep parts of every client that was closed, ALSA its configuration.
+// JACK and PipeWire keep parts of every client that was closed, ALSA its configuration, SDL the record of
+// each thread that it has met.
 extern "C" const char* __lsan_default_options() { return "print_suppressions=0"; }
 extern "C" const char* __lsan_default_suppressions() {
-  return "leak:libjack\nleak:libpipewire\nleak:libasound\n";
+  return "leak:libjack\nleak:libpipewire\nleak:libasound\nleak:libSDL2\n";
 }
 #endif
 #if __has_feature(thread_sanitizer)
