@@ -1,6 +1,9 @@
 #include "export/export.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "engine/core/named.h"
@@ -114,11 +117,32 @@ Checked<std::vector<ExportedFile>> with_board(std::vector<ExportedFile> files, c
   return files;
 }
 
+/// A limit that is less than one step of an output's numbers could only be exceeded, or hold the output
+/// still.
+std::vector<Error> limits_too_fine(const FixedProgram& program) {
+  std::vector<Error> errors;
+  const double rate = program.heading.sample_rate.value;
+  for (const auto& output : program.outputs) {
+    if (!program.heading.guard || output.limits->kind != DriveGuard::Kind::Drive) continue;
+    const double slew = output.limits->limits.slew_per_second;
+    const double least = std::ldexp(rate, -output.value.exponent);
+    if (slew < least)
+      errors.push_back({Errc::OutOfRange, program.heading.file,
+                        fmt::format("the slew limit of '{}', {:g} a second, is less than one step of its "
+                                    "numbers a frame, {:.3g} a second",
+                                    output.name, slew, least),
+                        "choose numbers with more digits (--number q31) or a lower --rate"});
+  }
+  return errors;
+}
+
 Checked<FixedProgram> fixed_program(const Plan& plan, const RecordedNodes& recorded, const GraphSpec& spec,
                                     const ExportOptions& options) {
   auto program =
       read_fixed(program_of(spec, options), options.number->bits, plan, recorded, input_ranges(plan, spec));
-  if (program) describe(*program, plan, spec, options);
+  if (!program) return program;
+  describe(*program, plan, spec, options);
+  if (auto errors = limits_too_fine(*program); !errors.empty()) return tl::unexpected(std::move(errors));
   return program;
 }
 

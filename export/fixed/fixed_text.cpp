@@ -64,9 +64,11 @@ std::string limits_table(const FixedProgram& program) {
     const double most = std::ldexp(std::ldexp(1.0, program.bits - 1) - 1, -output.value.exponent);
     const bool drive = output.limits->kind == DriveGuard::Kind::Drive;
     const double step = drive ? limits.slew_per_second / rate : most;
+    // Downwards: no limit is exceeded.
     const auto integer = [&](double value) {
-      return FixedArithmetic{program.bits}.literal(
-          std::clamp(value, std::ldexp(1.0, -output.value.exponent), most), output.value.exponent);
+      const double whole = std::floor(std::ldexp(std::min(value, most), output.value.exponent));
+      return FixedArithmetic{program.bits}.literal(std::ldexp(whole, -output.value.exponent),
+                                                   output.value.exponent);
     };
     const auto gain = [&](Seconds time) {
       return fmt::format("{:.0f}UL", std::max(1.0, std::min(full, full / std::max(1.0, time.value * rate))));

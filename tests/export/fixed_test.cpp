@@ -279,6 +279,32 @@ TEST_CASE("export: the guard in integers starts softly, limits and fades out", "
   CHECK_THAT(source, Catch::Contains("{8192, 32767, 5368709UL, 10737418UL}"));
 }
 
+TEST_CASE("export: limits in integers are rounded downwards, and refused below one step", "[export][fixed]") {
+  const auto program = [](double slew, double ceiling, const char* number) {
+    auto options = integers(number);
+    GuardedChannel channel;
+    channel.limits.ceiling = ceiling;
+    channel.limits.slew_per_second = slew;
+    options.limits = [channel](const OutputChannel&) { return channel; };
+    return write_fixed_program(
+        parse_graph_leniently(
+            "format = 1\nname = \"graph\"\n[inputs]\nx = { range = [-1, 1] }\n[outputs]\nout "
+            "= { from = \"x\" }\n",
+            "test.toml"),
+        standard_nodes(), options);
+  };
+  // At 20 kHz a step of 2^-14 a frame is 1.2207 a second: 500 a second are 409.6 steps. 0.3 is 4915.2 of
+  // them.
+  const auto rounded = program(500, 0.3, "q16");
+  REQUIRE(rounded);
+  CHECK_THAT(fixed_source(*rounded), Catch::Contains("{4915, 409, "));
+  CHECK(program(1.23, 0.3, "q16"));
+  const auto refused = program(1.21, 0.3, "q16");
+  REQUIRE_FALSE(refused);
+  CHECK_THAT(refused.error().front().what, Catch::Contains("'out', 1.21 a second, is less than one step"));
+  CHECK(program(1.21, 0.3, "q31"));
+}
+
 TEST_CASE("export: a project for each microcontroller has what it is built from", "[export][fixed]") {
   struct Project {
     const char *target, *number;
