@@ -65,18 +65,29 @@ class Lister {
     const auto& vertex = at(operation.vertex);
     const auto named = expressions_.find(vertex.path);
     if (named == expressions_.end() || named->second != operation.vertex) return;
-    const auto divider = std::ranges::find(plan_.divisors, vertex.divisor) - plan_.divisors.begin();
-    add(vertex.path, operation.vertex, {},
-        {.data = operation.out, .divider = static_cast<int>(divider), .can_rest = operation.can_rest});
+    add(vertex.path, operation.vertex, {}, place_of(operation));
+  }
+
+  SignalPlace place_of(const MicroOperation& operation) const {
+    const auto divider =
+        std::ranges::find(plan_.divisors, at(operation.vertex).divisor) - plan_.divisors.begin();
+    return {.data = operation.out, .divider = static_cast<int>(divider), .can_rest = operation.can_rest};
   }
 
   void add_output(const OutputChannel& channel) {
     if (channel.use == OutputUse::Tap || plan_.constant(channel.from)) return;
-    SignalPlace place{.data = channel.signal.data, .stride = channel.signal.stride};
-    const auto same = std::ranges::find(signals_, channel.signal.data,
-                                        [](const auto& signal) { return signal.place.data; });
-    if (same != signals_.end()) place = same->place;
-    add("out/" + channel.name, channel.from.vertex, channel.dimension, place);
+    add("out/" + channel.name, channel.from.vertex, channel.dimension, place_of(channel.signal));
+  }
+
+  /// The stride of what can rest changes while it runs, on another thread.
+  SignalPlace place_of(const Signal& signal) const {
+    const auto same =
+        std::ranges::find(signals_, signal.data, [](const auto& other) { return other.place.data; });
+    if (same != signals_.end()) return same->place;
+    const auto operation = std::ranges::find(plan_.operations, signal.data,
+                                             [](const auto& one) -> const double* { return one.out; });
+    if (operation != plan_.operations.end() && operation->can_rest >= 0) return place_of(*operation);
+    return {.data = signal.data, .stride = signal.stride};
   }
 
   void add(std::string name, int vertex, Dimension dimension, const SignalPlace& place) {

@@ -202,3 +202,19 @@ TEST_CASE("signal scope: a choice holds for its version of the graph only, and t
   CHECK(chunk.frame == 128);
   CHECK_FALSE(levels.take(chunk));
 }
+
+TEST_CASE("signal scope: an output that rests is read as one that may move again") {
+  const auto player = test::engine_of(
+      "format = 1\n[controls]\ngain = { value = 0.5, range = [0, 1] }\n[outputs]\ny = { from = \"2 * gain\" "
+      "}\n");
+  REQUIRE(player->prepare({48_kHz, 0, 1, 64}));
+  Samples y(64);
+  double* out = y.data();
+  for (int block = 0; block < 10; ++block) player->process({nullptr, &out, 64});
+  CHECK(y.back() == 1.0);
+  const auto signals = scope_signals(player->plan());
+  const auto found = std::ranges::find(signals, "out/y", &ScopeSignal::name);
+  REQUIRE(found != signals.end());
+  CHECK(found->place.stride == 1);
+  CHECK(found->place.can_rest >= 0);
+}
