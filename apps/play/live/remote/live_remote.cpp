@@ -81,6 +81,7 @@ LiveRemote::LiveRemote(Session& session, Performer& performer, Hertz sample_rate
 }
 
 LiveRemote::~LiveRemote() {
+  (void)session_.stop();  // where an error ends the program it still plays
   session_.on_guard_event({});
   session_.on_edit({});
   player().remove_observer(watch_);
