@@ -32,7 +32,7 @@ static int copy_finite(const float* plane, double* samples, int frames) noexcept
   constexpr std::uint32_t kExponent = 0x7f800000;  // all ones: infinite, or no number
   std::uint32_t highest = 0;
   for (int n = 0; n < frames; ++n) {
-    samples[n] = plane[n];
+    samples[n] = static_cast<double>(plane[n]);
     highest = std::max(highest, std::bit_cast<std::uint32_t>(plane[n]) & kExponent);
   }
   if (highest < kExponent) [[likely]]

@@ -22,7 +22,7 @@ constexpr std::array<std::string_view, 29> kFunctions = {
     "log",  "log10", "log1p", "log2",  "lround", "llround", "pow",   "rint",  "round",        "sin",
     "sinh", "sqrt",  "tan",   "tanh",  "trunc",  "cosh",    "expm1", "hypot", "__builtin_fma"};
 
-constexpr double kLeastFloat = FLT_MIN, kMostFloat = FLT_MAX;
+constexpr auto kLeastFloat = static_cast<double>(FLT_MIN), kMostFloat = static_cast<double>(FLT_MAX);
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 

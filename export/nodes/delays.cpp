@@ -12,11 +12,11 @@
 namespace tactus {
 namespace {
 
-enum DelayInput { kIn, kTime };
+enum DelayInput { kDelayIn, kDelayTime };
 
 /// Where the taps lie: constants, or the state that aims them.
 std::string write_aim(NodeWriter& node, const tactus_delay& range, int order) {
-  if (const auto time = node.constant(kTime)) {
+  if (const auto time = node.constant(kDelayTime)) {
     tactus_aim aim{};
     tactus_aim_at(&aim, &range, order, *time);
     std::string weights;
@@ -33,8 +33,8 @@ std::string write_aim(NodeWriter& node, const tactus_delay& range, int order) {
                  sizeof(tactus_delay));
   const auto aim = node.state<tactus_aim>("tactus_aim", "aim");
   const auto aim_at = "tactus_aim_at(&" + aim + ", &" + range_text + ", " + std::to_string(order) + ", " +
-                      node.in(kTime) + ");";
-  node.pace(kTime) == Pace::Control ? node.follow(aim_at) : node.step(aim_at);
+                      node.in(kDelayTime) + ");";
+  node.pace(kDelayTime) == Pace::Control ? node.follow(aim_at) : node.step(aim_at);
   return aim;
 }
 
@@ -43,10 +43,10 @@ void write_delay(NodeWriter& node) {
   const auto range = *delay_range(node.setup());
   // What matters is how long it can get here; places of taps follow from the range of the engine.
   auto reach = range;
-  reach.high = std::max(range.low, std::min(range.high, node.range(kTime).high));
+  reach.high = std::max(range.low, std::min(range.high, node.range(kDelayTime).high));
   const WrittenLine line{node, tactus_delay_most(&reach, order) + order + 1, order + 1};
   const auto order_text = std::to_string(order), written = std::string{node.halves() ? "0" : "1"};
-  const auto write = "tactus_line_write(" + line.text() + ", " + node.in(kIn) + ");";
+  const auto write = "tactus_line_write(" + line.text() + ", " + node.in(kDelayIn) + ");";
   const auto aim = write_aim(node, range, order);
   node.halves() ? node.late(write) : node.step(write);
   node.late(line.keep());
