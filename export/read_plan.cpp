@@ -468,6 +468,12 @@ class PlanReader {
 
   // Checks: a value that makes another one non-finite in the same frame needs none of its own.
 
+  /// What many paths lead to is found once.
+  template <class Value, class Find>
+  static Value found_once(std::map<Port, Value>& found, const Port& port, Find find) {
+    if (const auto known = found.find(port); known != found.end()) return known->second;
+    return found[port] = find();
+  }
   bool passes_non_finite(const Vertex& vertex, int input) const {
     using enum Expression::Op;
     if (vertex.kind == Kind::Operation)
@@ -481,6 +487,9 @@ class PlanReader {
   }
   /// By interval arithmetic, while what it comes from is finite; unbounded if nothing is known.
   Interval range_of_port(const Port& port) const {
+    return found_once(port_ranges_, port, [&] { return find_range_of(port); });
+  }
+  Interval find_range_of(const Port& port) const {
     const auto& vertex = at(port.first);
     if (vertex.kind == Kind::Operation && paces_[index(port.first)] != Pace::Constant) {
       OperandRanges ranges{};
@@ -502,6 +511,9 @@ class PlanReader {
   }
   /// While what it comes from is finite. Each loop has a checked value.
   bool stays_finite(const Port& port) const {
+    return found_once(stays_finite_, port, [&] { return find_stays_finite(port); });
+  }
+  bool find_stays_finite(const Port& port) const {
     const auto& vertex = at(port.first);
     const auto* entry = vertex.kind == Kind::Node ? find_node_export(vertex.type->name) : nullptr;
     const bool known = vertex.kind == Kind::Operation || entry != nullptr;
@@ -521,8 +533,12 @@ class PlanReader {
         checks.push_back({port, text});
     }
     std::ranges::move(checks, std::back_inserter(checks_));
+    stays_finite_.clear();
   }
   bool reaches_check(const Port& port) const {
+    return found_once(reaches_check_, port, [&] { return find_reaches_check(port); });
+  }
+  bool find_reaches_check(const Port& port) const {
     if (at(port.first).divisor != 1) return false;
     for (std::size_t v = 0; v < plan_.vertices.size(); ++v) {
       const auto& vertex = plan_.vertices[v];
@@ -656,6 +672,8 @@ class PlanReader {
   std::vector<std::vector<bool>> ports_;                  ///< [vertex] which outputs are read
   std::map<Port, CExpression> values_;
   std::vector<Check> checks_;
+  mutable std::map<Port, Interval> port_ranges_;
+  mutable std::map<Port, bool> stays_finite_, reaches_check_;  ///< with the checks that there are
   std::map<int, std::string> node_names_;
   std::map<int, std::vector<std::string>> late_;  ///< [vertex] its second half
   int divisor_ = 1;

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
@@ -111,6 +113,19 @@ TEST_CASE("export: every type of node gives the bits of the engine", "[export]")
       return std::any_of(channel.begin(), channel.end(), [](double x) { return x != 0; });
     }));
   }
+}
+
+TEST_CASE("export: a signal that each node reads twice takes no time for each path to it", "[export]") {
+  std::string nodes = "n0 = \"0.5 * x\"\n";
+  constexpr int kNodes = 200;  // 2^199 paths
+  for (int n = 1; n < kNodes; ++n)
+    nodes += fmt::format("n{0} = \"0.4 * n{1} + 0.5 * n{1} * n{1}\"\n", n, n - 1);
+  CompiledPrograms programs;
+  CHECK(
+      programs.add(fmt::format("format = 1\nname = \"deep\"\n[inputs]\nx = {{ range = [-1, 1] }}\n[nodes]\n{}"
+                               "[outputs]\ny = {{ from = \"n{}\" }}\n",
+                               nodes, kNodes - 1),
+                   exact_options()) == "");
 }
 
 TEST_CASE("export: a node of which one output is read compiles without a warning", "[export]") {
