@@ -23,7 +23,7 @@ bool is_within(double sample, double last, double ceiling, double step) noexcept
   return std::abs(sample) <= ceiling && sample >= last - step && sample <= last + step;
 }
 
-/// The same of many; the last few are looked at twice.
+/// Whether each of many is. The last eight are read together, some of them for the second time.
 bool all_within(const double* samples, int frames, double last, double ceiling, double step) noexcept {
   constexpr int kFew = Lanes::kCount, kAll = (1 << kFew) - 1;
   bool within = is_within(samples[0], last, ceiling, step);

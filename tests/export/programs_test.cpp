@@ -166,7 +166,7 @@ TEST_CASE("export: what cannot be exported is reported all at once, with its pla
   }
 }
 
-TEST_CASE("export: only what no other check covers is looked at for non-finite values", "[export]") {
+TEST_CASE("export: only values that no other check covers are tested for being finite", "[export]") {
   const auto checked = [](const std::string& nodes, const std::string& from) {
     const auto text =
         "format = 1\n[inputs]\nx = {}\n[nodes]\n" + nodes + "[outputs]\ny = { from = \"" + from + "\" }\n";

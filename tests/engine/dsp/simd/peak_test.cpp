@@ -17,7 +17,7 @@ TEST_CASE("highest magnitude: a sample counts wherever it is, and with either si
       }
 }
 
-TEST_CASE("highest magnitude: what is no number does not count") {
+TEST_CASE("highest magnitude: a NaN does not count") {
   for (int count = 1; count <= 20; ++count) {
     std::vector<double> samples(static_cast<std::size_t>(count), std::numeric_limits<double>::quiet_NaN());
     samples.back() = -0.5;
