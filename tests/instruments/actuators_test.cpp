@@ -3,6 +3,7 @@
 #include <cmath>
 #include <complex>
 #include <filesystem>
+#include <limits>
 #include <numbers>
 #include <set>
 
@@ -49,7 +50,7 @@ struct Run {
       if (samples[n] >= level)
         return (static_cast<double>(n - 1) + (level - samples[n - 1]) / (samples[n] - samples[n - 1])) /
                recording.sample_rate.value;
-    return INFINITY;
+    return std::numeric_limits<double>::infinity();
   }
 };
 

@@ -136,8 +136,8 @@ Judgement judge(const ExpressionCase& c) {
   auto plan = compile(parse_graph_leniently(text, "extremes.toml"), standard_nodes(), {});
   const OperandValues at{taken_for(c.at[0]), taken_for(c.at[1]), taken_for(c.at[2])};
   const auto& reference = reference_of(c.op);
-  const Real exact = reference.value(at[0], at[1], at[2]);
-  const bool fails = !(std::abs(exact) <= std::numeric_limits<double>::max());
+  const Real exact = reference.value(Real(at[0]), Real(at[1]), Real(at[2]));
+  const bool fails = !(std::abs(exact) <= Real(std::numeric_limits<double>::max()));
   if (!plan) {
     const auto& error = plan.error().front();
     const bool divides_by_zero = c.op == Op::Divide && !c.moves[1] && at[1] == 0;
@@ -160,7 +160,8 @@ Judgement judge(const ExpressionCase& c) {
     if (only_bounded(c, at)) {
       if (!within_bounds(c, at, y)) return wrong(fmt::format("{} is out of bounds", y));
     } else if (!is_whole_period(c, at, y, exact) &&
-               !(std::abs(y - exact) <= reference.tolerance * std::abs(exact) + kSmallestNormal)) {
+               !(std::abs(Real(y) - exact) <=
+                 reference.tolerance * std::abs(exact) + Real(kSmallestNormal))) {
       return wrong(fmt::format("{} instead of {}", y, static_cast<double>(exact)));
     }
   }

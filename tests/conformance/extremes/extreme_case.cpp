@@ -301,14 +301,15 @@ struct Laws {
   void equation() {
     if (of_network()) return;  // equations are of nodes
     const Version v{c};
-    Given given{.rate = c.rate, .settings = c.subject->settings};
+    Given given{.rate = static_cast<long double>(c.rate), .settings = c.subject->settings};
     for (int i = 0; i < std::ssize(c.subject->slots); ++i) {
       const auto& slot = c.subject->slots[index(i)];
       if (slot.fixed && !v.written(i)) continue;
       if (!slot.key.empty()) {
         Series series;
         for (const double x : v.moves(i) ? samples_of(v, i) : Samples(kFrames, v.number(i)))
-          series.push_back(std::clamp(taken_for(x), slot.declared.low, slot.declared.high));
+          series.push_back(static_cast<Series::value_type>(
+              std::clamp(taken_for(x), slot.declared.low, slot.declared.high)));
         given.in[slot.name] = std::move(series);
       } else {
         given.numbers.push_back(v.number(i));
@@ -320,12 +321,13 @@ struct Laws {
     int known = 0;
     for (const auto x : expected->out)
       if (std::isfinite(x)) most = std::max(most, std::abs(x)), ++known;
-    if (most > std::numeric_limits<double>::max()) return void(overflows = true);
+    if (most > static_cast<long double>(std::numeric_limits<double>::max())) return void(overflows = true);
     if (known == 0) return;
     std::string difference;
     for (std::size_t n = 0; n < expected->out.size() && difference.empty(); ++n)
-      if (std::isfinite(expected->out[n]) && !(std::abs(played.out[0][n] - expected->out[n]) <=
-                                               expected->tolerance * most + expected->rounding + 1e-300L))
+      if (std::isfinite(expected->out[n]) &&
+          !(std::abs(static_cast<long double>(played.out[0][n]) - expected->out[n]) <=
+            expected->tolerance * most + expected->rounding + 1e-300L))
         difference = fmt::format("frame {}: {} instead of {}", n, played.out[0][n],
                                  static_cast<double>(expected->out[n]));
     note("equation", difference);

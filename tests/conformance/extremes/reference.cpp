@@ -217,7 +217,8 @@ Expected delay(const Given& g, std::size_t frames) {
 Expected fir(const Given& g, std::size_t frames) {
   return frame_by_frame(frames, [&](std::size_t n) {
     Real sum = 0;
-    for (std::size_t k = 0; k < g.numbers.size() && k <= n; ++k) sum += g.numbers[k] * g.at("in", n - k);
+    for (std::size_t k = 0; k < g.numbers.size() && k <= n; ++k)
+      sum += Real(g.numbers[k]) * g.at("in", n - k);
     return sum;
   });
 }

@@ -40,13 +40,13 @@ Arguments positive(double low, double high) {
 /// How far `got` is from `exact`, in units in the last place of `exact`; below the smallest normal number 0
 /// is right.
 double error_ulp(double got, Real exact) {
-  if (std::abs(exact) < std::numeric_limits<double>::min())
+  if (std::abs(exact) < Real(std::numeric_limits<double>::min()))
     return std::abs(got) <= std::numeric_limits<double>::min() ? 0 : 1e9;
-  if (std::abs(exact) > std::numeric_limits<double>::max())
+  if (std::abs(exact) > Real(std::numeric_limits<double>::max()))
     return got == static_cast<double>(exact) ? 0 : 1e9;
   int exponent = 0;
   std::frexp(static_cast<double>(std::abs(exact)), &exponent);
-  return static_cast<double>(std::abs(got - exact) / std::ldexp(Real{1}, exponent - 53));
+  return static_cast<double>(std::abs(Real(got) - exact) / std::ldexp(Real{1}, exponent - 53));
 }
 
 double worst_ulp(double (*function)(double), Real (*exact)(Real), const std::vector<Arguments>& arguments) {
@@ -55,7 +55,7 @@ double worst_ulp(double (*function)(double), Real (*exact)(Real), const std::vec
   for (const auto& argument : arguments)
     for (int i = 0; i < kRandom; ++i) {
       const double x = argument(bits);
-      worst = std::max(worst, error_ulp(function(x), exact(x)));
+      worst = std::max(worst, error_ulp(function(x), exact(Real(x))));
     }
   return worst;
 }
@@ -67,7 +67,7 @@ double worst_ulp(double (*function)(double, double), Real (*exact)(Real, Real),
   for (const auto& [first, second] : arguments)
     for (int i = 0; i < kRandom; ++i) {
       const double a = first(bits), b = second(bits);
-      worst = std::max(worst, error_ulp(function(a, b), exact(a, b)));
+      worst = std::max(worst, error_ulp(function(a, b), exact(Real(a), Real(b))));
     }
   return worst;
 }
@@ -79,7 +79,7 @@ Real floored_rest(Real a, Real b) {
 
 /// The doubles nearest to multiples of pi / 2, where the reduction loses most.
 double near_quarter_turn(std::mt19937_64& bits) {
-  return static_cast<double>(std::floor(uniform(bits, -9.5e8, 9.5e8)) *
+  return static_cast<double>(Real(std::floor(uniform(bits, -9.5e8, 9.5e8))) *
                              1.57079632679489661923132169163975144L);
 }
 

@@ -86,7 +86,7 @@ Recorded collect(SignalScope& scope) {
     for (int t = 0; t < chunk.traces; ++t)
       for (int v = 0; v < chunk.bins * chunk.per_bin(); ++v)
         all.traces[static_cast<std::size_t>(t)].push_back(
-            chunk.values[static_cast<std::size_t>(t * ScopeChunk::kMostBins * chunk.per_bin() + v)]);
+            double(chunk.values[static_cast<std::size_t>(t * ScopeChunk::kMostBins * chunk.per_bin() + v)]));
   }
   all.lost = scope.lost();
   return all;
@@ -109,7 +109,7 @@ Run run(const Options& options) {
 
 Samples rounded(const Samples& samples) {
   Samples floats;
-  for (const double sample : samples) floats.push_back(static_cast<float>(sample));
+  for (const double sample : samples) floats.push_back(double(static_cast<float>(sample)));
   return floats;
 }
 

@@ -77,7 +77,7 @@ class BrowserClient {
         for (std::size_t n = 0; n < count; ++n) {
           float value = 0;
           std::memcpy(&value, bytes.data() + 24 + sizeof value * (t * count + n), sizeof value);
-          scope.traces.back().push_back(value);
+          scope.traces.back().push_back(double(value));
         }
       }
       return scope;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <string>
@@ -101,11 +102,11 @@ class Pushed final : public BlockProcessor {
 /// How far the loop's own equations are from what the engine plays, relative to the largest value.
 double distance_from_engine(const Subject& subject, const std::vector<double>& expected) {
   auto built = build_world(subject.subject(), subject.options.world);
-  if (!built) return INFINITY;
+  if (!built) return std::numeric_limits<double>::infinity();
   Pushed pushed{*built->instrument};
   ClosedLoop loop{
       pushed, *built->plant, built->instrument->out_channels(), built->delay_frames, {.on = false}};
-  if (!loop.prepare(*subject.options.world.rate, 32)) return INFINITY;
+  if (!loop.prepare(*subject.options.world.rate, 32)) return std::numeric_limits<double>::infinity();
   loop.run(static_cast<int>(expected.size()));
   double most = 1e-300, apart = 0;
   for (std::size_t i = 0; i < expected.size(); ++i) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -775,7 +776,7 @@ const std::vector<Kind>& kinds() {
 /// Per second, of the piece that grows fastest.
 double growth_of(const Written& made) {
   if (made.growth) return *made.growth;
-  double most = -INFINITY;
+  double most = -std::numeric_limits<double>::infinity();
   for (const auto& piece : made.pieces) most = std::max(most, piece.growth() * made.loop.rate);
   return most;
 }

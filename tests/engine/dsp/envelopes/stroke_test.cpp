@@ -190,14 +190,14 @@ TEST_CASE("stroke: the net is the plain sum of its definition", "[dsp]") {
     tactus_real after[TACTUS_STROKE_AGES];
     for (double& number : after) number = static_cast<double>(bits()) / 4294967296.0;
     const auto q = [](long double s) { return s > 0 ? s : 0.05L * s; };
-    long double z = net.last_bias;
+    auto z = static_cast<long double>(net.last_bias);
     for (int m = 0; m < TACTUS_STROKE_JOINT; ++m) {
-      long double g = net.joint_bias[m];
+      auto g = static_cast<long double>(net.joint_bias[m]);
       for (int i = 0; i < TACTUS_STROKE_AGES; ++i)
         g += static_cast<long double>(after[i]) * static_cast<long double>(net.age[i][m]);
       for (int b = 0; b < TACTUS_STROKE_BANDS; ++b)
         for (int j = 0; j < TACTUS_STROKE_HIDDEN; ++j) {
-          long double h = net.band_bias[j][b];
+          auto h = static_cast<long double>(net.band_bias[j][b]);
           for (int i = 0; i < TACTUS_STROKE_FEATURES; ++i)
             h += static_cast<long double>(x[i][b]) * static_cast<long double>(net.band[i][j]);
           g += q(h) * static_cast<long double>(net.joint[b * TACTUS_STROKE_HIDDEN + j][m]);
