@@ -1,5 +1,7 @@
 // The program itself on a real card, which is pulled out while it plays.
+#include <cstdint>
 #include <cstdlib>
+#include <filesystem>
 
 #include "tests/cards/alsa/cable_card.h"
 #include "tests/cards/jack/playing.h"
@@ -26,6 +28,12 @@ bool says(Playing& play, const std::string& words, int many) {
   return said && play.count(words) == many;
 }
 
+/// Until this has become longer than a soft start.
+bool is_recorded(const std::filesystem::path& take) {
+  constexpr std::uintmax_t kBytes = 2 * 48'000 * sizeof(float);  // a second of one input and one output
+  return wait_until([&] { return exists(take) && file_size(take) >= kBytes; }, kSlowMachine);
+}
+
 /// [s] How long the card was away the last time.
 double last_absence(const Playing& play) {
   const auto log = play.log();
@@ -39,13 +47,13 @@ TEST_CASE(
     "alsa: a card pulled out while armed and playing is reported, and plays again armed when it is back",
     "[.alsa]") {
   const CableCard card;
-  const test::TemporaryFolder folder;
-  const auto tone = folder.write("tone.toml", test::constant("0.2")).string();
   for (const auto& way : alsa_ways()) DYNAMIC_SECTION(way.name) {
+      const test::TemporaryFolder folder;
+      const auto tone = folder.write("tone.toml", test::constant("0.2")).string();
       const auto backend = way.backend();
       const auto request = card.request(*backend, 48000, 2048);
       Playing play{{tone, "--device", request.device, "--input-device", request.input_device, "--block",
-                    "2048", "--arm", "--json"}};
+                    "2048", "--arm", "--json", "--record", (folder.path() / "take.wav").string()}};
       REQUIRE(says(play, "delay ", 1));
       int disarmed = 0;
       const int pulls = times("TACTUS_PULLS", 3);
@@ -63,6 +71,7 @@ TEST_CASE(
           WARN(way.name << ": " << turn << " pulls, " << play.count("drives disarmed:")
                         << " of them for more than 10 s");
       }
+      CHECK(is_recorded(folder.path() / ("take-" + std::to_string(pulls + 1) + ".wav")));  // one each return
       play.press("q");
       CHECK(play.ends() == 0);
       const auto report = play.report();
