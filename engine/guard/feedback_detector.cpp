@@ -10,7 +10,8 @@ void FeedbackDetector::forget() noexcept {
   std::ranges::fill(window_, 0);
   count_ = 0;
   until_ = 0;
-  probe_rest_ = trial_rest_ = resting_ = 0;
+  long_next_ = outside_ = false;
+  probe_rest_ = long_rest_ = trial_rest_ = resting_ = 0;
   growth_.forget();
   probe_.forget();
   trial_.forget();
@@ -25,7 +26,7 @@ TACTUS_EVERY_BLOCK bool FeedbackDetector::update(bool busy) noexcept {
   const bool mostly = 2 * count_ > window_.size();
   const bool grows = growth_.end_group() && mostly;
   if (count_ == 0) growth_.forget();
-  return (path_.from_input && returns(busy && count_ > suspect_, mostly)) || grows ||
+  return (path_.from_input && returns(busy && count_ > suspect_, mostly)) || (path_.internal_loop && grows) ||
          (path_.limiting_counts && mostly);
 }
 
@@ -40,24 +41,36 @@ TACTUS_EVERY_BLOCK bool FeedbackDetector::returns(bool suspect, bool mostly) noe
   if (verdict == FeedbackTrial::Verdict::Outside) {
     probe_rest_ = 0;  // a whole pattern: what a mass does that nothing holds is unlike a fall
     trial_rest_ = 10 * second_;
+    outside_ = true;
+    long_rest_ = 0;
   } else if (probed && !probe_.running()) {
-    probe_rest_ = 2 * second_;
+    long_next_ = long_rest_ == 0;
+    probe_rest_ = long_next_ && outside_ ? 0 : 2 * second_;
+    outside_ = false;
   }
   if (mostly && trial_rest_ == 0) {
     probe_.stop();
     trial_.begin();
   } else if (suspect && !probe_.running() && probe_rest_ == 0) {
-    probe_.begin();
+    begin_probe();
   }
   return false;
+}
+
+TACTUS_EVERY_BLOCK void FeedbackDetector::begin_probe() noexcept {
+  probe_.begin(long_next_ ? FeedbackProbe::kLong : FeedbackProbe::kShort);
+  if (long_next_) long_rest_ = 10 * second_;
+  long_next_ = false;
 }
 
 /// Counts the rests down; two seconds after the last limit everything starts again.
 TACTUS_EVERY_BLOCK void FeedbackDetector::rest(bool suspect) noexcept {
   probe_rest_ = std::max(0, probe_rest_ - 1);
+  long_rest_ = std::max(0, long_rest_ - 1);
   trial_rest_ = std::max(0, trial_rest_ - 1);
   resting_ = suspect ? 2 * second_ : std::max(0, resting_ - 1);
   if (resting_ == 0 || (suspect && trial_.is_louder())) trial_rest_ = 0;
+  if (resting_ == 0) long_rest_ = 0;
 }
 
 }  // namespace tactus

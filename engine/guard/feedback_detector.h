@@ -38,13 +38,13 @@ struct FeedbackPath {
 ///   growth  (feedback_growth.h) limited in more than half of the last 200 ms, and what is wanted grows
 ///           without bound: a loop of the graph
 ///   probe   (feedback_probe.h) limited for 16 ms of the last 200 ms: what is wanted follows a pattern in
-///           the output, through an input
+///           the output, through an input; a short pattern first, then a long one for long delays
 ///   trial   (feedback_trial.h) limited in more than half of the last 200 ms: the output is silenced at once,
 ///           and what is wanted falls whenever it is
 ///
 /// A limited frame counts for a while after, because a loop may touch the limit only at its peaks. An outside
-/// signal that stays limited is probed every 2 s, and put to trial every 10 s at most, or when it is three
-/// times as loud as at the last trial.
+/// signal that stays limited is probed every 2 s, for long delays and by a trial every 10 s at most, or when
+/// it is three times as loud as at the last trial.
 class FeedbackDetector {
  public:
   static constexpr Seconds kWindow{0.2}, kLimited{0.016};
@@ -91,6 +91,7 @@ class FeedbackDetector {
   }
   bool update(bool busy) noexcept;
   bool returns(bool suspect, bool mostly) noexcept;
+  void begin_probe() noexcept;
   void rest(bool suspect) noexcept;
 
   FeedbackPath path_;
@@ -99,7 +100,9 @@ class FeedbackDetector {
   int second_;                         ///< groups
   std::size_t next_ = 0, count_ = 0;
   std::int64_t until_ = 0;
-  int probe_rest_ = 0, trial_rest_ = 0, resting_ = 0;  ///< groups
+  int probe_rest_ = 0, long_rest_ = 0, trial_rest_ = 0, resting_ = 0;  ///< groups
+  bool long_next_ = false;                                             ///< the next probe is for long delays
+  bool outside_ = false;  ///< a trial has ended, and no pattern since
   FeedbackGrowth growth_;
   FeedbackProbe probe_;
   FeedbackTrial trial_;

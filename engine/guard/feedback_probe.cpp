@@ -12,8 +12,8 @@ namespace {
 constexpr std::array kRuns{3, 3, 3, 4, 4, 6, 5, 8, 7, 11, 10, 15, 14, 21, 19, 29, 27};
 constexpr double kDip = 0.5;
 constexpr double kMutePerGroup = 0.25, kReturnPerGroup = 0.0625;
-constexpr double kSlotsPerSecond = 750.0;
-constexpr double kFloor = 1e-4;  ///< of the power at the ceiling: quieter is silence
+constexpr double kFloor = 1e-4;         ///< of the power at the ceiling: quieter is silence
+constexpr double kNearlySilent = 0.05;  ///< Np above the floor: nearly silent
 constexpr int kLeastRuns = 7;
 constexpr double kLeastResponse = 0.5, kMostResponse = 1.7, kLeastGain = 0.9;
 constexpr double kLeastT = 8.0;
@@ -34,16 +34,22 @@ bool is_feedback(const FeedbackRegression& regression, int smoothing) noexcept {
 }  // namespace
 
 FeedbackProbe::FeedbackProbe(Hertz sample_rate, double ceiling)
-    : groups_(std::max(1, static_cast<int>(std::lround(sample_rate.value / kSlotsPerSecond / kGuardGroup)))),
-      floor_(kFloor * ceiling * ceiling * kGuardGroup * groups_),
-      levels_(kSmoothings.size()) {}
+    : sample_rate_(sample_rate), ceiling_(ceiling), levels_(kSmoothings.size()) {}
+
+int FeedbackProbe::groups_in(const Reach& reach) const noexcept {
+  return std::max(1,
+                  static_cast<int>(std::lround(sample_rate_.value / reach.slots_per_second / kGuardGroup)));
+}
 
 void FeedbackProbe::forget() noexcept {
   running_ = muted_ = false;
   gain_.move_to(1.0);
 }
 
-void FeedbackProbe::begin() noexcept {
+void FeedbackProbe::begin(const Reach& reach) noexcept {
+  groups_ = groups_in(reach);
+  reach_ = reach.lags;
+  floor_ = kFloor * ceiling_ * ceiling_ * kGuardGroup * groups_;
   running_ = true;
   group_ = slot_ = run_ = 0;
   left_ = kRuns.front();
@@ -87,9 +93,11 @@ bool FeedbackProbe::advance(Levels& levels, const Smoothing& smoothing) noexcept
   levels.u[place] = 0.5 * std::log(levels.allowed);
   levels.x[place] = 0.5 * std::log(levels.out / levels.allowed);
   const double a = 0.5 * std::log(levels.wanted);
+  const double silent = 0.5 * std::log(floor_) + (reach_ > kShort.lags ? kNearlySilent : -1.0);
   bool found = false;
-  for (int m = 0; m < kLags && m <= slot_; ++m) {
+  for (int m = 0; m < reach_ && m <= slot_; ++m) {
     const auto from = index((slot_ - m) % kLags);
+    if (a < silent && levels.u[from] < silent) continue;
     auto& lag = levels.lags[index(m)];
     lag.add(levels.x[from], a - levels.u[from]);
     found = found || (runs_[from] >= kLeastRuns && is_feedback(lag, smoothing.wanted));

@@ -13,10 +13,10 @@ namespace tactus {
 /// A known pattern in the gain g of a drive, and whether what the drive is asked to do follows it. Through a
 /// loop the wanted signal is the past output, w(t) = G y(t - D), so its level falls and rises with every dip
 /// of the output, D later; an outside signal does not know the pattern. Levels are logarithms of the power of
-/// 64-frame slots (at 48 kHz; 1.3 ms), each smoothed with the same time constant s:
+/// slots, each smoothed with the same time constant s:
 ///
 ///   A  of the wanted signal,  U  of what the limits left of it,  Y = U with the gain g
-///   r_k = A_k - U_{k-m},  x_k = Y_{k-m} - U_{k-m}      lag m up to 48 ms, s of 1, 4, 8 and 16 slots
+///   r_k = A_k - U_{k-m},  x_k = Y_{k-m} - U_{k-m}      lag m, s of 1, 4, 8 and 16 slots
 ///   r_k = a + b k + β x_k + ε_k                        (feedback_regression.h)
 ///   R   = exp(mean(r - x))                             how much louder than the output it returns
 ///
@@ -25,10 +25,21 @@ namespace tactus {
 ///
 ///   0.5 < β < 1.7  and  β R > 0.9  and  t > 8 (1 + log2(s) / 2),  after at least seven changes of the gain
 ///
-/// for a lag and a smoothing. The pattern alternates 0 and -6 dB for lengths that grow from 4 to 39 ms, so
-/// that no tremolo follows it; it lasts 0.25 s.
+/// for a lag and a smoothing. The pattern alternates 0 and -6 dB for lengths that grow from 3 to 29 slots, so
+/// that no tremolo follows it. In a long pattern slots that are silent in A and in U_{k-m}, as a hole that
+/// goes round in a loop is, say nothing and do not count.
+///
+///           slot (at 48 kHz)     pattern             lags
+///   short   64 frames, 1.3 ms    4 to 39 ms, 0.25 s  up to 48 ms
+///   long    256 frames, 5.3 ms   16 to 155 ms, 1 s   up to 0.5 s
 class FeedbackProbe {
  public:
+  struct Reach {
+    double slots_per_second;
+    int lags;
+  };
+  static constexpr Reach kShort{750.0, 37}, kLong{187.5, 95};
+
   /// [control]
   FeedbackProbe(Hertz sample_rate, double ceiling);
 
@@ -37,7 +48,7 @@ class FeedbackProbe {
   /// The pattern is running.
   bool running() const noexcept { return running_; }
   double gain_at(int position) const noexcept { return gain_.at(position); }
-  void begin() noexcept;
+  void begin(const Reach& reach) noexcept;
   /// Without a result.
   void stop() noexcept { running_ = false; }
   /// Takes the drive to silence and back, in 5 and 21 ms at 48 kHz, while no pattern runs.
@@ -54,7 +65,7 @@ class FeedbackProbe {
   void forget() noexcept;
 
  private:
-  static constexpr int kLags = 37;
+  static constexpr int kLags = kLong.lags;
   /// Smoothing of the wanted signal and of the output, in slots. They differ where a resonance smooths.
   struct Smoothing {
     int wanted, out;
@@ -70,8 +81,12 @@ class FeedbackProbe {
   bool advance(Levels& levels, const Smoothing& smoothing) noexcept;
   void next_run() noexcept;
 
-  int groups_;  ///< of a slot
-  double floor_;
+  int groups_in(const Reach& reach) const noexcept;
+
+  Hertz sample_rate_;
+  double ceiling_;
+  int groups_ = 1, reach_ = 1;  ///< of a slot; lags
+  double floor_ = 0.0;          ///< added to the power of a slot
   GroupGain gain_;
   bool running_ = false, muted_ = false;
   int group_ = 0, slot_ = 0, run_ = 0, left_ = 0;

@@ -9,17 +9,23 @@ namespace {
 
 constexpr double kFallen = 0.6, kFallenPlaying = 0.5, kBack = 0.4;  ///< of the level before
 constexpr double kSteady = 0.95, kSilent = 0.3;                     ///< the same
-constexpr double kRise = 1.2, kRiseShare = 0.1;  ///< of the lowest level, and of the level before
+constexpr double kSwinging = 0.3;                                   ///< of the swing before
+constexpr double kRise = 1.2, kRiseShare = 0.03;  ///< of the lowest level, and of the level before
 constexpr int kSteadySteps = 20, kLongestFall = 47, kSilentSteps = 30, kSilentFalls = 2;
-constexpr int kLongestRise = 940, kLeastPlaying = 18;
+constexpr int kLongestRise = 940, kRiseFalls = 30, kLeastPlaying = 18;
 constexpr double kPlayingFalls = 1.5;
 
 }  // namespace
 
 void FeedbackTrial::begin() noexcept {
+  falls_ = last_fall_ = fall_ = 0;
+  mute();
+}
+
+void FeedbackTrial::mute() noexcept {
   go(State::Falling);
-  first_fall_ = fall_ = 0;
   reference_ = level();
+  swing_ = swing();
 }
 
 TACTUS_EVERY_BLOCK FeedbackTrial::Verdict FeedbackTrial::end_group(bool limited) noexcept {
@@ -42,7 +48,8 @@ FeedbackTrial::Verdict FeedbackTrial::step(double level, bool limited) noexcept 
 
 FeedbackTrial::Verdict FeedbackTrial::falling(double level) noexcept {
   if (level > kFallen * reference_) {
-    const bool steady = steps_ == kSteadySteps && level > kSteady * reference_;
+    const bool steady =
+        steps_ >= kSteadySteps && level > kSteady * reference_ && last_swing() > kSwinging * swing_;
     return steady || steps_ > kLongestFall ? outside() : Verdict::None;
   }
   fall_ = steps_;
@@ -55,8 +62,9 @@ FeedbackTrial::Verdict FeedbackTrial::silent(double level) noexcept {
   if (level > kRise * lowest_ + kRiseShare * reference_) return outside();
   if (steps_ < kSilentSteps + kSilentFalls * fall_) return Verdict::None;
   if (level > kSilent * reference_) return outside();
-  if (first_fall_ > 0) return judge();
-  first_fall_ = fall_;
+  if (++falls_ > 1)
+    if (const auto verdict = judge(); verdict != Verdict::None) return verdict;
+  last_fall_ = fall_;
   wait_ = kLeastPlaying + static_cast<int>(kPlayingFalls * fall_);
   limited_again_ = false;
   highest_ = 0.0;
@@ -66,12 +74,11 @@ FeedbackTrial::Verdict FeedbackTrial::silent(double level) noexcept {
 
 FeedbackTrial::Verdict FeedbackTrial::playing(double level, bool limited) noexcept {
   if (limited && level > kBack * reference_) limited_again_ = true;
-  if (!limited_again_) return steps_ > kLongestRise ? outside() : Verdict::None;
+  if (!limited_again_) return steps_ > kLongestRise + kRiseFalls * fall_ ? outside() : Verdict::None;
   highest_ = std::max(highest_, level);
   if (level < kFallenPlaying * highest_) return outside();
   if (--wait_ > 0) return Verdict::None;
-  reference_ = level;
-  go(State::Falling);
+  mute();
   return Verdict::None;
 }
 
@@ -81,8 +88,10 @@ FeedbackTrial::Verdict FeedbackTrial::outside() noexcept {
 }
 
 FeedbackTrial::Verdict FeedbackTrial::judge() noexcept {
-  const auto [shorter, longer] = std::minmax(first_fall_, fall_);
-  if (longer > 2 * shorter + 1 && ++disagreements_ < 2) return Verdict::Outside;
+  const auto [shorter, longer] = std::minmax(last_fall_, fall_);
+  const bool alike = longer <= 2 * shorter + 1, equal = longer - shorter <= 1 + shorter / 8;
+  if (alike && !equal && falls_ == 2) return Verdict::None;
+  if (!alike && ++disagreements_ < 2) return Verdict::Outside;
   disagreements_ = 0;
   return Verdict::Feedback;
 }

@@ -21,10 +21,13 @@ namespace tactus {
 ///   silent   it stays silent for 0.32 s and twice the time of the fall
 ///   playing  it is let through, until it has been limited again for 0.19 s and 1.5 times the time of the
 ///            fall: longer than it was limited before and took to fall, so no rhythm falls with both silences
-///   loop     it fell twice, in times that agree within a factor of 2; or it did so in two trials
-///   outside  the level is above 95 % after 0.21 s of silence, or has not fallen after 0.5 s, or it rises
-///            again during the silence or is not below 30 % after it, or it falls by 6 dB while the
-///            drive plays, or the drive is not limited again within 10 s
+///   loop     it fell twice, in times that are equal within a step and an eighth, or three times, the last
+///   two in
+///            times that agree within a factor of 2; or it fell in two trials
+///   outside  after 0.21 s of silence or more the level is above 95 % and one of the last two steps swings as
+///            before (by 30 %), or the level has not fallen after 0.5 s, or it rises again during the silence
+///            or is not below 30 % after it, or it falls by 6 dB while the drive plays, or the drive is not
+///            limited again within 10 s and 30 times the time of the fall
 class FeedbackTrial {
  public:
   enum class Verdict { None, Feedback, Outside };
@@ -53,6 +56,7 @@ class FeedbackTrial {
       low = std::min(low, other.low);
       high = std::max(high, other.high);
     }
+    double half() const noexcept { return std::max(0.0, (high - low) / 2.0); }
   };
   static constexpr double kStep_s = 0.0107;
   static constexpr double kLouder = 3.0;
@@ -61,12 +65,20 @@ class FeedbackTrial {
   double level() const noexcept {
     Range all = now_;
     for (const auto& range : ranges_) all.add(range);
-    return std::max(0.0, (all.high - all.low) / 2.0);
+    return all.half();
   }
+  /// Of a step, in the mean over the level's.
+  double swing() const noexcept {
+    double sum = 0.0;
+    for (const auto& range : ranges_) sum += range.half();
+    return sum / static_cast<double>(ranges_.size());
+  }
+  double last_swing() const noexcept { return std::max(ranges_.back().half(), (ranges_.end() - 2)->half()); }
   Verdict step(double level, bool limited) noexcept;
   Verdict falling(double level) noexcept;
   Verdict silent(double level) noexcept;
   Verdict playing(double level, bool limited) noexcept;
+  void mute() noexcept;
   Verdict outside() noexcept;
   Verdict judge() noexcept;
   void go(State state) noexcept { state_ = state, steps_ = 0; }
@@ -74,9 +86,10 @@ class FeedbackTrial {
   int groups_;  ///< of a step
   State state_ = State::Idle;
   int group_ = 0, steps_ = 0, wait_ = 0, disagreements_ = 0;
-  int first_fall_ = 0, fall_ = 0;  ///< steps; 0: none yet
+  int falls_ = 0, last_fall_ = 0, fall_ = 0;  ///< how many; of the one before and of this one, in steps
   bool limited_again_ = false;
-  double reference_ = 0.0, highest_ = 0.0, lowest_ = 0.0;
+  double reference_ = 0.0, swing_ = 0.0;  ///< level and swing before the silence
+  double highest_ = 0.0, lowest_ = 0.0;
   Range now_;                       ///< of this step
   std::array<Range, 12> ranges_{};  ///< of the last steps
 };

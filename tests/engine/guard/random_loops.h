@@ -41,6 +41,11 @@ struct Mode {
   }
 };
 
+/// In frames.
+struct LoopDelays {
+  int least = 48, most = 1920;
+};
+
 /// What a loop does to an output: gain * sum of modes, behind a delay; without modes only the gain.
 struct LoopShape {
   double gain = 1;
@@ -49,19 +54,19 @@ struct LoopShape {
   double noise = 1e-5;    ///< of the converter, or of the room
   bool internal = false;  ///< in the graph: it does not pass the guard
 
-  static LoopShape random(std::mt19937& random) {
+  static LoopShape random(std::mt19937& random, const LoopDelays& delays = {}) {
     LoopShape shape;
     shape.internal = random() % 5 == 0;
     shape.gain = (random() % 2 == 0 ? 1 : -1) * logarithmic(random, 1.02, 100);
-    shape.delay = static_cast<int>(logarithmic(random, 48, 1920));
+    shape.delay = static_cast<int>(logarithmic(random, delays.least, delays.most));
     const auto modes = random() % 4;
     for (unsigned m = 0; m < modes; ++m) shape.modes.push_back(Mode::random(random));
     if (random() % 2 == 0) shape.noise = 0.02;
     return shape;
   }
-  static LoopShape random_unstable(std::mt19937& random) {
-    auto shape = LoopShape::random(random);
-    while (!shape.is_unstable()) shape = LoopShape::random(random);
+  static LoopShape random_unstable(std::mt19937& random, const LoopDelays& delays = {}) {
+    auto shape = LoopShape::random(random, delays);
+    while (!shape.is_unstable()) shape = LoopShape::random(random, delays);
     return shape;
   }
   std::complex<double> open_loop(double hz) const {
