@@ -15,15 +15,16 @@ constexpr double kMutePerGroup = 0.25, kReturnPerGroup = 0.0625;
 constexpr double kFloor = 1e-4;         ///< of the power at the ceiling: quieter is silence
 constexpr double kNearlySilent = 0.05;  ///< Np above the floor: nearly silent
 constexpr int kLeastRuns = 7;
-constexpr double kLeastResponse = 0.5, kMostResponse = 1.7, kLeastGain = 0.9;
+constexpr double kLeastGain = 0.9;
 constexpr double kLeastT = 8.0;
 
 /// Standard deviation that x must have, of the depth of the pattern: what smoothing leaves of it.
 constexpr double kLeastShare = 0.2;
 
-bool is_feedback(const FeedbackRegression& regression, int smoothing) noexcept {
+bool is_feedback(const FeedbackRegression& regression, int smoothing,
+                 const FeedbackProbe::Reach& reach) noexcept {
   const auto fit = regression.fit();
-  if (!(fit.response > kLeastResponse && fit.response < kMostResponse)) return false;
+  if (!(fit.response > reach.least_response && fit.response < reach.most_response)) return false;
   const double share = kLeastShare * std::log(kDip);
   if (!(fit.variance > share * share)) return false;
   const double ratio = regression.mean_r() - regression.mean_x();
@@ -48,7 +49,7 @@ void FeedbackProbe::forget() noexcept {
 
 void FeedbackProbe::begin(const Reach& reach) noexcept {
   groups_ = groups_in(reach);
-  reach_ = reach.lags;
+  reach_ = reach;
   floor_ = kFloor * ceiling_ * ceiling_ * kGuardGroup * groups_;
   running_ = true;
   group_ = slot_ = run_ = 0;
@@ -93,14 +94,14 @@ bool FeedbackProbe::advance(Levels& levels, const Smoothing& smoothing) noexcept
   levels.u[place] = 0.5 * std::log(levels.allowed);
   levels.x[place] = 0.5 * std::log(levels.out / levels.allowed);
   const double a = 0.5 * std::log(levels.wanted);
-  const double silent = 0.5 * std::log(floor_) + (reach_ > kShort.lags ? kNearlySilent : -1.0);
+  const double silent = 0.5 * std::log(floor_) + (reach_.lags > kShort.lags ? kNearlySilent : -1.0);
   bool found = false;
-  for (int m = 0; m < reach_ && m <= slot_; ++m) {
+  for (int m = 0; m < reach_.lags && m <= slot_; ++m) {
     const auto from = index((slot_ - m) % kLags);
     if (a < silent && levels.u[from] < silent) continue;
     auto& lag = levels.lags[index(m)];
     lag.add(levels.x[from], a - levels.u[from]);
-    found = found || (runs_[from] >= kLeastRuns && is_feedback(lag, smoothing.wanted));
+    found = found || (runs_[from] >= kLeastRuns && is_feedback(lag, smoothing.wanted, reach_));
   }
   return found;
 }

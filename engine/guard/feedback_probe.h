@@ -23,22 +23,24 @@ namespace tactus {
 /// A - U cancels what the signal does by itself where it returns. A pure loop has β = 1 and R = G, whatever
 /// its delay; an outside signal has β = 0; of a stable loop, β R is the gain at most. So feedback is
 ///
-///   0.5 < β < 1.7  and  β R > 0.9  and  t > 8 (1 + log2(s) / 2),  after at least seven changes of the gain
+///   β near 1  and  β R > 0.9  and  t > 8 (1 + log2(s) / 2),  after at least seven changes of the gain
 ///
 /// for a lag and a smoothing. The pattern alternates 0 and -6 dB for lengths that grow from 3 to 29 slots, so
 /// that no tremolo follows it. In a long pattern slots that are silent in A and in U_{k-m}, as a hole that
 /// goes round in a loop is, say nothing and do not count.
 ///
-///           slot (at 48 kHz)     pattern             lags
-///   short   64 frames, 1.3 ms    4 to 39 ms, 0.25 s  up to 48 ms
-///   long    256 frames, 5.3 ms   16 to 155 ms, 1 s   up to 0.5 s
+///           slot (at 48 kHz)     pattern             lags         β
+///   short   64 frames, 1.3 ms    4 to 39 ms, 0.25 s  up to 48 ms  0.5 to 1.7
+///   long    256 frames, 5.3 ms   16 to 155 ms, 1 s   up to 0.5 s  0.7 to 1.4: of more lags more fit by
+///   chance
 class FeedbackProbe {
  public:
   struct Reach {
     double slots_per_second;
     int lags;
+    double least_response, most_response;  ///< of a loop
   };
-  static constexpr Reach kShort{750.0, 37}, kLong{187.5, 95};
+  static constexpr Reach kShort{750.0, 37, 0.5, 1.7}, kLong{187.5, 95, 0.7, 1.4};
 
   /// [control]
   FeedbackProbe(Hertz sample_rate, double ceiling);
@@ -85,8 +87,9 @@ class FeedbackProbe {
 
   Hertz sample_rate_;
   double ceiling_;
-  int groups_ = 1, reach_ = 1;  ///< of a slot; lags
-  double floor_ = 0.0;          ///< added to the power of a slot
+  Reach reach_ = kShort;
+  int groups_ = 1;      ///< of a slot
+  double floor_ = 0.0;  ///< added to the power of a slot
   GroupGain gain_;
   bool running_ = false, muted_ = false;
   int group_ = 0, slot_ = 0, run_ = 0, left_ = 0;
