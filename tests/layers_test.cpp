@@ -62,6 +62,7 @@ struct ThirdParty {
 const std::vector<ThirdParty> kThirdParty = {
     {"tl/expected.hpp", {"engine/core/"}},
     {"math.h", {"engine/dsp/kernel.h"}},
+    {"sanitizer/", {"engine/core/not_realtime.h"}},
     {"Eigen/", {"engine/physics/", "engine/study/", "latency/"}},
     {"unsupported/Eigen/", {"engine/physics/", "engine/study/", "latency/"}},
     {"toml++/", {"engine/graph/file/", "engine/rig/"}},

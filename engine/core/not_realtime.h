@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [any]
 
 #if defined(__has_feature)
 #if __has_feature(realtime_sanitizer)
@@ -7,10 +8,10 @@
 #endif
 #endif
 
-namespace tactus::test {
+namespace tactus {
 
-/// For its life the real-time sanitizer reports nothing: in a test's own processor or journal, which may
-/// allocate what it keeps, or wait on purpose.
+/// For its life the real-time sanitizer reports nothing: in what is no part of playing: a study, or a
+/// test's own processor or journal, which may allocate what it keeps, or wait on purpose.
 #if defined(TACTUS_REALTIME_SANITIZER)
 using NotRealtime = __rtsan::ScopedDisabler;
 #else
@@ -19,4 +20,4 @@ struct NotRealtime {
 };
 #endif
 
-}  // namespace tactus::test
+}  // namespace tactus

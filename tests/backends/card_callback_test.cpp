@@ -7,7 +7,7 @@
 #include <limits>
 #include <thread>
 
-#include "tests/support/not_realtime.h"
+#include "engine/core/not_realtime.h"
 #include "tests/support/wait_until.h"
 
 // What every sound library calls, called by the test instead.
@@ -25,7 +25,7 @@ class Adder final : public BlockProcessor {
  public:
   Status prepare(const StreamFormat& format) override { return format_ = format, Status{}; }
   void process(const BlockIo& io) noexcept override {
-    const test::NotRealtime allocates;
+    const NotRealtime allocates;
     lengths.push_back(io.frames);
     for (int c = 0; c < format_.out_channels; ++c)
       for (int n = 0; n < io.frames; ++n)

@@ -5,9 +5,9 @@
 #include <thread>
 #include <utility>
 
+#include "engine/core/not_realtime.h"
 #include "tests/cards/ways.h"
 #include "tests/support/noise_probe.h"
-#include "tests/support/not_realtime.h"
 #include "tests/support/undisturbed.h"
 #include "tests/support/wait_until.h"
 
@@ -267,7 +267,7 @@ std::optional<Missed> miss_frames(const Way& way, const Way& generating_way, con
     void process(const BlockIo& io) noexcept override {
       probe.process(io);
       if (probe.frames() <= 30000 || std::exchange(slept, true)) return;
-      const test::NotRealtime waits;
+      const NotRealtime waits;
       std::this_thread::sleep_for(std::chrono::milliseconds{50});
     }
     NoiseProbe probe{96000};

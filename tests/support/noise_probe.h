@@ -7,8 +7,8 @@
 #include <thread>
 #include <vector>
 
+#include "engine/core/not_realtime.h"
 #include "engine/guard/guarded.h"
-#include "tests/support/not_realtime.h"
 
 namespace tactus::test {
 

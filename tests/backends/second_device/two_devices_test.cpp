@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "engine/core/channels.h"
+#include "engine/core/not_realtime.h"
 #include "engine/runtime/player.h"
 #include "tests/support/fake_backend.h"
 #include "tests/support/graphs/graph_runner.h"
-#include "tests/support/not_realtime.h"
 
 using namespace tactus;
 using test::FakeBackend;
@@ -32,7 +32,7 @@ class Probe final : public BlockProcessor {
     return {};
   }
   void process(const BlockIo& io) noexcept override {
-    const test::NotRealtime allocates;
+    const NotRealtime allocates;
     for (int c = 0; c < granted.in_channels; ++c) in[c].assign(io.in[c], io.in[c] + io.frames);
     for (int c = 0; c < granted.out_channels; ++c)
       for (int n = 0; n < io.frames; ++n) io.out[c][n] = out(c, frame + n);

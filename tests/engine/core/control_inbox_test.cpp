@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "engine/core/journal.h"
-#include "tests/support/not_realtime.h"
+#include "engine/core/not_realtime.h"
 
 using namespace tactus;
 
@@ -13,7 +13,7 @@ JournalEntry entry(std::int64_t frame, int index) {
 
 struct Tap : JournalTap {
   void applied(const JournalEntry& applied) noexcept override {
-    const test::NotRealtime allocates;
+    const NotRealtime allocates;
     entries.push_back(applied);
   }
   std::vector<JournalEntry> entries;

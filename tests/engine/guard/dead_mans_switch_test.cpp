@@ -4,9 +4,9 @@
 #include <chrono>
 #include <vector>
 
+#include "engine/core/not_realtime.h"
 #include "engine/guard/guarded.h"
 #include "tests/support/full_scale.h"
-#include "tests/support/not_realtime.h"
 
 using namespace tactus;
 using Kind = JournalEntry::Kind;
@@ -52,7 +52,7 @@ class Watched final : private BlockTap {
 
  private:
   void applied(const JournalEntry& entry) noexcept override {
-    const test::NotRealtime allocates;
+    const NotRealtime allocates;
     journal.push_back(entry);
   }
   void observe(const BlockIo&, std::int64_t) noexcept override {}

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "engine/core/not_realtime.h"
 #include "tests/support/error_summary.h"
-#include "tests/support/not_realtime.h"
 
 using namespace tactus;
 using Kind = JournalEntry::Kind;
@@ -37,7 +37,7 @@ class Level final : public BlockProcessor {
 /// Keeps every entry that is applied.
 struct RecordedJournal final : BlockTap {
   void applied(const JournalEntry& entry) noexcept override {
-    const test::NotRealtime allocates;
+    const NotRealtime allocates;
     entries.push_back(entry);
   }
   void observe(const BlockIo&, std::int64_t) noexcept override {}

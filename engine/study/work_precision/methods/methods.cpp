@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/core/not_realtime.h"
 #include "engine/study/work_precision/methods/motion.h"
 
 namespace tactus {
@@ -30,6 +31,7 @@ class Method : public NetworkSolver {
   Cost cost() const override { return {motion_.multiplications() / std::max(1.0, steps_), 0.0}; }
 
   void step(NetworkState& state) const noexcept override {
+    const NotRealtime allocates;
     motion_.begin(state);
     x_ = motion_.positions();
     v_ = motion_.velocities();
