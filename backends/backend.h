@@ -73,6 +73,7 @@ struct StreamGranted {
   /// What the server calls the connection of its devices: another one after one of them left the server and
   /// came back. Empty: unknown.
   std::string connection;
+  int renames = 0;  ///< how often its ports had got other names: a name may now be that of another actuator
   StreamFormat format;
   int block_frames = 0;  ///< 0: changes from block to block
   int periods = 0;       ///< 0: not known

@@ -264,6 +264,7 @@ std::vector<std::string> differences(const StreamGranted& before, const StreamGr
   add_doubt(before.output, now.output, "output", found);
   compare(before.output, now.output, "output", found);
   compare_second(before, now, true, found);
+  if (before.renames != now.renames) found.push_back("its ports were renamed");
   compare_settings(before, now, found);
   return found;
 }

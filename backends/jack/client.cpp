@@ -89,6 +89,12 @@ void Client::set_callbacks() {
         if (registered == 0) client(self).note_removal(port);
       },
       this);
+  jack_set_port_rename_callback(
+      handle,
+      [](jack_port_id_t port, const char* before, const char*, void* self) {
+        client(self).note_rename(port, before);
+      },
+      this);
   jack_on_info_shutdown(
       handle,
       [](jack_status_t, const char*, void* self) {
@@ -238,6 +244,21 @@ void Client::note_removal(std::uint32_t port) {
                    [&](const Wire& wire) { return is_there(wire.from) && is_there(wire.to); }))
     lost = true;
   midi_.keep(is_there);
+}
+
+/// Wires are found again by names, so one that changes hands may lead to another actuator.
+void Client::note_rename(std::uint32_t port, const std::string& before) {
+  const auto* renamed = jack_port_by_id(handle, port);
+  if (renamed == nullptr || renames == nullptr) return;
+  const std::string now = jack_port_name(renamed);
+  const auto client_name = now.substr(0, now.find(':') + 1);
+  const auto was = before.starts_with(client_name) ? before : client_name + before;
+  const auto is_end = [&](const std::string& name) {
+    return std::ranges::any_of(wires, [&](const Wire& wire) { return wire.from == name || wire.to == name; });
+  };
+  if (!is_end(was) && !is_end(now)) return;
+  ++*renames;
+  lost = true;
 }
 
 TACTUS_EVERY_BLOCK void Client::process(int frames) noexcept {

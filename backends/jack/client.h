@@ -78,9 +78,12 @@ class Client {
 
   _jack_client* const handle;
   std::unique_ptr<CardCallback> card;  ///< set before `activate`
-  /// It is lost when an end of one goes away. Those to the inputs come first, each channel's in turn.
+  std::shared_ptr<std::atomic<int>>
+      renames;  ///< counts ends of wires that got other names; set with the wires
+  /// It is lost when an end of one goes away or gets another name. Those to the inputs come first, each
+  /// channel's in turn.
   std::vector<Wire> wires;
-  std::atomic<bool> lost{false};  ///< the server went away or changed its rate, or an end of a wire went away
+  std::atomic<bool> lost{false};  ///< by the end of a wire, or the server went away or changed its rate
   const int sample_rate;
   std::atomic<int> new_rate{0};  ///< [Hz] that the server changed to; 0: it did not
   std::atomic<int> block_frames;
@@ -98,6 +101,7 @@ class Client {
   void note_connection(std::uint32_t from, std::uint32_t to);
   void note_disconnection(std::uint32_t from, std::uint32_t to);
   void note_removal(std::uint32_t port);
+  void note_rename(std::uint32_t port, const std::string& before);
   void process(int frames) noexcept;
   void note_lost_frames(int frames) noexcept;
 

@@ -2,6 +2,7 @@
 #include <jack/jack.h>
 
 #include <algorithm>
+#include <atomic>
 #include <utility>
 
 #include "backends/alsa_devices.h"
@@ -267,11 +268,11 @@ std::vector<Wire> wires(const Client& client, const StreamGranted& granted) {
 /// client that has audio ports is a device: "jack:system" is the sound card. The server decides rate and
 /// block size for all: another rate is refused, another block is not granted. This never starts a server.
 ///
-/// A stream is Lost when the server or the device's ports go away and when the server changes its rate, and
-/// Stalled while the server does not answer. While the server freewheels, zeros go out and the processor is
-/// left alone. A device that returns is connected to the same ports by their names. Changes that others make
-/// to its connections are kept, and reported by `take_note`. A call that the server does not answer within
-/// two seconds is an error; what hangs is left to itself, silent.
+/// A stream is Lost when the server or the device's ports go away or get other names and when the server
+/// changes its rate, and Stalled while the server does not answer. While the server freewheels, zeros go out
+/// and the processor is left alone. A device that returns is connected to the same ports by their names.
+/// Changes that others make to its connections are kept, and reported by `take_note`. A call that the server
+/// does not answer within two seconds is an error; what hangs is left to itself, silent.
 class JackBackend final : public Backend {
  public:
   std::string name() const override { return "jack"; }
@@ -305,6 +306,8 @@ class JackBackend final : public Backend {
     auto connection = ask_server([client, granted] { return connection_of(*client, granted); });
     if (!connection) return tl::unexpected(connection.error());
     granted.connection = std::move(*connection);
+    granted.renames = *renames_;
+    client->renames = renames_;
     client->wires = wires(*client, granted);
     if (auto status = processor.prepare(granted.format); !status) return tl::unexpected(status.error());
     auto unmapped = request;  // our ports are the channels themselves: what is mapped are the wires
@@ -317,6 +320,7 @@ class JackBackend final : public Backend {
 
  private:
   const std::shared_ptr<jack::PlayingClient> playing_ = std::make_shared<jack::PlayingClient>();
+  const std::shared_ptr<std::atomic<int>> renames_ = std::make_shared<std::atomic<int>>(0);
 };
 
 }  // namespace

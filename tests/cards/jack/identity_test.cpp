@@ -145,6 +145,27 @@ TEST_CASE("jack: a card that registers its ports the other way round gets the sa
   }
 }
 
+TEST_CASE("jack: a card whose ports exchange their names while it plays is not the same", "[cards][jack]") {
+  const auto server = start_sound_server();
+  Player player{{}};
+  REQUIRE(player.plays_on());
+  const auto other = std::shared_ptr<jack_client_t>{jack_client_open("renames", JackNoStartServer, nullptr),
+                                                    jack_client_close};
+  REQUIRE(other != nullptr);
+  const auto playback = [&](int channel) {
+    const auto name = player.card->name() + ":playback_" + std::to_string(channel);
+    return jack_port_by_name(other.get(), name.c_str());
+  };
+  auto *first = playback(1), *second = playback(2);
+  REQUIRE(jack_port_rename(other.get(), first, "held") == 0);
+  REQUIRE(jack_port_rename(other.get(), second, "playback_1") == 0);
+  REQUIRE(jack_port_rename(other.get(), first, "playback_2") == 0);
+  REQUIRE(player.until([&] { return player.returns.size() == 1; }));
+  REQUIRE_FALSE(player.returns[0].same());
+  CHECK(player.returns[0].differences.back() == "its ports were renamed");
+  CHECK(player.plays_on());
+}
+
 TEST_CASE("jack: who else writes to the ports of the outputs is found, who reads is not", "[cards][jack]") {
   const auto server = start_sound_server();
   const DelayClient other{{.name = "other"}};
