@@ -117,23 +117,37 @@ Checked<std::vector<ExportedFile>> with_board(std::vector<ExportedFile> files, c
   return files;
 }
 
-/// A limit that is less than one step of an output's numbers could only be exceeded, or hold the output
-/// still.
-std::vector<Error> limits_too_fine(const FixedProgram& program) {
+/// A slew limit that is less than one step of an output's numbers a frame could only be exceeded, or hold the
+/// output still. `step_of` an output: of its numbers.
+template <class Output, class StepOf>
+std::vector<Error> limits_too_fine(const CProgram& heading, const std::vector<Output>& outputs,
+                                   StepOf step_of) {
   std::vector<Error> errors;
-  const double rate = program.heading.sample_rate.value;
-  for (const auto& output : program.outputs) {
-    if (!program.heading.guard || output.limits->kind != DriveGuard::Kind::Drive) continue;
+  for (const auto& output : outputs) {
+    if (!heading.guard || output.limits->kind != DriveGuard::Kind::Drive) continue;
     const double slew = output.limits->limits.slew_per_second;
-    const double least = std::ldexp(rate, -output.value.exponent);
+    const double least = step_of(output) * heading.sample_rate.value;
     if (slew < least)
-      errors.push_back({Errc::OutOfRange, program.heading.file,
+      errors.push_back({Errc::OutOfRange, heading.file,
                         fmt::format("the slew limit of '{}', {:g} a second, is less than one step of its "
                                     "numbers a frame, {:.3g} a second",
                                     output.name, slew, least),
-                        "choose numbers with more digits (--number q31) or a lower --rate"});
+                        "choose numbers with more digits (--number) or a lower --rate"});
   }
   return errors;
+}
+
+Checked<CProgram> c_program(const Plan& plan, const RecordedNodes& recorded, const GraphSpec& spec,
+                            const ExportOptions& options) {
+  auto program = read_plan(program_of(spec, options), plan, recorded);
+  if (!program) return program;
+  describe(*program, plan, spec, options);
+  const auto step_of = [&](const auto& output) {
+    return spacing_below(output.limits->limits.ceiling, *program->number);
+  };
+  if (auto errors = limits_too_fine(*program, program->outputs, step_of); !errors.empty())
+    return tl::unexpected(std::move(errors));
+  return program;
 }
 
 Checked<FixedProgram> fixed_program(const Plan& plan, const RecordedNodes& recorded, const GraphSpec& spec,
@@ -142,7 +156,9 @@ Checked<FixedProgram> fixed_program(const Plan& plan, const RecordedNodes& recor
       read_fixed(program_of(spec, options), options.number->bits, plan, recorded, input_ranges(plan, spec));
   if (!program) return program;
   describe(*program, plan, spec, options);
-  if (auto errors = limits_too_fine(*program); !errors.empty()) return tl::unexpected(std::move(errors));
+  const auto step_of = [](const auto& output) { return std::ldexp(1.0, -output.value.exponent); };
+  if (auto errors = limits_too_fine(program->heading, program->outputs, step_of); !errors.empty())
+    return tl::unexpected(std::move(errors));
   return program;
 }
 
@@ -168,9 +184,7 @@ Checked<CProgram> write_program(const LoadedGraph& graph, const NodeTable& nodes
   const RecordedNodes recorded{nodes};
   const auto plan = compile(graph, recorded.table(), compiling(options));
   if (!plan) return tl::unexpected(plan.error());
-  auto program = read_plan(program_of(*graph.spec, options), **plan, recorded);
-  if (program) describe(*program, **plan, *graph.spec, options);
-  return program;
+  return c_program(**plan, recorded, *graph.spec, options);
 }
 
 Checked<FixedProgram> write_fixed_program(const LoadedGraph& graph, const NodeTable& nodes,
@@ -193,9 +207,8 @@ Checked<std::vector<ExportedFile>> export_graph(const LoadedGraph& graph, const 
       return tl::unexpected(std::vector{too_large(program->heading, bytes, *options.most_bytes)});
     return fixed_files(*program, *graph.spec, options);
   }
-  auto program = read_plan(program_of(*graph.spec, options), **plan, recorded);
+  auto program = c_program(**plan, recorded, *graph.spec, options);
   if (!program) return tl::unexpected(program.error());
-  describe(*program, **plan, *graph.spec, options);
   if (options.most_bytes)
     if (auto errors = too_large(*program, options); !errors.empty()) return tl::unexpected(std::move(errors));
   BoardProgram board{&*program, {}, {}};

@@ -126,18 +126,29 @@ std::string text_of(const std::vector<KernelItem>& items) {
   return text;
 }
 
+/// A limit that is not exceeded.
+double rounded_down(double limit, const NumberType& type) {
+  if (type.bytes != sizeof(float)) return limit;
+  const auto nearest = static_cast<float>(limit);
+  return static_cast<double>(static_cast<double>(nearest) > limit ? std::nextafter(nearest, 0.0F) : nearest);
+}
+
 std::string limits_table(const CProgram& program) {
   if (!program.guard || program.outputs.empty()) return {};
   std::string text =
-      "/* Ceiling, largest step, and frames of soft start and fade-out of each output. */\n"
+      "/* Ceiling, largest step, spacing of numbers, and frames of soft start and fade-out of each output. "
+      "*/\n"
       "static const tactus_limits tactus_output_limits[TACTUS_OUTPUTS] = {\n";
   const double rate = program.sample_rate.value;
+  const auto& type = *program.number;
   for (const auto& output : program.outputs) {
     const auto& limits = output.limits->limits;
-    text += fmt::format("    {{{}, {}, {}, {}}}, /* {} */\n", literal(limits.ceiling),
-                        has_slew_limit(*output.limits) ? literal(limits.slew_per_second / rate) : "INFINITY",
-                        std::llround(limits.soft_start.value * rate),
-                        std::llround(limits.fade_out.value * rate), output.name);
+    text += fmt::format(
+        "    {{{}, {}, {}, {}, {}}}, /* {} */\n", literal(rounded_down(limits.ceiling, type)),
+        has_slew_limit(*output.limits) ? literal(rounded_down(limits.slew_per_second / rate, type))
+                                       : "INFINITY",
+        literal(spacing_below(limits.ceiling, type)), std::llround(limits.soft_start.value * rate),
+        std::llround(limits.fade_out.value * rate), output.name);
   }
   return text + "};\n\n";
 }
@@ -363,6 +374,12 @@ std::string functions(const CProgram& program) {
 }
 
 }  // namespace
+
+double spacing_below(double ceiling, const NumberType& type) {
+  if (type.bytes != sizeof(float)) return 0.0;
+  const auto limit = static_cast<float>(rounded_down(ceiling, type));
+  return static_cast<double>(limit - std::nextafter(limit, 0.0F));
+}
 
 bool has_slew_limit(const GuardedChannel& channel) {
   return channel.kind == DriveGuard::Kind::Drive && std::isfinite(channel.limits.slew_per_second);

@@ -24,6 +24,9 @@ std::string indented(const std::vector<std::string>& statements, int spaces);
 /// A line that is too long, broken at spaces; further lines are indented by four more.
 std::string wrapped(const std::string& line);
 
+/// Between a ceiling and the number below it. 0 of doubles: they give the bits of the engine.
+double spacing_below(double ceiling, const NumberType& type);
+
 /// Of an output.
 bool has_slew_limit(const GuardedChannel& channel);
 

@@ -96,6 +96,53 @@ TEST_CASE("export: the guard gives the bits of the engine's: ceiling, soft start
   CHECK(steepest == Approx(exported_limits().slew_per_second / kRate).epsilon(1e-12));
 }
 
+TEST_CASE("export: floats exceed no limit, however slow, and are refused where none could be as slow",
+          "[export][guard]") {
+  const double ceiling = 0.3,
+               slew = GENERATE(0.01, 0.013, 1.0);  // a step of 2^-25 a frame is 0.0014 a second
+  auto options = exact_options();
+  options.number = find_number_type("float");
+  options.limits = [&](const OutputChannel&) {
+    GuardedChannel channel{DriveGuard::Kind::Drive, exported_limits()};
+    channel.limits.ceiling = ceiling;
+    channel.limits.slew_per_second = slew;
+    return channel;
+  };
+  CompiledPrograms programs;
+  REQUIRE(programs.add(kWire, options) == "");
+  programs.compile();
+  const auto running = programs.start("wire");
+  double before = 0, steepest = 0, highest = 0;
+  for (int n = 0; n < (1.0 + 1.5 * ceiling / slew) * kRate; ++n) {
+    const double in = n % 3000 < 100 ? -1 : 1;
+    double out = 0;
+    running.alive();
+    running.step(&in, &out);
+    steepest = std::max(steepest, std::abs(out - before));
+    highest = std::max(highest, std::abs(out));
+    before = out;
+  }
+  CHECK(highest <= ceiling);
+  CHECK(highest > 0.9 * ceiling);
+  CHECK(steepest <= slew / kRate);
+  CHECK(steepest > 0.85 * slew / kRate);
+}
+
+TEST_CASE("export: a slew limit below the spacing of floats is refused", "[export][guard]") {
+  auto options = exact_options();
+  options.number = find_number_type("float");
+  options.limits = [](const OutputChannel&) {
+    GuardedChannel channel{DriveGuard::Kind::Drive, exported_limits()};
+    channel.limits.ceiling = 0.3;
+    channel.limits.slew_per_second = 0.0014;  // 2^-25 a frame is 0.00143
+    return channel;
+  };
+  const auto graph = parse_graph_leniently(kWire, "wire.toml");
+  const auto refused = write_program(graph, standard_nodes(), options);
+  REQUIRE_FALSE(refused);
+  CHECK_THAT(refused.error().front().what, Catch::Contains("0.0014 a second, is less than one step"));
+}
+
 TEST_CASE("export: outputs fade out 500 ms after the last sign of life, and come back softly",
           "[export][guard]") {
   CompiledPrograms programs;
