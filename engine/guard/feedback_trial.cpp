@@ -8,7 +8,7 @@ namespace tactus {
 namespace {
 
 constexpr double kFallen = 0.6, kFallenPlaying = 0.5, kBack = 0.4;  ///< of the level before
-constexpr double kSteady = 0.95, kSilent = 0.3;                     ///< the same
+constexpr double kSteady = 0.95, kSilent = 0.55;                    ///< the same
 constexpr double kSwinging = 0.3;                                   ///< of the swing before
 constexpr double kRise = 1.2, kRiseShare = 0.03;  ///< of the lowest level, and of the level before
 constexpr int kSteadySteps = 20, kLongestFall = 47, kSilentSteps = 30, kSilentFalls = 2;
@@ -77,7 +77,7 @@ FeedbackTrial::Verdict FeedbackTrial::playing(double level, bool limited) noexce
   if (!limited_again_) return steps_ > kLongestRise + kRiseFalls * fall_ ? outside() : Verdict::None;
   highest_ = std::max(highest_, level);
   if (level < kFallenPlaying * highest_) return outside();
-  if (--wait_ > 0) return Verdict::None;
+  if (--wait_ > 0 || last_swing() <= kSwinging * swing()) return Verdict::None;
   mute();
   return Verdict::None;
 }

@@ -20,13 +20,13 @@ namespace tactus {
 ///   falling  the drive is silent until the level has fallen by 4.4 dB
 ///   silent   it stays silent for 0.32 s and twice the time of the fall
 ///   playing  it is let through, until it has been limited again for 0.19 s and 1.5 times the time of the
-///            fall: longer than it was limited before and took to fall, so no rhythm falls with both silences
+///            fall, and swings: longer than it was limited before and took to fall, so no rhythm falls with
+///            both silences
 ///   loop     it fell twice, in times that are equal within a step and an eighth, or three times, the last
-///   two in
-///            times that agree within a factor of 2; or it fell in two trials
+///            two in times that agree within a factor of 2; or it fell in two trials
 ///   outside  after 0.21 s of silence or more the level is above 95 % and one of the last two steps swings as
 ///            before (by 30 %), or the level has not fallen after 0.5 s, or it rises again during the silence
-///            or is not below 30 % after it, or it falls by 6 dB while the drive plays, or the drive is not
+///            or is not below 55 % after it, or it falls by 6 dB while the drive plays, or the drive is not
 ///            limited again within 10 s and 30 times the time of the fall
 class FeedbackTrial {
  public:

@@ -186,6 +186,30 @@ TEST_CASE("feedback: a crescendo that begins again and again is no feedback", "[
   for (const int turn : {3, 58}) CHECK_FALSE(is_false_fade(11, turn, 20.0));
 }
 
+TEST_CASE("feedback: bursts that end just before each silence are no feedback", "[core]") {
+  for (const double period : {0.73, 0.75, 0.77}) {
+    CAPTURE(period);
+    std::mt19937 random{1};
+    CHECK_FALSE(fades({.ceiling = 0.5}, 20.0, [&](int n) {
+      const double noise = std::uniform_real_distribution<double>{-1, 1}(random);
+      return std::fmod(n / kRate.value, period) < 0.15 ? 5 * noise : 0.0;
+    }));
+  }
+}
+
+TEST_CASE("feedback: a tone that is not limited itself does not hide a loop", "[core]") {
+  const double gain = GENERATE(1.5, 2.0);
+  struct Mixed {
+    Loop loop;
+    int frame = 0;
+    double tone() const { return 0.4 * std::sin(2 * kPi * 311.0 * frame / kRate.value); }
+    double next() { return loop.next() + tone(); }
+    void took(double wanted, double out) { loop.took(wanted - tone(), out), ++frame; }
+  };
+  Mixed mixed{Loop{{.gain = gain, .delay = 1000, .noise = 1e-3}, 1}};
+  CHECK(faded_at(mixed, {.ceiling = 0.5}, kThroughInput, 20.0));
+}
+
 TEST_CASE("feedback: only a loop of the graph is found by its growth", "[core]") {
   // By 40 dB beyond the ceiling within a second, in a straight line.
   const auto crescendo = [] {
