@@ -19,6 +19,11 @@ std::string why(jack_status_t status) {
   return "the JACK server refused another client";
 }
 
+template <class Condition>
+bool any_end(const std::vector<Wire>& wires, Condition holds) {
+  return std::ranges::any_of(wires, [&](const Wire& wire) { return holds(wire.from) || holds(wire.to); });
+}
+
 }  // namespace
 
 Names names_of(const char** listed) {
@@ -240,9 +245,7 @@ void Client::note_removal(std::uint32_t port) {
     const auto* found = jack_port_by_name(handle, name.c_str());
     return found != nullptr && (going == nullptr || name != jack_port_name(going));
   };
-  if (!std::all_of(wires.begin(), wires.end(),
-                   [&](const Wire& wire) { return is_there(wire.from) && is_there(wire.to); }))
-    lost = true;
+  if (any_end(wires, [&](const std::string& name) { return !is_there(name); })) lost = true;
   midi_.keep(is_there);
 }
 
@@ -253,10 +256,7 @@ void Client::note_rename(std::uint32_t port, const std::string& before) {
   const std::string now = jack_port_name(renamed);
   const auto client_name = now.substr(0, now.find(':') + 1);
   const auto was = before.starts_with(client_name) ? before : client_name + before;
-  const auto is_end = [&](const std::string& name) {
-    return std::ranges::any_of(wires, [&](const Wire& wire) { return wire.from == name || wire.to == name; });
-  };
-  if (!is_end(was) && !is_end(now)) return;
+  if (!any_end(wires, [&](const std::string& name) { return name == was || name == now; })) return;
   ++*renames;
   lost = true;
 }

@@ -78,8 +78,8 @@ class Client {
 
   _jack_client* const handle;
   std::unique_ptr<CardCallback> card;  ///< set before `activate`
-  std::shared_ptr<std::atomic<int>>
-      renames;  ///< counts ends of wires that got other names; set with the wires
+  /// Counts ends of wires that got other names. Set with the wires.
+  std::shared_ptr<std::atomic<int>> renames;
   /// It is lost when an end of one goes away or gets another name. Those to the inputs come first, each
   /// channel's in turn.
   std::vector<Wire> wires;
