@@ -46,6 +46,7 @@ class SharedRemote::Share final : public RemoteTarget {
   void mute(bool on) noexcept override { all_.target_.mute(on); }
   bool armed() const noexcept override { return all_.target_.armed(); }
   bool muted() const noexcept override { return all_.target_.muted(); }
+  int disarms() const noexcept override { return all_.target_.disarms(); }
   Result<int> order_arm() override {
     const std::lock_guard lock{all_.mutex_};
     return all_.target_.order_arm();

@@ -17,7 +17,6 @@ constexpr std::string_view kControl = "/control/", kTrigger = "/trigger/", kGest
 constexpr std::array kEvents = {"/event/message", "/event/guard", "/event/armed", "/event/muted",
                                 "/event/trigger/"};
 constexpr double kLeastRate_hz = 1.0, kMostRate_hz = 100.0, kDefaultRate_hz = 10.0;
-constexpr int kMostArmNumber = 1 << 23;  // exact as float32 too, which is all that Pd has
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double kRounding = 1e-6;  // of a limit, that float32 may be beyond it
 
@@ -268,21 +267,16 @@ void OscHost::request_arm(Context& context) {
   if (!may_arm(context.from)) return error(context, "arming from another host needs --osc-arm");
   auto* client = add_client(context.from, context.now);
   if (client == nullptr) return error(context, "there are too many clients");
-  client->arm_number = 1 + static_cast<std::int64_t>(random_() % kMostArmNumber);
-  client->arm_until = context.now + kArmPatience;
-  answer(context, {"/arm/number", {*client->arm_number}});
+  answer(context, {"/arm/number", {client->arming.begin(target_, random_(), context.now)}});
 }
 
-/// A wrong number voids the request, so that numbers cannot be tried in turn.
 void OscHost::arm(const Values& values, Context& context) {
   if (!may_arm(context.from)) return error(context, "arming from another host needs --osc-arm");
-  auto* client = find_client(context.from, context.now);
-  const auto wanted = client != nullptr ? std::exchange(client->arm_number, std::nullopt) : std::nullopt;
+  auto* client = add_client(context.from, context.now);
+  if (client == nullptr) return error(context, "there are too many clients");
   const auto given = values.empty() ? std::nullopt : number_of(values[0]);
-  if (!wanted || !given || *given != static_cast<double>(*wanted) || context.now > client->arm_until)
-    return error(context, "not armed: send /arm/request, and within 3 s /arm with the number of the answer");
-  const auto arming = target_.order_arm();
-  if (!arming) return error(context, "not armed: " + arming.error().what);
+  const auto arming = client->arming.arm(target_, given, context.now);
+  if (!arming) return error(context, "not armed: " + to_string(arming.error()));
   owner_ = context.from;
   arming_ = *arming;
   owner_armed_ = false;

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "remote/arm_request.h"
 #include "remote/osc/osc_messages.h"
 #include "remote/osc/osc_peer.h"
 #include "remote/osc/osc_world.h"
@@ -54,7 +55,7 @@ class OscHost {
 
   static constexpr std::size_t kMostClients = 32, kMostSubscriptions = 16;
   static constexpr int kMostAnswers = 200;
-  static constexpr std::chrono::seconds kForgotten{10}, kArmPatience{3};
+  static constexpr std::chrono::seconds kForgotten{10};
   static constexpr double kMostAhead_s = 10.0;
   static constexpr double kMostRamp_s = 3600.0;
 
@@ -80,8 +81,7 @@ class OscHost {
   struct Client {
     Clock::time_point heard;
     std::vector<Subscription> subscriptions;
-    std::optional<std::int64_t> arm_number;
-    Clock::time_point arm_until;
+    ArmRequest arming;
   };
   /// A message that is being obeyed.
   struct Context {

@@ -19,7 +19,6 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t kMostScopeChunks = 64;  // in a tick
 constexpr int kMostBin = 1 << 20;
-constexpr int kMostArmNumber = 1 << 30;
 constexpr double kLongestRamp_s = 3600.0, kLongestDelay_s = 1.0;
 constexpr auto kStateInterval = 50ms;
 
@@ -157,21 +156,14 @@ void PanelHost::post(const Message& message, RemoteOrder order) {
 
 void PanelHost::request_arm(const Message& message) {
   if (!may_arm(message.client)) return error(message, "arming from another host needs --panel-arm");
-  const std::int64_t number = 1 + static_cast<std::int64_t>(random_() % kMostArmNumber);
-  message.client.arm_number = number;
-  message.client.arm_until = message.now + kArmPatience;
-  sender_.text(message.number, answer_text("arm_request", number));
+  sender_.text(message.number,
+               answer_text("arm_request", message.client.arming.begin(target_, random_(), message.now)));
 }
 
 void PanelHost::arm(const Message& message) {
   if (!may_arm(message.client)) return error(message, "arming from another host needs --panel-arm");
-  const auto wanted = std::exchange(message.client.arm_number, std::nullopt);
-  const auto given = message.value("number");
-  if (!wanted) return error(message, "not armed: send arm_request first");
-  if (!wanted || !given || *given != static_cast<double>(*wanted) || message.now > message.client.arm_until)
-    return error(message, "not armed: the request is older than 3 s");
-  const auto arming = target_.order_arm();
-  if (!arming) return error(message, "not armed: " + arming.error().what);
+  const auto arming = message.client.arming.arm(target_, message.value("number"), message.now);
+  if (!arming) return error(message, "not armed: " + to_string(arming.error()));
   owner_ = message.number;
   arming_ = *arming;
   owner_armed_ = false;

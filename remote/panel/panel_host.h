@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "remote/arm_request.h"
 #include "remote/remote.h"
 
 namespace tactus {
@@ -35,7 +36,6 @@ class PanelHost {
 
   static constexpr std::size_t kLongestMessage = 4096;
   static constexpr int kMostMessages = 400;  ///< a second, of each client
-  static constexpr std::chrono::seconds kArmPatience{3};
 
   /// `target` outlives it. `arm_from_elsewhere`: clients of other hosts may arm and unmute.
   PanelHost(RemoteTarget& target, Sender sender, bool arm_from_elsewhere);
@@ -53,8 +53,7 @@ class PanelHost {
   struct Client {
     bool local = false;
     double messages_left = kMostMessages;
-    std::optional<std::int64_t> arm_number;
-    Clock::time_point arm_until;
+    ArmRequest arming;
   };
   struct Message;
   using Act = void (PanelHost::*)(const Message&);

@@ -55,12 +55,13 @@ class FakeRemoteTarget : public RemoteTarget {
     return true;
   }
   void disarm() noexcept override {
-    ++disarms;
+    ++times_disarmed;
     is_armed = false;
   }
   void mute(bool on) noexcept override { is_muted = on; }
   bool armed() const noexcept override { return is_armed; }
   bool muted() const noexcept override { return is_muted; }
+  int disarms() const noexcept override { return times_disarmed; }
   Result<int> order_arm() override {
     ++arms;
     if (!why_not_armed.empty()) return fail(Errc::BadArgument, "", why_not_armed, "");
@@ -95,7 +96,7 @@ class FakeRemoteTarget : public RemoteTarget {
   std::string learnt;                 ///< the OSC address of the first control that is described
   // Set by the thread of a server.
   std::atomic<bool> is_armed{false}, is_muted{false};
-  std::atomic<int> disarms{0}, arms{0}, alives{0};
+  std::atomic<int> times_disarmed{0}, arms{0}, alives{0};
   std::string why_not_armed;
   std::vector<std::vector<RemoteOrder>> bundles;
   std::deque<RemoteEvent> events;

@@ -77,5 +77,5 @@ TEST_CASE("shared remote: events that a server does not take are bounded, and or
   idle->mute(true);
   CHECK(one->muted());
   one->disarm();
-  CHECK(target.disarms == 1);
+  CHECK(target.times_disarmed == 1);
 }

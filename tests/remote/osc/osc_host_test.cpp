@@ -208,7 +208,7 @@ TEST_CASE("osc host: a bundle keeps together and keeps its time, and none is mor
     CHECK(order.time_s == Approx(stage.now_s() + 0.5).margin(1e-6));
   stage.send_bundle({{"/control/strength", {0.5}}, {"/disarm", {}}}, stage.now_s() + 11);
   CHECK(stage.target.bundles.size() == 1);
-  CHECK(stage.target.disarms == 1);  // that is never put off
+  CHECK(stage.target.times_disarmed == 1);  // that is never put off
   CHECK(stage.error().find("10 s ahead") != std::string::npos);
 }
 
@@ -249,6 +249,9 @@ TEST_CASE("osc host: the drives are armed by the number of the answer alone, wit
   number = stage.arm_number();
   refused({number}, peer(2));
   stage.pass(3010ms);
+  refused({number});
+  number = stage.arm_number();
+  stage.target.disarm();  // by somebody else
   refused({number});
   number = stage.arm_number();
   stage.target.why_not_armed = "some reason";
@@ -292,7 +295,7 @@ TEST_CASE("osc host: an order to arm that has no room is void", "[remote][osc]")
   const auto number = stage.arm_number();
   stage.target.room = false;
   stage.send({"/arm", {number}});
-  CHECK(stage.target.disarms == 1);
+  CHECK(stage.target.times_disarmed == 1);
   CHECK(stage.error().find("not armed") == 0);
 }
 

@@ -90,7 +90,7 @@ TEST_CASE("panel server: a browser that reads nothing holds up nobody", "[remote
   for (int i = 0; i < 200; ++i) stalled.send(R"({"do":"set","name":"none","value":1})");
   for (int i = 0; i < 20; ++i) CHECK(reading.wait_for("state").contains("inputs"));
   reading.send(R"({"do":"disarm"})");
-  CHECK(test::wait_until([&] { return target.disarms == 1; }));
+  CHECK(test::wait_until([&] { return target.times_disarmed == 1; }));
   CHECK(test::wait_until([&] { return (*server)->counts().messages == 201; }));
 }
 
@@ -105,7 +105,7 @@ TEST_CASE("panel server: drives that a browser armed are disarmed when it is gon
     const auto answer = browser.wait_for("answer");
     browser.send(Json{{"do", "arm"}, {"number", answer["number"]}}.dump());
     CHECK(test::wait_until([&] { return target.arms == 1; }));
-    CHECK(target.disarms == 0);
+    CHECK(target.times_disarmed == 0);
   }
-  CHECK(test::wait_until([&] { return target.disarms == 1; }));
+  CHECK(test::wait_until([&] { return target.times_disarmed == 1; }));
 }

@@ -88,6 +88,7 @@ class LiveRemote final : public RemoteTarget, private ScheduleTarget {
   void disarm() noexcept override;
   void mute(bool on) noexcept override;
   bool armed() const noexcept override { return session_.switches().armed(); }
+  int disarms() const noexcept override { return session_.switches().disarms(); }
   bool muted() const noexcept override { return session_.switches().muted(); }
   Result<int> order_arm() override;
   void keep_alive(int arming) noexcept override { keep_alive_.refresh(Clock::now(), arming); }
