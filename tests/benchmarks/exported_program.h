@@ -53,9 +53,11 @@ class ExportedProgram {
     return options;
   }
 
+  /// One channel is handed on where it lies, several are gathered in a frame.
   static std::string caller(const CProgram& program) {
     const auto inputs = program.inputs.size(), outputs = program.outputs.size();
-    return fmt::format(R"(#include "{0}.h"
+    return fmt::format(
+        R"(#include "{0}.h"
 
 void caller_start(void);
 void caller_process(const double* const* in, double* const* out, int frames);
@@ -66,14 +68,18 @@ void caller_start(void) {{ {0}_init(&program); }}
 
 void caller_process(const double* const* in, double* const* out, int frames) {{
   for (int n = 0; n < frames; ++n) {{
-    double ins[{1} + 1], outs[{2} + 1];
-    for (int k = 0; k < {1}; ++k) ins[k] = in[k][n];
-    {0}_step(&program, ins, outs);
-    for (int k = 0; k < {2}; ++k) out[k][n] = outs[k];
-  }}
+{1}{2}    {0}_step(&program, {3}, {4});
+{5}  }}
 }}
 )",
-                       program.name, inputs, outputs);
+        program.name,
+        inputs == 1
+            ? ""
+            : fmt::format("    double ins[{0} + 1];\n    for (int k = 0; k < {0}; ++k) ins[k] = in[k][n];\n",
+                          inputs),
+        outputs == 1 ? "" : fmt::format("    double outs[{} + 1];\n", outputs),
+        inputs == 1 ? "in[0] + n" : "ins", outputs == 1 ? "out[0] + n" : "outs",
+        outputs == 1 ? "" : fmt::format("    for (int k = 0; k < {}; ++k) out[k][n] = outs[k];\n", outputs));
   }
 
   /// Calls within the library are direct, as in a program that it is linked into.
