@@ -79,6 +79,7 @@ struct CProgram {
   std::vector<std::string> variables;  ///< of a frame, declared at its start
   std::vector<Statement> frame;
   std::vector<std::string> checked;  ///< what, all of it finite, says that no value is non-finite
+  std::vector<std::string> faults;   ///< variables that are not 0 where one of several values is non-finite
 
   bool needs_frame_number() const;
 };

@@ -7,9 +7,11 @@
 #include <map>
 
 #include "engine/graph/semantics/operators.h"
+#include "export/drop_unused.h"
 #include "export/kernel_texts.h"
 #include "export/nodes/table.h"
 #include "export/operators.h"
+#include "export/roll_lanes.h"
 
 namespace tactus {
 namespace {
@@ -18,96 +20,19 @@ namespace {
 constexpr std::size_t kLongestInline = 70;
 
 /// What variables cannot be called: words of C, functions of math.h, and names of the code around them.
-constexpr auto kTaken = std::to_array<std::string_view>({"auto",
-                                                         "break",
-                                                         "case",
-                                                         "char",
-                                                         "const",
-                                                         "continue",
-                                                         "default",
-                                                         "do",
-                                                         "double",
-                                                         "else",
-                                                         "enum",
-                                                         "extern",
-                                                         "float",
-                                                         "for",
-                                                         "goto",
-                                                         "if",
-                                                         "inline",
-                                                         "int",
-                                                         "long",
-                                                         "register",
-                                                         "restrict",
-                                                         "return",
-                                                         "short",
-                                                         "signed",
-                                                         "sizeof",
-                                                         "static",
-                                                         "struct",
-                                                         "switch",
-                                                         "typedef",
-                                                         "union",
-                                                         "unsigned",
-                                                         "void",
-                                                         "volatile",
-                                                         "while",
-                                                         "self",
-                                                         "in",
-                                                         "out",
-                                                         "s",
-                                                         "c",
-                                                         "group_position",
-                                                         "frame_number",
-                                                         "check",
-                                                         "moved",
-                                                         "open",
-                                                         "k",
-                                                         "main",
-                                                         "sin",
-                                                         "cos",
-                                                         "tan",
-                                                         "exp",
-                                                         "log",
-                                                         "pow",
-                                                         "sqrt",
-                                                         "floor",
-                                                         "ceil",
-                                                         "round",
-                                                         "rint",
-                                                         "fabs",
-                                                         "asin",
-                                                         "acos",
-                                                         "atan",
-                                                         "tanh",
-                                                         "log2",
-                                                         "log10",
-                                                         "gamma",
-                                                         "j0",
-                                                         "j1",
-                                                         "y0",
-                                                         "y1",
-                                                         "yn",
-                                                         "jn",
-                                                         "signgam",
-                                                         "index",
-                                                         "abs",
-                                                         "bool",
-                                                         "true",
-                                                         "false",
-                                                         "asm",
-                                                         "typeof",
-                                                         "complex",
-                                                         "I",
-                                                         "NAN",
-                                                         "INFINITY",
-                                                         "HUGE_VAL",
-                                                         "errno",
-                                                         "linux",
-                                                         "unix",
-                                                         "NULL",
-                                                         "EOF",
-                                                         "near_"});
+constexpr auto kTaken = std::to_array<std::string_view>(
+    {"auto",         "break",  "case",   "char",     "const",    "continue", "default",  "do",
+     "double",       "else",   "enum",   "extern",   "float",    "for",      "goto",     "if",
+     "inline",       "int",    "long",   "register", "restrict", "return",   "short",    "signed",
+     "sizeof",       "static", "struct", "switch",   "typedef",  "union",    "unsigned", "void",
+     "volatile",     "while",  "self",   "in",       "out",      "s",        "c",        "group_position",
+     "frame_number", "check",  "moved",  "open",     "k",        "lane",     "main",     "sin",
+     "cos",          "tan",    "exp",    "log",      "pow",      "sqrt",     "floor",    "ceil",
+     "round",        "rint",   "fabs",   "asin",     "acos",     "atan",     "tanh",     "log2",
+     "log10",        "gamma",  "j0",     "j1",       "y0",       "y1",       "yn",       "jn",
+     "signgam",      "index",  "abs",    "bool",     "true",     "false",    "asm",      "typeof",
+     "complex",      "I",      "NAN",    "INFINITY", "HUGE_VAL", "errno",    "linux",    "unix",
+     "NULL",         "EOF",    "near_"});
 
 class PlanReader {
   using Kind = Vertex::Kind;
@@ -695,7 +620,11 @@ std::string c_identifier(std::string_view text) {
 }
 
 Checked<CProgram> read_plan(CProgram program, const Plan& plan, const RecordedNodes& nodes) {
-  return PlanReader{std::move(program), plan, nodes}.run();
+  auto read = PlanReader{std::move(program), plan, nodes}.run();
+  if (!read) return read;
+  drop_unused(*read);
+  roll_lanes(*read);
+  return read;
 }
 
 bool CProgram::needs_frame_number() const {

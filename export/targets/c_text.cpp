@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <map>
 
 #include "export/kernel_texts.h"
 
@@ -206,35 +205,10 @@ std::string divided_names(const CProgram& program) {
   return text;
 }
 
-/// The variable that a statement begins with declaring; "": none.
-std::string declared_variable(const std::string& statement) {
-  const std::string constant = "const tactus_real ";
-  if (!statement.starts_with(constant)) return {};
-  return statement.substr(constant.size(), statement.find(' ', constant.size()) - constant.size());
-}
-
-/// Without variables that nothing reads: a node may ignore an input. What changes a state stays.
-std::vector<Statement> without_unused(const CProgram& program) {
-  std::map<std::string, int> mentions;
-  const auto count = [&](const std::string& text) {
-    for_each_identifier(text, [&](std::string_view name) { ++mentions[std::string{name}]; });
-  };
-  for (const auto& statement : program.frame) count(statement.text);
-  for (const auto& output : program.outputs) count(output.value);
-  for (const auto& value : program.checked) count(value);
-  auto statements = program.frame;
-  for (auto& statement : statements)
-    if (const auto name = declared_variable(statement.text); !name.empty() && mentions[name] < 2)
-      statement.text =
-          statement.text.find("&s->") == std::string::npos ? "" : statement.text + "\n(void)" + name + ";";
-  std::erase_if(statements, [](const Statement& statement) { return statement.text.empty(); });
-  return statements;
-}
-
 std::string frame_statements(const CProgram& program) {
   std::string text;
   int divisor = 1;
-  for (const auto& statement : without_unused(program)) {
+  for (const auto& statement : program.frame) {
     if (statement.divisor != divisor) {
       if (divisor > 1) text += "  }\n";
       if (statement.divisor > 1) text += fmt::format("  if (frame_number % {} == 0) {{\n", statement.divisor);
@@ -252,15 +226,30 @@ std::string statements_of_frame(const CProgram& program) {
   return body;
 }
 
+/// In pairs, so that no addition waits for all those before it.
+std::string sum_in_pairs(std::vector<std::string> terms) {
+  while (terms.size() > 1) {
+    std::vector<std::string> pairs;
+    for (std::size_t i = 0; i + 1 < terms.size(); i += 2) pairs.push_back(terms[i] + " + " + terms[i + 1]);
+    if (terms.size() > 2)
+      for (auto& pair : pairs) pair = "(" + pair + ")";
+    if (terms.size() % 2 != 0) pairs.push_back(terms.back());
+    terms = std::move(pairs);
+  }
+  return terms.front();
+}
+
 /// Whether all that matters stayed finite: x - x is 0, or NaN where x is not finite.
 std::string finite_check(const CProgram& program) {
-  std::string sum;
-  const auto add = [&](const std::string& value) {
-    sum += fmt::format("{}({} - {})", sum.empty() ? "" : " + ", value, value);
-  };
-  for (const auto& value : program.checked) add(value);
-  if (sum.empty()) return "  return 1;\n";
-  return indented({"const tactus_real check = " + sum + ";  /* 0 or NaN */", "return check == check;"}, 2);
+  std::string faults;
+  for (const auto& fault : program.faults) faults += (faults.empty() ? "" : " | ") + fault;
+  if (program.checked.empty())
+    return indented({"return " + (faults.empty() ? "1" : "!(" + faults + ")") + ";"}, 2);
+  std::vector<std::string> terms;
+  for (const auto& value : program.checked) terms.push_back(fmt::format("({0} - {0})", value));
+  return indented({"const tactus_real check = " + sum_in_pairs(std::move(terms)) + ";  /* 0 or NaN */",
+                   "return check == check" + (faults.empty() ? "" : " && !(" + faults + ")") + ";"},
+                  2);
 }
 
 std::string frame_function(const CProgram& program) {

@@ -260,3 +260,65 @@ TEST_CASE("export: the size of the state is what the compiler makes of it, and w
   // 480 frames and four taps: 512 and four mirrored.
   CHECK(files.error()[1].what == "echo: delay takes 4128 bytes");
 }
+
+TEST_CASE("export: what many voices do alike is written once, as a loop, and gives the bits of the engine",
+          "[export]") {
+  constexpr int kFrames = 4800;
+  const std::string voices = R"(format = 1
+name = "voices"
+[inputs]
+x = {}
+[controls]
+gain = { value = 0.9, range = [0, 0.99] }
+[nodes]
+u = { type = "low_pass", in = "x", voices = 24, cutoff = { from = "300 Hz", to = "4 kHz" } }
+d = { type = "delay", in = "s", voices = 24, time = { from = "3 ms", to = "5 ms" } }
+loss = { type = "one_pole", in = "d", cutoff = "5 kHz" }
+s = "u + gain * loss"
+y = { type = "clip", in = "s", low = -0.5, high = 0.5 }
+sum = { type = "mix", in = "y" }
+[outputs]
+out = { from = "sum / 8" }
+)";
+  CompiledPrograms programs;
+  REQUIRE(programs.add(voices, exact_options()) == "");
+  programs.compile("-O3");
+  auto engine = engine_for(parse_graph_leniently(voices, "voices.toml"), exact_options());
+  const auto in = hits(1, kFrames);
+  const auto expected = run(engine, in, kFrames, {64});
+  CHECK(first_difference(programs.run("voices", in, kFrames), expected) == "");
+
+  const auto program =
+      write_program(parse_graph_leniently(voices, "voices.toml"), standard_nodes(), exact_options());
+  REQUIRE(program);
+  CHECK(program->frame.size() < 24);  // fewer than one of each voice
+  CHECK(std::ranges::any_of(program->members, [](const ProgramMember& member) {
+    return member.declaration.find(" u[24]") != std::string::npos;
+  }));
+}
+
+TEST_CASE("export: a value that is not finite in one of many lanes starts all nodes anew", "[export]") {
+  constexpr int kFrames = 640;
+  const std::string lanes = R"(format = 1
+name = "lanes"
+[inputs]
+x = { lanes = 16 }
+[nodes]
+s = "x + 0.5 * d"
+d = { type = "delay", in = "s", time = "1 ms" }
+[outputs]
+out = { from = "1e300 * s * s" }
+)";
+  CompiledPrograms programs;
+  REQUIRE(programs.add(lanes, exact_options()) == "");
+  programs.compile("-O3");
+  Channels in(16, Samples(kFrames, 0.25));
+  in[9][100] = 1e200;  // its square is not finite
+  const auto out = programs.run("lanes", in, kFrames);
+  for (std::size_t lane = 0; lane < 16; ++lane) {
+    INFO(lane);
+    CHECK(out[lane][99] == 1e300 * 0.4375 * 0.4375);  // twice around the loop: 0.25 + 0.125 + 0.0625
+    CHECK(std::all_of(out[lane].begin() + 100, out[lane].begin() + 128, [](double y) { return y == 0; }));
+    CHECK(out[lane][128] == 1e300 * 0.0625);  // from the start
+  }
+}
