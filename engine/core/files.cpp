@@ -24,23 +24,38 @@ Status write_file(const fs::path& file, const std::string& text) {
   return stream ? Status{} : cannot_write(file);
 }
 
-Status replace_file(const fs::path& file, const std::string& text) {
+namespace {
+
+/// Writes it beside `file`; then `take` and a name that is `file`'s from then on.
+template <class Take>
+Status replace_after(const fs::path& file, const std::string& text, Take take) {
   auto temporary = file;
   temporary += ".new" + std::to_string(std::random_device{}());  // no other program takes this name too
   auto status = write_file(temporary, text);
   std::error_code error, ignored;
+  if (status) take();
   if (status) fs::rename(temporary, file, error);
   if (status && !error) return {};
   fs::remove(temporary, ignored);
   return cannot_write(file);
 }
 
-Status replace_file_with_backup(const std::filesystem::path& file, const std::string& text) {
-  std::error_code ignored;
-  auto former = file;
-  former += "~";
-  std::filesystem::copy_file(file, former, std::filesystem::copy_options::overwrite_existing, ignored);
-  return replace_file(file, text);
+}  // namespace
+
+Status replace_file(const fs::path& file, const std::string& text) {
+  return replace_after(file, text, [] {});
+}
+
+Status replace_file_with_backup(const fs::path& file, const std::string& text) {
+  return replace_after(file, text, [&] {
+    auto former = file;
+    former += "~";
+    std::error_code error, ignored;
+    if (!fs::exists(file, ignored)) return;
+    fs::remove(former, ignored);
+    fs::create_hard_link(file, former, error);  // takes no space, and the file is there all the time
+    if (error) fs::copy_file(file, former, ignored);
+  });
 }
 
 }  // namespace tactus
