@@ -15,6 +15,13 @@
 namespace tactus {
 namespace {
 
+/// As the machine of the target has it: of an AVR a double is a float.
+const NumberType* number_of(const ExportOptions& options) {
+  const auto& machine = machine_types()[index(options.target->machine)];
+  const bool narrow = options.number->bits == 0 && index(options.number->bytes) > machine.of_double;
+  return narrow ? find_number_type("float") : options.number;
+}
+
 CProgram program_of(const GraphSpec& spec, const ExportOptions& options) {
   CProgram program;
   const std::filesystem::path file{spec.file.text()};
@@ -26,7 +33,7 @@ CProgram program_of(const GraphSpec& spec, const ExportOptions& options) {
   program.sample_rate = options.sample_rate;
   program.system_delay = options.system_delay;
   program.recurrence = options.recurrence;
-  program.number = options.number;
+  program.number = number_of(options);
   program.guard = options.limits != nullptr;
   program.limits_from = options.limits_from;
   return program;

@@ -132,6 +132,15 @@ double rounded_down(double limit, const NumberType& type) {
   return static_cast<double>(static_cast<double>(nearest) > limit ? std::nextafter(nearest, 0.0F) : nearest);
 }
 
+/// The program compares differences of numbers, which are rounded too: one step of floats less is never
+/// exceeded.
+double largest_step(const DriveLimits& limits, Hertz rate, const NumberType& type) {
+  const double step = limits.slew_per_second / rate.value;
+  if (type.bytes != sizeof(float)) return step;
+  const auto below = std::nextafter(static_cast<float>(rounded_down(step, type)), 0.0F);
+  return std::max(static_cast<double>(below), spacing_below(limits.ceiling, type));
+}
+
 std::string limits_table(const CProgram& program) {
   if (!program.guard || program.outputs.empty()) return {};
   std::string text =
@@ -144,7 +153,7 @@ std::string limits_table(const CProgram& program) {
     const auto& limits = output.limits->limits;
     text += fmt::format(
         "    {{{}, {}, {}, {}, {}}}, /* {} */\n", literal(rounded_down(limits.ceiling, type)),
-        has_slew_limit(*output.limits) ? literal(rounded_down(limits.slew_per_second / rate, type))
+        has_slew_limit(*output.limits) ? literal(largest_step(limits, program.sample_rate, type))
                                        : "INFINITY",
         literal(spacing_below(limits.ceiling, type)), std::llround(limits.soft_start.value * rate),
         std::llround(limits.fade_out.value * rate), output.name);

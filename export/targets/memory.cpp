@@ -12,9 +12,9 @@
 namespace tactus {
 namespace {
 
-constexpr std::array kMachines = {MachineType{"64 bits", 4, 8, 8, 4, 8},
-                                  MachineType{"32 bits (Cortex-M)", 4, 4, 4, 4, 8},
-                                  MachineType{"AVR", 2, 4, 2, 2, 1}};
+constexpr std::array kMachines = {MachineType{"64 bits", 4, 8, 8, 4, 8, 8},
+                                  MachineType{"32 bits (Cortex-M)", 4, 4, 4, 4, 8, 8},
+                                  MachineType{"AVR", 2, 4, 2, 2, 4, 1}};
 
 struct Size {
   std::size_t bytes = 0, alignment = 1;

@@ -12,7 +12,7 @@ namespace tactus {
 /// How a machine stores what C programs consist of, in bytes.
 struct MachineType {
   const char* name;
-  std::size_t of_int, of_long, of_pointer, of_enum;
+  std::size_t of_int, of_long, of_pointer, of_enum, of_double;
   std::size_t most_alignment;
 };
 

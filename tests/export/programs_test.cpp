@@ -322,3 +322,14 @@ out = { from = "1e300 * s * s" }
     CHECK(out[lane][128] == 1e300 * 0.0625);  // from the start
   }
 }
+
+TEST_CASE("export: for a processor whose doubles are floats a program calculates with floats", "[export]") {
+  auto options = exact_options();
+  for (const auto& [target, number] : {std::pair{"avr", "float"}, {"cortex-m", "double"}, {"c", "double"}}) {
+    options.target = find_export_target(target);
+    REQUIRE(options.target != nullptr);
+    const auto program = write_program(parse_graph_leniently(kWire, "wire.toml"), standard_nodes(), options);
+    REQUIRE(program);
+    CHECK(std::string{program->number->name} == number);
+  }
+}
