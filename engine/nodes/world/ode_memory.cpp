@@ -30,6 +30,12 @@ void* reallocate_ode(void* block, dsizeint before, dsizeint bytes) {
 }
 void no_message(int, const char*, va_list) {}
 
+thread_local std::jmp_buf* goes_to __attribute__((tls_model("initial-exec"))) = nullptr;
+
+void leave_call(int, const char*, va_list) {
+  if (goes_to != nullptr) std::longjmp(*goes_to, 1);
+}
+
 }  // namespace
 
 int OdeArena::class_of(std::size_t bytes) noexcept {
@@ -67,12 +73,16 @@ RandomTurn::RandomTurn(bool needed) noexcept : needed_(needed) {
   if (needed_) dRandSetSeed(0);
 }
 
+std::jmp_buf*& ode_assertion_goes_to() noexcept { return goes_to; }
+
 bool start_ode() {
   static const bool started = [] {
     dSetAllocHandler(allocate_ode);
     dSetReallocHandler(reallocate_ode);
     dSetFreeHandler(release_ode);
     dSetMessageHandler(no_message);
+    dSetErrorHandler(leave_call);
+    dSetDebugHandler(leave_call);
     return dInitODE2(0) != 0;
   }();
   return started && dCheckConfiguration("ODE_double_precision") != 0;

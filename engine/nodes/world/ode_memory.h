@@ -3,6 +3,7 @@
 // Thread: [realtime], except where a function says otherwise
 #include <array>
 #include <atomic>
+#include <csetjmp>
 #include <cstddef>
 #include <memory>
 
@@ -23,6 +24,8 @@ class OdeArena {
     return at >= memory_.get() && at < memory_.get() + bytes_;
   }
   std::size_t used() const noexcept { return used_; }
+  /// [control] Its memory is never freed.
+  void lose() noexcept { (void)memory_.release(); }
 
   /// All that the library allocates on this thread comes from the arena, for as long as this lives; what it
   /// frees goes back to where it came from.
@@ -63,5 +66,25 @@ class RandomTurn {
 /// [control] Starts the library, once in a process, with memory from arenas and without messages to stderr.
 /// False: it cannot be started.
 bool start_ode();
+
+/// Where an assertion of the library, which would end the program, goes on: it leaves `call`, in the middle
+/// of whatever it did. False: so it was, and the world must not be touched any more, not even to be
+/// destroyed. Objects that `call` makes are not destroyed then.
+template <class Call>
+bool survives(Call call) noexcept;
+
+/// Of this thread; nullptr: an assertion ends the program.
+std::jmp_buf*& ode_assertion_goes_to() noexcept;
+
+template <class Call>
+bool survives(Call call) noexcept {
+  std::jmp_buf here;
+  std::jmp_buf* const before = ode_assertion_goes_to();
+  ode_assertion_goes_to() = &here;
+  const bool failed = setjmp(here) != 0;
+  if (!failed) call();
+  ode_assertion_goes_to() = before;
+  return !failed;
+}
 
 }  // namespace tactus

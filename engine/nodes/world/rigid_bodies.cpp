@@ -38,14 +38,21 @@ class OdeBodies final : public RigidBodies {
     if (std::isfinite(model_.correction_speed))
       dWorldSetContactMaxCorrectingVel(world_, model_.correction_speed);
     bodies_.reserve(model_.bodies.size());  // they stay where they are
-    for (const auto& body : model_.bodies) add_body(body);
-    joints_ = std::make_unique<OdeJoints>(world_, model_, bodies_);
+    attempt([&] {
+      for (const auto& body : model_.bodies) add_body(body);
+      joints_ = std::make_unique<OdeJoints>(world_, model_, bodies_);
+    });
     contacts_ = std::make_unique<OdeContacts>(world_, model_, bodies_, *joints_);
-    reserve();
+    attempt([&] { reserve(); });
     reset();
   }
+  bool broken() const { return broken_; }
 
   ~OdeBodies() override {
+    if (broken_) {
+      lose();
+      return;
+    }
     const OdeArena::Use use{arena_};
     contacts_.reset();
     for (const auto& body : bodies_) dGeomDestroy(body.geom);
@@ -63,23 +70,11 @@ class OdeBodies final : public RigidBodies {
     const auto to = within_limits(wanted);
     if (model_.bodies[index(number)].shape == WorldShape::Plane) return;
     if (to.size == body.state.size && to.mass == body.state.mass) return;
-    apply_size(index(number), to);
+    attempt([&] { apply_size(index(number), to); });
   }
 
   void place(int number, const Vector3& p) noexcept override {
-    const auto& model = model_.bodies[index(number)];
-    auto& body = bodies_[index(number)];
-    if (model.shape == WorldShape::Plane) return;
-    dQuaternion turned;
-    const double angle = std::sqrt(dot(model.turn.data(), model.turn.data()));
-    dQFromAxisAndAngle(turned, model.turn[0], model.turn[1], angle > 0 ? model.turn[2] : 1.0, angle);
-    if (body.body == nullptr) {
-      dGeomSetPosition(body.geom, p[0], p[1], p[2]);
-      dGeomSetQuaternion(body.geom, turned);
-      return;
-    }
-    dBodySetPosition(body.body, p[0], p[1], p[2]);
-    dBodySetQuaternion(body.body, turned);
+    attempt([&] { put(number, p); });
   }
 
   void launch(int number, const Vector3& v) noexcept override {
@@ -107,26 +102,45 @@ class OdeBodies final : public RigidBodies {
   void drive(int joint, double effort, double second) noexcept override {
     joints_->drive(joint, effort, second);
   }
-  void link(int joint, const JointModel& as) noexcept override { joints_->link(joint, as); }
+  void link(int joint, const JointModel& as) noexcept override {
+    attempt([&] { joints_->link(joint, as); });
+  }
   void set_spring(int joint, double stiffness, double damping) noexcept override {
     joints_->set_spring(joint, stiffness, damping);
   }
 
   void step() noexcept override {
     const OdeArena::Use use{arena_};
-    const bool all = contacts_->find();
-    bool done = false;
+    bool all = false, done = false;
+    attempt([&] { all = contacts_->find(); });
     {
       const RandomTurn turn{!model_.direct};
-      done =
-          (model_.direct ? dWorldStep(world_, model_.step_s) : dWorldQuickStep(world_, model_.step_s)) != 0;
+      attempt([&] {
+        done =
+            (model_.direct ? dWorldStep(world_, model_.step_s) : dWorldQuickStep(world_, model_.step_s)) != 0;
+      });
     }
+    if (broken_) return;
     if (done) contacts_->read_impulses();
     if (!all || !done) ++refused_;
     contacts_->release();
   }
 
+  bool within_range() const noexcept override {
+    constexpr double kMost = 1e9;
+    if (broken_) return false;
+    const auto small = [](const double* v) {
+      return std::abs(v[0]) <= kMost && std::abs(v[1]) <= kMost && std::abs(v[2]) <= kMost;
+    };
+    return std::ranges::all_of(bodies_, [&](const OdeBody& body) {
+      return body.body == nullptr || !body.present ||
+             (small(dBodyGetPosition(body.body)) && small(dBodyGetLinearVel(body.body)) &&
+              small(dBodyGetAngularVel(body.body)));
+    });
+  }
+
   void reset() noexcept override {
+    if (broken_) return;
     set_gravity({});
     joints_->remove_links();
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
@@ -142,7 +156,7 @@ class OdeBodies final : public RigidBodies {
 
   void copy(const RigidBodies& from) noexcept override {
     const auto& other = static_cast<const OdeBodies&>(from);
-    if (other.bodies_.size() != bodies_.size()) return;
+    if (broken_ || other.broken_ || other.bodies_.size() != bodies_.size()) return;
     set_gravity(other.gravity_);
     joints_->copy_links(*other.joints_);
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
@@ -203,6 +217,33 @@ class OdeBodies final : public RigidBodies {
   std::size_t bytes_used() const noexcept override { return arena_.used(); }
 
  private:
+  template <class Call>
+  void attempt(Call call) noexcept {
+    broken_ = broken_ || !survives(call);
+  }
+  /// What the library left in the middle of something is not safe to free.
+  void lose() noexcept {
+    (void)contacts_.release();
+    (void)joints_.release();
+    arena_.lose();
+  }
+
+  void put(int number, const Vector3& p) noexcept {
+    const auto& model = model_.bodies[index(number)];
+    auto& body = bodies_[index(number)];
+    if (model.shape == WorldShape::Plane) return;
+    dQuaternion turned;
+    const double angle = std::sqrt(dot(model.turn.data(), model.turn.data()));
+    dQFromAxisAndAngle(turned, model.turn[0], model.turn[1], angle > 0 ? model.turn[2] : 1.0, angle);
+    if (body.body == nullptr) {
+      dGeomSetPosition(body.geom, p[0], p[1], p[2]);
+      dGeomSetQuaternion(body.geom, turned);
+      return;
+    }
+    dBodySetPosition(body.body, p[0], p[1], p[2]);
+    dBodySetQuaternion(body.body, turned);
+  }
+
   void add_body(const BodyModel& model) {
     auto& body = bodies_.emplace_back();
     const auto state = within_limits(model.initial);
@@ -222,7 +263,7 @@ class OdeBodies final : public RigidBodies {
     }
     const int number = static_cast<int>(bodies_.size()) - 1;
     apply_size(index(number), state);
-    place(number, model.initial.position);
+    put(number, model.initial.position);
   }
 
   void apply_size(std::size_t number, const BodyState& to) noexcept {
@@ -274,6 +315,7 @@ class OdeBodies final : public RigidBodies {
   std::unique_ptr<OdeContacts> contacts_;
   Vector3 gravity_{};
   std::int64_t refused_ = 0;
+  bool broken_ = false;  ///< by an assertion of the library: at rest for ever
 };
 
 }  // namespace
@@ -295,7 +337,12 @@ Result<std::unique_ptr<RigidBodies>> RigidBodies::make(RigidModel model) {
   if (!start_ode())
     return tl::unexpected(Error{Errc::BadArgument, "", "the Open Dynamics Engine cannot be started",
                                 "install Debian's libode8, which is built with double precision"});
-  return std::make_unique<OdeBodies>(std::move(model));
+  auto bodies = std::make_unique<OdeBodies>(std::move(model));
+  if (bodies->broken())
+    return tl::unexpected(Error{Errc::OutOfRange, "",
+                                "the Open Dynamics Engine cannot step its bodies and joints",
+                                "look for a place, a size or a mass that is much too large or too small"});
+  return bodies;
 }
 
 }  // namespace tactus

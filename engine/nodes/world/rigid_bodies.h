@@ -95,6 +95,10 @@ class RigidBodies {
   /// Pulls a link to where it was made; 0 and 0: nothing does.
   virtual void set_spring(int joint, double stiffness, double damping) noexcept = 0;
   virtual void step() noexcept = 0;
+  /// After a step: no body is farther away than 1e9 m, faster than 1e9 m/s or turns faster than 1e9 rad/s,
+  /// from where the next step could overflow; a world that is not must be reset. Always false where an
+  /// assertion of the library has stopped the world, which then stays at rest until it is made anew.
+  virtual bool within_range() const noexcept = 0;
   virtual void reset() noexcept = 0;
   /// Continues as `other`, made from the same model but for numbers.
   virtual void copy(const RigidBodies& other) noexcept = 0;

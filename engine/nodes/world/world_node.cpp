@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "engine/core/index.h"
@@ -12,8 +13,10 @@
 namespace tactus {
 namespace {
 
+/// The library ends the program when a square or a quotient of numbers overflows.
 double value(const WorldInput& input, const NodeBlock& block, int frame) noexcept {
-  return input.port < 0 ? input.value : block.in[input.port][frame];
+  return std::clamp(input.port < 0 ? input.value : block.in[input.port][frame], -kLargestField,
+                    kLargestField);
 }
 Vector3 value(const std::array<WorldInput, 3>& inputs, const NodeBlock& block, int frame) noexcept {
   return {value(inputs[0], block, frame), value(inputs[1], block, frame), value(inputs[2], block, frame)};
@@ -135,6 +138,7 @@ void WorldNode::step(const NodeBlock& block, int frame) noexcept {
   for (std::size_t h = 0; h < state_.handles.size(); ++h)
     coupling(h).before_step(state_.handles[h], *bodies_);
   bodies_->step();
+  if (!bodies_->within_range()) return fail();
   for (std::size_t h = 0; h < state_.handles.size(); ++h) {
     coupling(h).after_step(state_.handles[h], *bodies_);
     coupling(h).hold(state_.handles[h], held_body(recipe_.handles[h], block, frame));
@@ -144,6 +148,14 @@ void WorldNode::step(const NodeBlock& block, int frame) noexcept {
   state_.to = state_.from;
   show();
   show_watch(block.first_frame + frame);
+}
+
+/// What is not finite is counted as a fault of this node, which then begins anew. So does a world that
+/// nothing reads.
+void WorldNode::fail() noexcept {
+  reset();
+  std::fill(state_.to.begin(), state_.to.end(), std::numeric_limits<double>::quiet_NaN());
+  state_.from = state_.to;
 }
 
 void WorldNode::update_body(std::size_t i, const NodeBlock& block, int frame) noexcept {

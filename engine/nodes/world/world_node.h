@@ -47,6 +47,7 @@ class WorldNode final : public Node, public BodySource {
   void write(const NodeBlock& block, int frame, std::size_t count) noexcept;
   void advance(const NodeBlock& block, int frame) noexcept;
   void step(const NodeBlock& block, int frame) noexcept;
+  void fail() noexcept;
   void update_body(std::size_t i, const NodeBlock& block, int frame) noexcept;
   void update_link(std::size_t i, const NodeBlock& block, int frame) noexcept;
   int held_body(const WorldHandle& handle, const NodeBlock& block, int frame) const noexcept;

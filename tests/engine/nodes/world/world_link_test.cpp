@@ -92,6 +92,40 @@ BodySource* bodies_of(const Player& engine) {
 
 }  // namespace
 
+TEST_CASE("world: no finite number ends the program", "[nodes]") {
+  const auto number = GENERATE(1e12, 1e20, 1e38, 1e150, 1e300);
+  const auto kind = GENERATE(1, 2, 3, 5);
+  const auto name = GENERATE("x", "z", "ax", "az", "stiffness", "damping");
+  CAPTURE(number, kind, name);
+  const auto engine = engine_of(link_graph(kLinkPool, kLinkRead));
+  LinkJournal journal{*engine};
+  journal.set(480, "w_link_kind", kind);
+  journal.set(480, "w_link_first", 1);
+  journal.set(480, "w_link_ay", 1);
+  journal.set(480, std::string{"w_link_"} + name, number);
+  journal.pull(480, "w_link_attach");
+  engine->set_journal(journal.all());
+  for (const auto& channel : link_run(*engine, 9600))
+    CHECK(std::ranges::all_of(channel, [](double x) { return std::isfinite(x); }));
+}
+
+TEST_CASE("world: a body that a force throws out of range is a fault, and the world begins anew", "[nodes]") {
+  const auto engine = engine_of(
+      "format = 1\nname = \"n\"\n[inputs]\nx = {}\n[controls]\npush = { value = \"0 N\", range = [\"0 N\", "
+      "\"1e20 N\"], "
+      "smooth = \"0 s\" }\n[worlds.w]\nball = { type = \"sphere\", radius = \"5 mm\", mass = \"0.1 kg\", x = "
+      "\"3 cm\", "
+      "fx = \"push\" }\n[outputs]\ny = { from = \"w.ball.x / 1 m\" }\n");
+  LinkJournal journal{*engine};
+  journal.set(480, "push", 1e20);  // 1e18 m/s after a step of 1 ms
+  journal.set(4800, "push", 0);
+  engine->set_journal(journal.all());
+  const auto out = link_run(*engine, 9600);
+  REQUIRE(engine->faults().size() == 1);
+  CHECK(engine->faults()[0].count > 0);
+  CHECK(std::abs(out[0][9599] - 0.03) < 1e-12);  // where the file puts it
+}
+
 TEST_CASE("world link: of each kind it moves as the joint of the file does", "[physics]") {
   const auto [joint, link] = GENERATE(table<std::string, std::string>(
       {{"type = \"hinge\", axis = [0, 1, 0], x = \"1 cm\", z = \"9 cm\"",
