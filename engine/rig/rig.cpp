@@ -167,7 +167,8 @@ class RigReader {
     midi.gate = fields.flag("gate");
     const bool note = fields.has("note"), bend = fields.flag("pitch_bend"), control = fields.has("control");
     if (control + note + bend != 1)
-      errors_.add(Errc::Missing, entry.at, "control '" + entry.name + "' needs exactly one MIDI source",
+      errors_.add(Errc::Missing, entry.at,
+                  "control '" + entry.name + "' needs exactly one of 'control', 'note' and 'pitch_bend'",
                   "give one of control = 7, note = 36 and pitch_bend = true");
     if (note) midi.kind = RigMidi::Kind::Note;
     if (bend) midi.kind = RigMidi::Kind::PitchBend;
@@ -191,7 +192,8 @@ class RigReader {
     };
     const bool note = fields.has("note"), control = fields.has("control"), clock = fields.flag("clock");
     if (note + control + clock != 1)
-      errors_.add(Errc::Missing, entry.at, "'" + entry.name + "' needs exactly one kind of MIDI message",
+      errors_.add(Errc::Missing, entry.at,
+                  "'" + entry.name + "' needs exactly one of 'note', 'control' and 'clock'",
                   "give one of note = 38, control = 7 and clock = true");
     if (control) out.kind = RigMidiOut::Kind::Controller;
     if (clock) out.kind = RigMidiOut::Kind::Clock;

@@ -266,13 +266,16 @@ ElementType line_spring() {
       .linear = false};
 }
 
+// Beyond 1e20 steps end in faults. Steel wire of 1 mm has 2e8 N/m for each millimetre.
+constexpr double kStiffestFabric = 1e15;
+
 std::vector<ElementField> fabric_fields() {
   std::vector<ElementField> fields = {
       required("mass", "kg", "mass of each body", kTiny),
-      required("stiffness", "N/m", "stiffness of each spring along its line", kTiny),
+      required("stiffness", "N/m", "stiffness of each spring along its line", kTiny, kStiffestFabric),
       required("spacing", "m", "distance of neighbours at rest", kTiny),
       with_default("tension", "N", "force of each spring at rest", 0.0),
-      with_default("damping", "N s/m", "damping of each spring along its line", 0.0, 0.0),
+      with_default("damping", "N s/m", "damping of each spring along its line", 0.0, 0.0, kStiffestFabric),
       with_default("ground_damping", "N s/m", "damping of each body in every axis", 0.0, 0.0)};
   for (auto& place : places("rest position of the first body")) fields.push_back(place);
   return fields;
@@ -303,8 +306,8 @@ ElementType thread() {
 
 ElementType sheet() {
   auto fields = fabric_fields();
-  fields.push_back(
-      with_default("shear_stiffness", "N/m", "stiffness of springs along both diagonals", 0.0, 0.0));
+  fields.push_back(with_default("shear_stiffness", "N/m", "stiffness of springs along both diagonals", 0.0,
+                                0.0, kStiffestFabric));
   return {
       .name = "sheet",
       .doc =

@@ -133,8 +133,11 @@ Judgement wrong(std::string reason) { return {Verdict::Wrong, std::move(reason)}
 const std::set<std::string> kJumpsAtZero = {
     "decay.length",  // 0: never
     "quantiser.in",  // a step of the staircase
-    "sequence.values", "sequence.values 2", "sequence.values 3", "sequence.values 4",  // 0 is a rest
-    "saw.frequency",   "square.frequency",  // they start in the middle of a jump, and go on or not
+    "sequence.values",   "sequence.values 0", "sequence.values 1", "sequence.values 2", "sequence.values 3",
+    "sequence.values 4",  // 0 is a rest
+    "proxy.x",           "proxy.y",           "proxy.z",           "proxy.at_x",        "proxy.at_y",
+    "proxy.at_z",                             // which face or direction is nearest
+    "saw.frequency",     "square.frequency",  // they start in the middle of a jump, and go on or not
 };
 
 /// Those that keep times, frequencies or levels of their own by definition: another unit of time is another
@@ -256,7 +259,8 @@ struct Laws {
     if (!other.ran() || !middle.ran()) return;
     std::string difference;
     for (std::size_t o = 0; o < played.out.size() && difference.empty(); ++o) {
-      const double size = std::max({largest(other.out[o]), largest(middle.out[o]), 2e9 * std::abs(c.value)});
+      // No node and no graph of these tests makes more than a thousand times as much of it.
+      const double size = std::max({largest(other.out[o]), largest(middle.out[o]), 1e12 * std::abs(c.value)});
       for (std::size_t n = 0; n < played.out[o].size() && difference.empty(); ++n)
         if (!(std::abs(played.out[o][n] - other.out[o][n]) <= 1e-9 * size))
           difference =

@@ -191,7 +191,8 @@ TEST_CASE("rig: wrong messages and addresses are errors with their place", "[rig
     return read ? "" : to_string(read.error());
   };
   CHECK(errors("[midi_out]\nhit = { channel = 2 }\n") ==
-        "rig.toml:5:1: 'hit' needs exactly one kind of MIDI message; give one of note = 38, control = 7 and "
+        "rig.toml:5:1: 'hit' needs exactly one of 'note', 'control' and 'clock'; give one of note = 38, "
+        "control = 7 and "
         "clock = true");
   CHECK(errors("[midi_out]\nhit = { note = 38, softest = 0.5, loudest = 0.1 }\n")
             .find("the softest level of 'hit' is not below the loudest") != std::string::npos);
