@@ -105,6 +105,7 @@ struct NetworkState {
   std::vector<FrictionMemory> friction;  ///< of each friction; the next step depends on it too
   std::vector<FrictionForce> rubbed;     ///< workspace: of each friction, as far as it is solved
   std::vector<ActiveCoupling> active;
+  bool let_go = false;                 ///< workspace: a contact that would have to pull was released
   AlignedNumbers along;                ///< workspace: of each bond of several axes, its direction
   AlignedNumbers next;                 ///< workspace: driven points' next place, by slot
   AlignedNumbers flow, entering;       ///< workspace of the exact solver: where it goes, and from what

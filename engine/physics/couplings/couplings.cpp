@@ -337,6 +337,7 @@ void Couplings::finish(NetworkState& state) const noexcept {
       link.motion = motion(state, index(link.coupling));
       state.root[index(link.coupling)] += link.slope * link.motion / steps();
     }
+  if (state.let_go) lose_energy(state);
   for (std::size_t b = 0; b < model_->bonds.size(); ++b) {
     const auto& bond = model_->bonds[b];
     if (bond.axes > 1) continue;  // it never slips
@@ -350,6 +351,22 @@ void Couplings::finish(NetworkState& state) const noexcept {
     const double after = state.rubbed[f].after;
     state.sliding[f] = after > 0.0 ? 1.0 : after < 0.0 ? -1.0 : 0.0;
     state.friction[f] = state.rubbed[f].memory;
+  }
+}
+
+/// Of released contacts with a loss, as far as their bodies part.
+void Couplings::lose_energy(NetworkState& state) const noexcept {
+  state.let_go = false;
+  for (std::size_t c = 0; c < model_->contacts.size(); ++c) {
+    double& psi = state.root[c];
+    if (psi == 0.0 || state.loss[c] == 0.0) continue;
+    const auto active = [&](const ActiveCoupling& link) { return index(link.coupling) == c; };
+    const double n = indentation(state, c), apart = std::min(0.0, motion(state, c));
+    if (n <= 0.0 || std::any_of(state.active.begin(), state.active.end(), active)) continue;
+    const auto& law = model_->contacts[c].law;
+    const double slope = method_ == Method::Exact ? chord(law, n, apart) : law.root_slope(n);
+    const double left = std::max(0.0, std::abs(psi) + slope * apart / steps());
+    psi = std::copysign(left, psi);
   }
 }
 
@@ -589,9 +606,10 @@ void Couplings::solve_contacts(NetworkState& state) const noexcept {
   while (!alone_ && missed_one(state));
 }
 
-/// A contact that would have to pull is released for the step; its energy returns when the bodies part. So
-/// is, over one step, an open contact with energy left whose bodies approach without closing it: it would
-/// hold them apart in the air.
+/// A contact that would have to pull is released for the step. What it holds goes as the bodies part: into
+/// its loss, which outweighs its push, or to the bodies where it has none. Released is, over one step, also
+/// an open contact with energy left whose bodies approach without closing it: it would hold them apart in the
+/// air.
 void Couplings::solve_quadratised(NetworkState& state) const noexcept {
   const auto floats = [&](const ActiveCoupling& link) {
     const auto c = index(link.coupling);
@@ -603,12 +621,17 @@ void Couplings::solve_quadratised(NetworkState& state) const noexcept {
     if (index(link.coupling) >= model_->contacts.size()) return false;
     return link.force < 0.0 || floats(link);
   };
+  const auto some_pull = [&] {
+    const bool some = std::erase_if(state.active, pulls) > 0;
+    state.let_go = state.let_go || some;
+    return some;
+  };
   constexpr int kMostChords = 30;
   for (int round = 0; round < kMostChords; ++round) {
     do {
       if (state.active.empty()) return;
       solve_linear(state);
-    } while (std::erase_if(state.active, pulls) > 0);
+    } while (some_pull());
     if (model_->bonds.empty() || !update_bonds(state)) return;
   }
   solve_linear(state);

@@ -104,6 +104,7 @@ class Couplings {
   void find_lines(NetworkState& state) const noexcept;
 
  private:
+  void lose_energy(NetworkState& state) const noexcept;
   int steps() const { return method_ == Method::Exact ? 1 : 2; }
   double slack() const { return steps() * model_->k; }
   std::size_t row_of(std::size_t c) const { return lines_ ? rows_[c] : c; }
