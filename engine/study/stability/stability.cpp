@@ -1,5 +1,7 @@
 #include "engine/study/stability/stability.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -109,7 +111,13 @@ bool too_large(const LoopGroup& group, std::vector<Doubt>& doubts) {
     add_doubt(doubts, {"the loops through '" + group.graph().signals[index(group.signals().front())] +
                            "' are too many to analyse",
                        kSmaller});
-  return group.too_large();
+  const bool too_long = group.delay_frames() > LoopScan::kLongestDelay;
+  if (too_long)
+    add_doubt(doubts, {fmt::format("a loop through '{}' takes {} frames, more than the {} that are analysed",
+                                   group.graph().signals[index(group.signals().front())],
+                                   group.delay_frames(), LoopScan::kLongestDelay),
+                       "shorten its delays, or check it at a lower --rate"});
+  return group.too_large() || too_long;
 }
 
 void analyse_group(const ClosedGraph& closed, const LoopGroup& group, Hertz rate, StabilityVerdict& all,
@@ -119,6 +127,10 @@ void analyse_group(const ClosedGraph& closed, const LoopGroup& group, Hertz rate
   auto& doubts = verdict.held ? of_held : all.doubts;
   if (too_large(group, doubts)) return;
   const LoopScan scan(group, rate);
+  if (!scan.complete())
+    add_doubt(doubts, {"a loop through '" + graph.signals[index(group.signals().front())] +
+                           "' turns too often to be followed",
+                       "shorten its delays, or check it at a lower --rate"});
   verdict.growing += growing_in(graph, group.signals(), rate, &scan, doubts);
   all.sampled |= frames_between_samples(graph, group.signals()) != 1;
   for (const auto& root : scan.roots(kMostRoots)) verdict.roots.push_back(root);

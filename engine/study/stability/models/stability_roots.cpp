@@ -14,6 +14,7 @@ using Complex = std::complex<double>;
 
 // No more than so many points, whatever the graph does: what turns faster than that is rounding.
 constexpr std::size_t kMostPoints = 400'000;
+constexpr int kPointsOfDelay = 4;  // of each frame, on half a circle
 // Factors outside these are no margins any more.
 constexpr double kLeastFactor = 1e-6, kMostFactor = 1e6;
 // An L below this is rounding: it is the difference of numbers near 1.
@@ -119,7 +120,7 @@ void LoopScan::add_ringing(const LinearEdge& edge, int base, std::vector<double>
 
 /// Eight for each turn of the delays, more towards 0 Hz and around what rings in networks and nodes.
 std::vector<double> LoopScan::first_points() const {
-  const int even = std::clamp(4 * group_.delay_frames(), 1024, 60'000);
+  const int even = std::clamp(kPointsOfDelay * group_.delay_frames(), 1024, kPointsOfDelay * kLongestDelay);
   std::vector<double> points;
   for (int i = 0; i <= even; ++i) points.push_back(kPi * i / even);
   for (int i = 0; i < 160; ++i) points.push_back(std::pow(10.0, -9.0 + i / 20.0));
@@ -164,7 +165,9 @@ void LoopScan::refine(std::vector<double> points) {
     for (std::size_t c = 0; c < s.alone.size(); ++c)
       heights_[c] = std::max(heights_[c], std::min(1.0, std::abs(s.alone[c])));
   const auto apart = [&](const Sample& a, const Sample& b, std::size_t left) {
-    return samples_.size() + left < kMostPoints && !smooth(a, b);
+    if (smooth(a, b)) return false;
+    complete_ = complete_ && samples_.size() + left < kMostPoints;
+    return complete_;
   };
   take_refined(
       std::move(ahead), [&](double radians) { return sample(radians); }, apart,
@@ -229,8 +232,12 @@ void LoopScan::find_border(int cut, const std::vector<Crossing>& crossings, CutM
     return;
   }
   margin.border = 0;
+  constexpr double kJustBelow = 0.999;
+  double grows_at = 1;  // thousands of turns of a long delay cross at nearly the same factor
   for (auto x = crossings.rbegin(); x != crossings.rend(); ++x) {
-    if (x->factor >= 1 || growing_with(cut, 0.999 * x->factor) > 0) continue;
+    if (x->factor >= grows_at) continue;
+    grows_at = kJustBelow * x->factor;
+    if (growing_with(cut, grows_at) > 0) continue;
     margin.border = x->factor;
     margin.border_hz = hertz(x->radians);
     return;

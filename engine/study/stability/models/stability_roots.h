@@ -49,6 +49,11 @@ class LoopScan {
   };
   LoopScan(const LoopGroup& group, Hertz rate, For what = For::Margins);
 
+  /// Frames; the turns of longer ones are not counted safely.
+  static constexpr int kLongestDelay = 75'000;
+
+  /// False: there are more turns than points, so that none of what follows is certain.
+  bool complete() const { return complete_; }
   /// Roots outside the circle, from the turns of f around 0 (Cauchy's argument principle; f has no poles
   /// there if no network grows by itself).
   int growing() const;
@@ -89,6 +94,7 @@ class LoopScan {
   Hertz rate_;
   For what_;
   double radius_;
+  bool complete_ = true;
   std::vector<std::complex<double>> poles_;  ///< of the networks in the loop
   std::vector<Sample> samples_;              ///< from 0 to half the rate
   std::vector<double> heights_;  ///< of each cut's L among the first points, at most 1: what counts as near 0

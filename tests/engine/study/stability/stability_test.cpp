@@ -164,6 +164,32 @@ y = {{ from = "s" }}
   CHECK_FALSE(with(1.03).stable());
 }
 
+TEST_CASE("stability: the turns of long delays are counted, or in doubt", "[analysis]") {
+  // 1 = g z^-n: every root has the magnitude g^(1/n).
+  const auto with = [](double seconds, double gain) {
+    return analysed(fmt::format(R"(format = 1
+[inputs]
+x = {{}}
+[nodes]
+z = {{ type = "delay", in = "u", time = "{} s", interpolation = "none" }}
+u = "x + {} * z"
+[outputs]
+y = {{ from = "z" }}
+)",
+                                seconds, gain),
+                    {8000, 0, 0.05, 0.1});
+  };
+  // 3,200 and 12,000 frames; with 80,000 a spectrum of so many points has too few for each turn.
+  for (const double seconds : {0.4, 1.5}) {
+    CAPTURE(seconds);
+    const auto holds = with(seconds, 0.5);
+    CHECK(holds.stable());
+    CHECK(holds.doubts.empty());
+    CHECK_FALSE(with(seconds, 1.02).stable());
+  }
+  for (const double gain : {0.5, 1.02}) CHECK(with(10, gain).doubts.size() == 1);
+}
+
 TEST_CASE("stability: a wall is analysed as it is touched, bare and held", "[analysis]") {
   const auto verdict = analysed(kWall, {});
   const auto& bare = regime(verdict, "nonlinearities at their largest slope", false);
