@@ -194,7 +194,7 @@ class RemoteTarget {
   virtual void mute(bool on) noexcept = 0;
   virtual bool armed() const noexcept = 0;
   virtual bool muted() const noexcept = 0;
-  /// How often the drives were disarmed so far, by whomever.
+  /// [any] How often the drives were disarmed so far, by whomever.
   virtual int disarms() const noexcept = 0;
   /// [any, the network thread] The control thread is to arm the drives, which fade and disarm when
   /// `keep_alive` is not called for 0.5 s with the number that this returns. An order of kind Arm must

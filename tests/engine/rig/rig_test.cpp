@@ -267,7 +267,7 @@ rig.toml:6:1 Missing 'piezo' 'sensitivity' 'sensitivity' 'volts_per_full_scale'
 rig.toml:6:21 OutOfRange 0 1 "none"
 rig.toml:8:22 OutOfRange 1 "none"
 rig.toml:8:37 UnknownName 'wofer' 'woofer'
-rig.toml:10:1 Missing 'strength' control 7 note 36 pitch_bend
+rig.toml:10:1 Missing 'strength' 'control' 'note' 'pitch_bend' control 7 note 36 pitch_bend
 rig.toml:10:24 OutOfRange 'channel' 17 1 16
 rig.toml:12:12 UnitMismatch '12 mm' 'measured' "15 ms")");
   CHECK(test::summary(parse_rig("format = 1\n", "rig.toml", kProfiles)) ==
