@@ -11,6 +11,7 @@
 #include "engine/core/units.h"
 #include "engine/physics/couplings/friction_step.h"
 #include "engine/physics/elements.h"
+#include "engine/physics/low_pass_kernel.h"
 #include "engine/physics/numbers.h"
 #include "engine/physics/solvers/link_operator.h"
 
@@ -21,9 +22,7 @@ namespace tactus {
 /// overshoots.
 class CriticalLowPass {
  public:
-  struct State {
-    double value = 0.0, slope = 0.0;
-  };
+  using State = tactus_critical_low_pass;
 
   /// bandwidth > 0.
   CriticalLowPass(Hertz bandwidth, Hertz step_rate)
@@ -33,11 +32,12 @@ class CriticalLowPass {
 
   /// [realtime]
   void step(State& state, double input) const noexcept {
-    const double away = state.value - input;
-    const double push = (state.slope + pole_ * away) * step_;
-    state.value = input + (away + push) * decay_;
-    state.slope = (state.slope - pole_ * push) * decay_;
+    tactus_critical_low_pass_step(&state, input, pole_, step_, decay_);
   }
+
+  /// [any] Of the pole [rad/s], and what a step leaves.
+  double pole() const { return pole_; }
+  double decay() const { return decay_; }
 
  private:
   double pole_, step_, decay_;

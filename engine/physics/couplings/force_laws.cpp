@@ -2,14 +2,9 @@
 
 #include <algorithm>
 
+#include "engine/physics/couplings/contact_kernel.h"
+
 namespace tactus {
-namespace {
-
-// Below, differences of nearly equal numbers give way to the first two terms of their series.
-constexpr double kSmallLoss = 1e-5;
-
-}  // namespace
-
 ContactLaw::ContactLaw(double stiffness, double exponent)
     : slope_(std::sqrt(0.5 * stiffness * (exponent + 1.0))),
       two_over_a1_(2.0 / (exponent + 1.0)),
@@ -37,19 +32,8 @@ double loss_for_restitution(double e) {
   return -std::expm1(-low) / e;
 }
 
-/// Newton's method for l = -ln(1 - e rv):  l - (1 - e^-l) = h, h = rv - ln(1 + rv), a convex function whose
-/// zero lies below h + sqrt(2 h).
-double restitution_of(double loss_speed) noexcept {
-  if (loss_speed < kSmallLoss) return 1.0 - 2.0 / 3.0 * loss_speed;
-  const double h = loss_speed - std::log1p(loss_speed);
-  double l = h + std::sqrt(2.0 * h);
-  for (int i = 0; i < 8; ++i) l -= (l + std::expm1(-l) - h) / -std::expm1(-l);
-  return -std::expm1(-l) / loss_speed;
-}
+double restitution_of(double loss_speed) noexcept { return tactus_restitution_of(loss_speed); }
 
-double stored_at_deepest(double loss_speed) noexcept {
-  if (loss_speed < kSmallLoss) return 0.5 - loss_speed / 3.0;
-  return (loss_speed - std::log1p(loss_speed)) / (loss_speed * loss_speed);
-}
+double stored_at_deepest(double loss_speed) noexcept { return tactus_stored_at_deepest(loss_speed); }
 
 }  // namespace tactus
