@@ -7,6 +7,7 @@
 
 #include "engine/core/index.h"
 #include "engine/dsp/simd/lanes.h"
+#include "engine/physics/solvers/solver_tables.h"
 
 namespace tactus {
 namespace {
@@ -47,6 +48,8 @@ Status check_springs(const NetworkElements& elements, Solver solver, double step
 }
 
 }  // namespace
+
+SolverTables NetworkSolver::tables() const { return {}; }
 
 Result<Network> Network::make(const NetworkElements& elements, int signals, Hertz rate, Solver solver,
                               int oversample) {

@@ -111,6 +111,7 @@ class Network {
   /// [any] The same, with what there was to choose from where `Auto` chose.
   const SolverChoice& choice() const { return choice_; }
   const NetworkSolver& network_solver() const { return *network_solver_; }
+  const NetworkModel& model() const { return *model_; }
 
  private:
   Network() = default;

@@ -92,6 +92,15 @@ class Couplings {
     return depth(state, contact) - moved(state, contact);
   }
 
+  /// [any] What was worked out when they were made: W, row by row from the first row that there is, A^-1 D by
+  /// columns (empty: not needed), and the first row of each coupling.
+  std::span<const double> mutual() const { return mutual_; }
+  std::span<const double> columns() const { return columns_; }
+  const std::vector<std::size_t>& rows() const { return rows_; }
+  std::size_t row_count() const { return row_count_; }
+  std::size_t first_row() const { return first_row_; }
+  bool alone() const { return alone_; }
+
   bool empty() const { return ends_.empty(); }
   std::size_t count() const { return ends_.size(); }
   std::size_t frictions() const { return count() - first_friction(); }

@@ -40,6 +40,11 @@ class BondLaw {
   }
   /// psi is proportional to n.
   virtual bool linear() const noexcept { return false; }
+  /// a and E of the law that `attraction` describes, for programs without the engine; else 0.
+  struct Well {
+    double length = 0.0, depth = 0.0;
+  };
+  virtual Well well() const noexcept { return {}; }
 };
 
 /// F = k n.

@@ -2,11 +2,9 @@
 #include <cmath>
 
 #include "engine/core/index.h"
-#include "engine/physics/couplings/couplings.h"
 #include "engine/physics/numbers.h"
-#include "engine/physics/solvers/link_operator.h"
 #include "engine/physics/solvers/network_solver.h"
-#include "engine/physics/solvers/sparse_solver.h"
+#include "engine/physics/solvers/solver_tables.h"
 
 namespace tactus {
 namespace {
@@ -152,14 +150,19 @@ class CentredSolver final : public NetworkSolver {
   }
   bool centred() const override { return true; }
   bool springs_averaged() const override { return averaged_; }
+  SolverTables tables() const override {
+    return {.couplings = &couplings_,
+            .averaged = averaged_,
+            .links = &links_,
+            .row = in_row_ ? &row_ : nullptr,
+            .jumps = in_row_ ? &jumps_ : nullptr,
+            .solver = factored() ? &solver_ : nullptr,
+            .start_solver = factored() ? &start_solver() : nullptr,
+            .driven = driven_columns_,
+            .start_velocity = start_velocity_};
+  }
 
  private:
-  /// What the change of a driven point does to a mass: the columns of A outside the masses.
-  struct DrivenColumn {
-    int mass, driven;
-    double a;
-  };
-
   bool factored() const { return kind_ != Solver::Explicit; }
 
   /// Of M/k^2, of springs so much, of bonds a quarter or nothing, and of dampers as A has them or nothing.
@@ -502,7 +505,7 @@ class CentredSolver final : public NetworkSolver {
   std::vector<double> constant_;
   MassRow row_;
   LinkOperator jumps_;
-  std::vector<DrivenColumn> driven_columns_;
+  std::vector<SolverTables::DrivenColumn> driven_columns_;
   SparseSolver solver_, start_solver_;
   std::vector<double> start_velocity_;  ///< as the first step sees it
   Couplings couplings_;

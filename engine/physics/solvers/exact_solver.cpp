@@ -5,9 +5,9 @@
 
 #include "engine/core/index.h"
 #include "engine/physics/change_over.h"
-#include "engine/physics/couplings/couplings.h"
 #include "engine/physics/numbers.h"
 #include "engine/physics/solvers/network_solver.h"
+#include "engine/physics/solvers/solver_tables.h"
 
 namespace tactus {
 namespace {
@@ -258,8 +258,35 @@ class ExactSolver final : public NetworkSolver {
     return {step, contact};
   }
   bool centred() const override { return false; }
+  SolverTables tables() const override {
+    SolverTables tables{.couplings = &couplings_};
+    for (const auto& block : blocks_) {
+      const auto list = [](const auto& matrix) {
+        return std::vector<double>(matrix.data(), matrix.data() + matrix.size());
+      };
+      auto& group = tables.groups.emplace_back(SolverTables::Group{block.group.masses,
+                                                                   block.group.coils,
+                                                                   {},
+                                                                   list(block.step),
+                                                                   list(block.constant),
+                                                                   list(block.unit)});
+      for (const auto& input : block.inputs)
+        group.inputs.push_back({kind_of(input), static_cast<int>(input.at)});
+    }
+    return tables;
+  }
 
  private:
+  static SolverTables::Entering kind_of(const Input& input) {
+    using S = NetworkState;
+    using enum SolverTables::Entering;
+    return input.list == &S::force      ? Force
+           : input.list == &S::wave     ? Wave
+           : input.list == &S::voltage  ? Voltage
+           : input.list == &S::position ? Place
+                                        : Way;
+  }
+
   Status add(Group group) {
     if (group.states() > kMostStates)
       return fail(Errc::OutOfRange, {},

@@ -186,6 +186,30 @@ void LinkOperator::apply_bands(const double* q, const double* u, double* y) cons
   for (const auto& band : bands_) apply(band, std::make_integer_sequence<int, kMostDiagonals + 1>{});
 }
 
+LinkOperator::Sums LinkOperator::sums() const {
+  Sums sums;
+  sums.chain = chain_, sums.below_first = chain_ && few(), sums.plain = scattered_;
+  const auto list = [](const AlignedNumbers& numbers) { return std::vector(numbers.begin(), numbers.end()); };
+  sums.constant = list(constant_);
+  if (chain_) {
+    sums.own_k = list(diagonals_[1].k), sums.own_b = list(diagonals_[1].b);
+    sums.next_k = list(diagonals_[2].k), sums.next_b = list(diagonals_[2].b);
+  }
+  for (const auto& band : bands_) {
+    const int vectorised = in_lanes(band.count), diagonals = static_cast<int>(std::ssize(band.offsets));
+    for (int row = 0; row < band.count; ++row) {
+      const int width = row < vectorised ? Lanes::kCount : 1, lane = row % width;
+      const double* value = band.values.data() + 2 * diagonals * (row - lane) + lane;
+      for (const int offset : band.offsets) {
+        sums.fused.push_back({band.first + row, band.first + row + offset, value[0], value[width]});
+        value += 2 * width;
+      }
+    }
+  }
+  std::ranges::stable_sort(sums.fused, {}, &Entry::row);
+  return sums;
+}
+
 /// Where all numbers are.
 struct MassRow::Pass {
   const double *k, *b, *own_k, *own_b, *scale, *u, *push;
@@ -277,6 +301,15 @@ void MassRow::let_push(const std::vector<bool>& masses) {
     if (!goes_on) runs_.push_back({kind, i, i});
     runs_.back().last = i + Lanes::kCount;
   }
+}
+
+MassRow::Masses MassRow::numbers() const {
+  const auto list = [](const AlignedNumbers& numbers) { return std::vector(numbers.begin(), numbers.end()); };
+  Masses all{list(k_), list(b_), list(own_k_), list(own_b_), list(scale_), std::vector<bool>(scale_.size())};
+  for (int i = vectorised(); i < masses(); ++i) all.pushed[index(i)] = true;
+  for (const auto& run : runs_)
+    for (int i = run.first; i < run.last; ++i) all.pushed[index(i)] = run.kind == Run::Kind::Pushed;
+  return all;
 }
 
 void MassRow::fill(const double* rest, double* push) const noexcept {

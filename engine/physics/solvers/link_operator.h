@@ -30,6 +30,17 @@ class LinkOperator {
   /// [any] After adding up, sorted by row, then column.
   std::span<const Entry> entries() const { return entries_; }
 
+  /// What `apply` adds up, in its order: what a program needs that does so mass by mass, with the same bits.
+  struct Sums {
+    /// Neighbours alone: what both ends of a link feel is worked out once. Else the lists below are empty.
+    bool chain = false, below_first = false;
+    std::vector<double> constant, own_k, own_b, next_k, next_b;
+    std::vector<Entry> fused;  ///< row by row: sum = k q + sum, then b u + sum, each rounded once
+    std::vector<Entry> plain;  ///< then, row by row: sum = sum - (k q + b u)
+  };
+  /// [control]
+  Sums sums() const;
+
  private:
   struct Diagonal {
     int offset, first, count;  // rows first ... first + count - 1; column = row + offset
@@ -82,6 +93,14 @@ class MassRow {
 
   /// [control] Whatever pushes may push these masses only (none at first); the others' p is never read.
   void let_push(const std::vector<bool>& masses);
+
+  /// What each mass is stepped with, and whether it may be pushed.
+  struct Masses {
+    std::vector<double> k, b, own_k, own_b, scale;
+    std::vector<bool> pushed;
+  };
+  /// [control]
+  Masses numbers() const;
 
   /// [realtime] p = `rest` where something may push.
   void fill(const double* rest, double* push) const noexcept;

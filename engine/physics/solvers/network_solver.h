@@ -18,6 +18,8 @@ enum class Solver {
   Auto,       ///< the cheapest of them that is stable and accurate (`choose_solver`)
 };
 
+struct SolverTables;
+
 /// A way of stepping a network. It owns what is worked out when the network is made; the model outlives it.
 class NetworkSolver {
  public:
@@ -49,6 +51,8 @@ class NetworkSolver {
     double step, contact;
   };
   virtual Cost cost() const = 0;
+  /// [control] What it has worked out. Of others than explicit, passive, implicit and exact: nothing.
+  virtual SolverTables tables() const;
 };
 
 /// Solvers over three instants. With q the positions, u = q - q- and e = q+ - 2q + q- a step solves

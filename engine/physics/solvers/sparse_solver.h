@@ -27,6 +27,15 @@ class SparseSolver {
   /// [any] Numbers that `solve` needs to work with: up to twice as many as rows.
   std::size_t workspace() const { return row_.size(); }
 
+  /// [any] What `solve` goes through: 1 / D by row, the other diagonal of L of a chain (else empty), row and
+  /// slot of each other, and both sweeps.
+  const std::vector<double>& inverse() const { return inverse_; }
+  const std::vector<double>& below() const { return below_; }
+  const std::vector<int>& rows() const { return row_; }
+  const std::vector<int>& slots() const { return slot_; }
+  const TriangularSweep& forward() const { return forward_; }
+  const TriangularSweep& backward() const { return backward_; }
+
   /// [realtime] b becomes x. `work` has `workspace()` places.
   void solve(std::span<double> b, std::span<double> work) const noexcept;
 

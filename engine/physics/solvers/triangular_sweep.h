@@ -42,17 +42,23 @@ class TriangularSweep {
   /// [realtime] b becomes x, both in slots. Idle lanes have to be finite.
   void solve(double* x) const noexcept;
 
- private:
   struct Sum {
     int slot, columns;
     std::size_t values;  ///< where they begin
   };
-  struct Work;
   /// Strips one after the other, all in lanes or none.
   struct Run {
     bool in_lanes;
     std::size_t end;
   };
+  /// [any] What `solve` goes through.
+  const std::vector<Run>& runs() const { return runs_; }
+  const std::vector<Sum>& sums() const { return sums_; }
+  const std::vector<int>& slots() const { return slots_; }
+  const AlignedNumbers& values() const { return values_; }
+
+ private:
+  struct Work;
 
   std::size_t append(const std::vector<double>& values, std::size_t alignment);
   void append(const Work& work, std::size_t values);
