@@ -48,6 +48,7 @@ class PlummerBond final : public BondLaw {
   }
   double largest_stiffness() const noexcept override { return depth_ / (length_ * length_); }
   double largest_energy(double) const noexcept override { return depth_; }
+  Well well() const noexcept override { return {length_, depth_}; }
 
  private:
   double length_, depth_, root_depth_;  ///< a [m], E [J], sqrt(2 E)
@@ -71,9 +72,9 @@ std::vector<ElementType> attraction_elements() {
            .fields = {required("strength", "N", "largest force", kTiny),
                       required("reach", "m", "distance at which the force is largest", kTiny)},
            .quantities = {{"force", "N", "force, positive if it pulls the ends together",
-                           read_part<&Network::bond_force, &ElementParts::bond>},
+                           read_part<&Network::bond_force, &ElementParts::bond>()},
                           {"distance", "m", "second end - first end",
-                           read_part<&Network::bond_distance, &ElementParts::bond>}},
+                           read_part<&Network::bond_distance, &ElementParts::bond>()}},
            .example =
                "magnet = { type = \"attraction\", between = [\"base\", \"stick\"], strength = \"2 N\", "
                "reach = \"3 mm\" }",

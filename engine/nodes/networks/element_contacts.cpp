@@ -25,11 +25,6 @@ void build_contact(NetworkBuilder& b, const NetworkElement& e, ElementParts& par
   parts.contact = b.append(b.elements.contacts, contact);
 }
 
-double indentation(const Network& network, const NetworkState& state, const ElementParts& parts) {
-  return network.indentation(state, parts.contact) -
-         (parts.opposite < 0 ? 0.0 : network.indentation(state, parts.opposite));
-}
-
 ElementType contact() {
   return {
       .name = "contact",
@@ -51,13 +46,17 @@ ElementType contact() {
                  with_default("offset", "m", "indentation when both points have the same position", 0.0),
                  with_default("clearance", "m", "for a two-sided contact: free travel in each direction", 0.0,
                               0.0)},
-      .quantities =
-          {{"force", "N", "contact force; negative only with `sides` = 2", contact_force, {0.0, kUnlimited}},
-           {"indentation",
-            "m",
-            "indentation; negative only with `sides` = 2",
-            indentation,
-            {0.0, kUnlimited}}},
+      .quantities = {{"force",
+                      "N",
+                      "contact force; negative only with `sides` = 2",
+                      read_sum<ContactForce, OppositeForce>(),
+                      {0.0, kUnlimited}},
+                     {"indentation",
+                      "m",
+                      "indentation; negative only with `sides` = 2",
+                      read_sum<PartRead<&Network::indentation, &ElementParts::contact>,
+                               PartRead<&Network::indentation, &ElementParts::opposite, 0, true>>(),
+                      {0.0, kUnlimited}}},
       .example =
           "lens = { type = \"contact\", between = [\"cone\", \"stick\"], stiffness = \"5e6 N/m^1.5\" }",
       .build = build_contact,
@@ -111,9 +110,9 @@ ElementType friction() {
       .quantities =
           {{"force", "N",
             "friction force of the last step; positive: drags the second point along with the first",
-            read_part<&Network::friction_force, &ElementParts::friction>},
+            read_part<&Network::friction_force, &ElementParts::friction>()},
            {"velocity", "m/s", "sliding velocity; 0: sticking",
-            read_part<&Network::friction_velocity, &ElementParts::friction>}},
+            read_part<&Network::friction_velocity, &ElementParts::friction>()}},
       .example =
           "hair = { type = \"friction\", between = [\"bow\", \"string\"], normal = \"0.5 N\", law = "
           "\"rosin\" }",
@@ -140,7 +139,7 @@ ElementType pluck() {
                  with_default("damping", "N s/m", "damping of the plectrum", 0.0, 0.0),
                  required("limit", "N", "force at which it releases", kTiny)},
       .quantities = {{"force", "N", "force, positive if it pulls the second point along with the first",
-                      read_part<&Network::bond_force, &ElementParts::bond>}},
+                      read_part<&Network::bond_force, &ElementParts::bond>()}},
       .example =
           "plectrum = { type = \"pluck\", between = [\"pick\", \"string\"], stiffness = \"500 N/m\", "
           "limit = \"2 N\" }",

@@ -224,7 +224,7 @@ std::vector<ElementType> single_points() {
                   with_default("velocity", "m/s", "initial velocity", 0.0)},
        .quantities = {kPosition,
                       kVelocity,
-                      {"force", "N", "force of its spring and damper, towards `rest`", tension}},
+                      {"force", "N", "force of its spring and damper, towards `rest`", read_tension()}},
        .example =
            "bar = { type = \"oscillator\", mass = \"20 g\", frequency = \"440 Hz\", damping_ratio = 0.001 }",
        .build = build_oscillator},

@@ -156,19 +156,13 @@ void build_fabric(NetworkBuilder& b, const NetworkElement& e, ElementParts& part
   Fabric{b, e}.build(parts);
 }
 
-template <int axis>
-double axis_position(const Network& network, const NetworkState& state, const ElementParts& parts) {
-  return network.position(state, parts.point + axis);
+template <int kAxis>
+ReadElement position_along() {
+  return read_part<&Network::position, &ElementParts::point, kAxis>();
 }
-template <int axis>
-double axis_velocity(const Network& network, const NetworkState& state, const ElementParts& parts) {
-  return network.velocity(state, parts.point + axis);
-}
-double line_force(const Network& network, const NetworkState& state, const ElementParts& parts) {
-  return parts.bond >= 0 ? network.bond_force(state, parts.bond) : network.spring_force(state, parts.spring);
-}
-double line_extension(const Network& network, const NetworkState& state, const ElementParts& parts) {
-  return parts.bond >= 0 ? network.bond_distance(state, parts.bond) : network.extension(state, parts.spring);
+template <int kAxis>
+ReadElement velocity_along() {
+  return read_part<&Network::velocity, &ElementParts::point, kAxis>();
 }
 
 Setting axes_setting() { return whole("axes", "2: x and y; 3: x, y and z", 2, 3, "3"); }
@@ -188,12 +182,12 @@ std::vector<ElementField> places(const std::string& doc) {
           third(with_default("z", "m", doc, 0.0))};
 }
 std::vector<ElementQuantity> place_quantities() {
-  return {{"x", "m", "position", axis_position<0>},
-          {"y", "m", "position", axis_position<1>},
-          {"z", "m", "position", axis_position<2>, {}, 2},
-          {"velocity_x", "m/s", "second order, from the last three steps", axis_velocity<0>},
-          {"velocity_y", "m/s", "second order, from the last three steps", axis_velocity<1>},
-          {"velocity_z", "m/s", "second order, from the last three steps", axis_velocity<2>, {}, 2}};
+  return {{"x", "m", "position", position_along<0>()},
+          {"y", "m", "position", position_along<1>()},
+          {"z", "m", "position", position_along<2>(), {}, 2},
+          {"velocity_x", "m/s", "second order, from the last three steps", velocity_along<0>()},
+          {"velocity_y", "m/s", "second order, from the last three steps", velocity_along<1>()},
+          {"velocity_z", "m/s", "second order, from the last three steps", velocity_along<2>(), {}, 2}};
 }
 
 ElementType particle() {
@@ -258,8 +252,12 @@ ElementType line_spring() {
                  if_named("rest", "m", "length at zero force; default: the length at the start", 0.0),
                  if_named("tension", "N", "force at the start, instead of `rest`", -kLargestField,
                           kLargestField, "rest")},
-      .quantities = {{"force", "N", "force, positive if it pulls the ends together", line_force},
-                     {"extension", "m", "length - rest", line_extension}},
+      .quantities = {{"force", "N", "force, positive if it pulls the ends together",
+                      read_sum<PartRead<&Network::bond_force, &ElementParts::bond>,
+                               PartRead<&Network::spring_force, &ElementParts::spring>>()},
+                     {"extension", "m", "length - rest",
+                      read_sum<PartRead<&Network::bond_distance, &ElementParts::bond>,
+                               PartRead<&Network::extension, &ElementParts::spring>>()}},
       .example = "cord = { type = \"line_spring\", between = [\"hook\", \"bob\"], stiffness = \"2 kN/m\" }",
       .build = build_line_spring,
       .in_space = true,

@@ -39,37 +39,51 @@ inline Setting whole(std::string name, std::string doc, double low, double high,
   return within(low, high, {name, Setting::Kind::Integer, doc, {}, fallback, fallback.empty()});
 }
 
-/// [realtime] A quantity of one part, as `Network` reads it.
-template <double (Network::*read)(const NetworkState&, int) const noexcept, int ElementParts::*part>
-double read_part(const Network& network, const NetworkState& state, const ElementParts& parts) {
-  return (network.*read)(state, parts.*part);
+/// A quantity of a part; `kAxis`: of so many points further.
+template <double (Network::*kValue)(const NetworkState&, int) const noexcept, int ElementParts::*kPart,
+          int kAxis = 0, bool kNegative = false>
+struct PartRead {
+  static constexpr ReadElement::Term kTerm = {kValue, kPart, kAxis, kNegative};
+  /// [realtime]
+  static double add(double sum, const Network& network, const NetworkState& state,
+                    const ElementParts& parts) noexcept {
+    const int part = parts.*kPart;
+    if (part < 0) return sum;
+    const double value = (network.*kValue)(state, part + kAxis);
+    return kNegative ? sum - value : sum + value;
+  }
+};
+template <class... Reads>
+double sum_of_parts(const Network& network, const NetworkState& state, const ElementParts& parts) {
+  double sum = -0.0;  // to which any number can be added
+  ((sum = Reads::add(sum, network, state, parts)), ...);
+  return sum;
+}
+template <class... Reads>
+ReadElement read_sum() {
+  return {{Reads::kTerm...}, sum_of_parts<Reads...>};
+}
+template <double (Network::*kValue)(const NetworkState&, int) const noexcept, int ElementParts::*kPart,
+          int kAxis = 0>
+ReadElement read_part() {
+  return read_sum<PartRead<kValue, kPart, kAxis>>();
 }
 
-/// [realtime] Force of the contact less that of the one that acts the other way.
-inline double contact_force(const Network& network, const NetworkState& state, const ElementParts& parts) {
-  return network.contact_force(state, parts.contact) -
-         (parts.opposite < 0 ? 0.0 : network.contact_force(state, parts.opposite));
-}
-/// [realtime] Of a spring with the contacts that make it stiffer, and of a hand with its push.
-inline double tension(const Network& network, const NetworkState& state, const ElementParts& parts) {
-  return network.spring_force(state, parts.spring) +
-         (parts.force < 0 ? 0.0 : network.applied_force(state, parts.force)) +
-         (parts.contact < 0 ? 0.0 : contact_force(network, state, parts));
-}
-/// [realtime] Of the element's own point, or of the one that it is on.
-inline double point_position(const Network& network, const NetworkState& state, const ElementParts& parts) {
-  return network.position(state, parts.point >= 0 ? parts.point : parts.on);
-}
-inline double point_velocity(const Network& network, const NetworkState& state, const ElementParts& parts) {
-  return network.velocity(state, parts.point >= 0 ? parts.point : parts.on);
-}
+using ContactForce = PartRead<&Network::contact_force, &ElementParts::contact>;
+using OppositeForce = PartRead<&Network::contact_force, &ElementParts::opposite, 0, true>;
 
-inline const ElementQuantity kPosition = {"position", "m", "height; up is positive", point_position};
+inline const ElementQuantity kPosition = {"position", "m", "height; up is positive",
+                                          read_part<&Network::position, &ElementParts::point>()};
 inline const ElementQuantity kVelocity = {"velocity", "m/s", "second order, from the last three steps",
-                                          point_velocity};
+                                          read_part<&Network::velocity, &ElementParts::point>()};
+/// Of a spring with the contacts that make it stiffer, and of a hand with its push.
+inline ReadElement read_tension() {
+  return read_sum<PartRead<&Network::spring_force, &ElementParts::spring>,
+                  PartRead<&Network::applied_force, &ElementParts::force>, ContactForce, OppositeForce>();
+}
 inline const ElementQuantity kTension = {"force", "N", "force, positive if it pulls the ends together",
-                                         tension};
+                                         read_tension()};
 inline const ElementQuantity kExtension = {"extension", "m", "second end - first end - rest",
-                                           read_part<&Network::extension, &ElementParts::spring>};
+                                           read_part<&Network::extension, &ElementParts::spring>()};
 
 }  // namespace tactus

@@ -123,10 +123,8 @@ class NetworkNode final : public Node, public NetworkView {
 
  private:
   void write(const NodeBlock& block, int frame, std::size_t count) const noexcept {
-    for (std::size_t i = 0; i < count; ++i) {
-      const auto& reading = readings[read_[i]];
-      block.out[read_[i]][frame] = reading.read(network, state, reading.parts);
-    }
+    for (std::size_t i = 0; i < count; ++i)
+      block.out[read_[i]][frame] = readings[read_[i]].value(network, state);
   }
 
   void step(const NodeBlock& block, int frame) noexcept {

@@ -29,10 +29,15 @@ struct NetworkRecipe {
   std::vector<std::string> points, springs, contacts;  ///< names of the elements, in their order
 };
 
-/// One output of a network: what to read of which parts.
+/// One output of a network.
 struct NetworkReading {
   ReadElement read;
   ElementParts parts;
+
+  /// [realtime]
+  double value(const Network& network, const NetworkState& state) const noexcept {
+    return read.sum(network, state, parts);
+  }
 };
 
 /// A running network: what its node is beside a `Node`, for studies.
@@ -40,8 +45,7 @@ struct NetworkView {
   /// [any] The value of `output` of the node for a state of a network whose elements are in the order of the
   /// recipe's.
   double shown(const Network& of, const NetworkState& at, int output) const {
-    const auto& reading = readings[index(output)];
-    return reading.read(of, at, reading.parts);
+    return readings[index(output)].value(of, at);
   }
 
   NetworkRecipe recipe;

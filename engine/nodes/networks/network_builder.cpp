@@ -185,19 +185,20 @@ std::vector<NetworkReading> NetworkBuilder::readings() const {
   std::vector<NetworkReading> readings;
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const auto& quantities = layout_.elements[i].type->quantities;
-    const auto parts = kept(parts_[i]);
+    auto parts = kept(parts_[i]);
+    if (parts.point < 0) parts.point = parts.on;
     bool whole = (parts.on < 0) == (parts_[i].on < 0);
     for_each_part(parts_[i], [&](PartKind kind, int part) {
       whole = whole && (part < 0 || now_[kind][index(part)] >= 0);
     });
     const auto add = [&](const ElementQuantity& quantity) {
-      readings.push_back({whole ? quantity.read : nothing, parts});
+      readings.push_back({whole ? quantity.read : ReadElement{{}, nothing}, parts});
     };
     for (const auto& quantity : quantities)
       if (layout_.elements[i].has(quantity)) add(quantity);
     if (!quantities.empty()) add(quantities.front());
   }
-  readings.push_back({energy_of, {}});
+  readings.push_back({{{}, energy_of}, {}});
   return readings;
 }
 

@@ -61,8 +61,19 @@ void for_each_part(Parts& parts, Each each) {
   each(PartKind::Port, parts.port);
 }
 
-/// [realtime] What an output shows of a state.
-using ReadElement = double (*)(const Network&, const NetworkState&, const ElementParts&);
+/// What an output shows of a state: the sum of quantities of those parts that an element has, as `Network`
+/// reads them. [any]
+struct ReadElement {
+  struct Term {
+    double (Network::*value)(const NetworkState&, int) const noexcept;
+    int ElementParts::*part;
+    int axis;  ///< so many points further
+    bool negative;
+  };
+  std::vector<Term> terms;
+  /// [realtime] Their sum; all in one call.
+  double (*sum)(const Network&, const NetworkState&, const ElementParts&);
+};
 
 /// A quantity that can be read: the output "element.quantity" of the network.
 struct ElementQuantity {
