@@ -75,11 +75,13 @@ std::vector<Error> too_large(const CProgram& program, const ExportOptions& optio
   const auto bytes = state_bytes(program, machine), most = *options.most_bytes;
   if (bytes <= most) return {};
   std::vector<Error> errors{too_large(program, bytes, most)};
-  for (const auto& member : program.members)
-    if (const auto own = member.bytes * static_cast<std::size_t>(program.number->bytes) / 8; 8 * own >= most)
-      errors.push_back({Errc::OutOfRange, member.where,
-                        member.about + " takes " + std::to_string(own) + " bytes",
-                        "shorten it: a smaller longest time, a higher lowest pitch, fewer modes"});
+  std::map<std::pair<std::string, std::string>, std::size_t> nodes;
+  for (const auto& member : program.members) nodes[{member.where, member.about}] += member.bytes;
+  for (const auto& [node, numbers] : nodes)
+    if (const auto own = numbers * static_cast<std::size_t>(program.number->bytes) / 8; 8 * own >= most)
+      errors.push_back({Errc::OutOfRange, node.first,
+                        node.second + " takes " + std::to_string(own) + " bytes",
+                        "shorten it: a smaller longest time, a higher lowest pitch, fewer modes or masses"});
   return errors;
 }
 

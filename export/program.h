@@ -73,6 +73,7 @@ struct CProgram {
   std::vector<ProgramMember> members;
   std::vector<std::string> tables;  ///< constants, each a declaration at file scope
   std::size_t table_bytes = 0;
+  std::vector<std::string> functions;  ///< at file scope, behind the tables
   std::vector<std::string> start;      ///< statements; the state is all zero before
   std::vector<std::string> follow;     ///< what depends on controls alone
   std::vector<std::string> designs;    ///< the same, at the start of a group of eight frames

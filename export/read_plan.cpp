@@ -338,7 +338,8 @@ class PlanReader {
             ports_[index(step.vertex)],
             step.kind == Step::Kind::Emit,
             vertex.divisor,
-            make_name()};
+            make_name(),
+            plan_.nodes[index(step.node)].get()};
   }
 
   /// A node on a loop comes twice: its second half is kept until then.
@@ -366,6 +367,7 @@ class PlanReader {
     }
     std::ranges::move(node.tables, std::back_inserter(program_.tables));
     program_.table_bytes += node.table_bytes;
+    std::ranges::move(node.functions, std::back_inserter(program_.functions));
     std::ranges::move(node.start, std::back_inserter(program_.start));
     std::ranges::move(node.variables, std::back_inserter(program_.variables));
     std::ranges::move(node.follow, std::back_inserter(program_.follow));

@@ -168,11 +168,6 @@ void write_proxy(NodeWriter& node) {
   node.give(8, state + ".slips");
 }
 
-void refuse_network(NodeWriter& node) {
-  node.refuse("solvers of networks are not exported",
-              "use 'modal', 'modal_body', 'string' or 'waveguide' instead, or export the graph without it");
-}
-
 constexpr NodeExport kMechanics[] = {
     {"spring", write_value, "tactus_spring_force"},
     {"damper", write_value, "tactus_damper_force"},
@@ -185,7 +180,6 @@ constexpr NodeExport kMechanics[] = {
     {"delta", write_arm<kDelta>, "tactus_delta"},
     {"six_axis", write_arm<kSixAxis>, "tactus_six_axis"},
     {"proxy", write_proxy},
-    {"network", refuse_network},
 };
 
 }  // namespace

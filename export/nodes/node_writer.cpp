@@ -59,6 +59,10 @@ std::string NodeWriter::table(const std::string& suffix, const std::vector<doubl
   return table("tactus_real", suffix, text + "}", 8 * values.size());
 }
 
+std::string NodeWriter::function_name(const std::string& suffix) {
+  return make_name_("tactus_node_" + named(name_, suffix), false);
+}
+
 void NodeWriter::design(const std::vector<int>& inputs, const WithInputs& statement) {
   const bool of_controls =
       divisor_ == 1 && std::ranges::all_of(inputs, [&](int input) { return pace(input) != Pace::Frame; });

@@ -33,6 +33,7 @@ struct WrittenNode {
   std::vector<ProgramMember> members;
   std::vector<std::string> tables;
   std::size_t table_bytes = 0;
+  std::vector<std::string> functions;  ///< at file scope
   std::vector<std::string> start;      ///< statements for a state of zeros
   std::vector<std::string> follow;     ///< whenever controls move
   std::vector<std::string> design;     ///< the same, at the start of a group of eight frames
@@ -54,7 +55,7 @@ class NodeWriter {
 
   NodeWriter(const NodeSetup& setup, std::string kernel, std::string state, std::string name,
              std::vector<WrittenInput> inputs, std::vector<bool> read, bool halves, int divisor,
-             MakeName make_name)
+             MakeName make_name, const Node* running = nullptr)
       : setup_(setup),
         kernel_(std::move(kernel)),
         state_(std::move(state)),
@@ -63,11 +64,14 @@ class NodeWriter {
         read_(std::move(read)),
         halves_(halves),
         divisor_(divisor),
-        make_name_(std::move(make_name)) {
+        make_name_(std::move(make_name)),
+        running_(running) {
     node_.values.resize(read_.size());
   }
 
   const NodeSetup& setup() const { return setup_; }
+  /// The node as the engine runs it.
+  const Node* running() const { return running_; }
   /// Of the entry of its type.
   const std::string& kernel() const { return kernel_; }
   const std::string& state_type() const { return state_; }
@@ -101,11 +105,19 @@ class NodeWriter {
   std::string state(const std::string& type, const std::string& suffix = "", int count = 0) {
     return add_member(type, suffix, count, sizeof(Type));
   }
+  std::string state(const std::string& type, const std::string& suffix, int count, std::size_t bytes) {
+    return add_member(type, suffix, count, bytes);
+  }
   /// Numbers that never change; returns the name of the array.
   std::string table(const std::string& suffix, const std::vector<double>& values);
   /// The same of any type, with its text.
   std::string table(const std::string& type, const std::string& suffix, const std::string& text,
                     std::size_t bytes);
+
+  /// The name of a function of this node alone.
+  std::string function_name(const std::string& suffix);
+  /// A function at file scope.
+  void function(std::string text) { node_.functions.push_back(std::move(text)); }
 
   /// A name for a value of this frame.
   std::string local(const std::string& suffix, const std::string& value) {
@@ -158,6 +170,7 @@ class NodeWriter {
   bool halves_;
   int divisor_;
   MakeName make_name_;
+  const Node* running_;
   WrittenNode node_;
 };
 

@@ -32,6 +32,7 @@ std::span<const NodeExport> exported_filters();
 std::span<const NodeExport> exported_generators();
 std::span<const NodeExport> exported_logic();
 std::span<const NodeExport> exported_mechanics();
+std::span<const NodeExport> exported_networks();
 std::span<const NodeExport> exported_shapers();
 
 /// [any] The entry of a type of node, or nullptr.

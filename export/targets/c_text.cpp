@@ -362,10 +362,23 @@ std::string step_functions(const CProgram& program) {
          "    tactus_attend(self, in, out);\n  else\n    tactus_run(self, in, out);\n}\n";
 }
 
+/// Each line for itself, but for comments.
+std::string wrapped_lines(const std::string& text) {
+  std::string lines;
+  for (std::size_t at = 0; at < text.size();) {
+    const auto end = std::min(text.find('\n', at), text.size());
+    const auto line = text.substr(at, end - at);
+    lines += (line.find("//") == line.npos ? wrapped(line) : line) + "\n";
+    at = end + 1;
+  }
+  return lines;
+}
+
 std::string functions(const CProgram& program) {
   std::string text;
   for (const auto& table : program.tables) text += wrapped(table) + "\n";
   if (!program.tables.empty()) text += "\n";
+  for (const auto& function : program.functions) text += wrapped_lines(function) + "\n";
   return text + limits_table(program) + follow_functions(program) + reset_function(program) +
          frame_function(program) + init_function(program) + alive_function(program) +
          silence_function(program) + step_functions(program);

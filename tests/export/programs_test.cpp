@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "engine/guard/drive_guard.h"
+#include "export/read_plan.h"
 #include "export/targets/memory.h"
 #include "tests/export/compiled_programs.h"
 #include "tests/support/graphs/node_runner.h"
@@ -52,16 +53,22 @@ bool all_finite_and_below(const Samples& samples, double ceiling) {
 
 TEST_CASE("export: shipped instruments give the bits of the engine", "[export]") {
   constexpr int kFrames = 48000;
+  constexpr const char* kNames[] = {"wall",     "haptic_drum", "cellomobo",
+                                    "membrane", "rope",        "templates/bowed_string"};
   CompiledPrograms programs;
-  for (const char* name : {"wall", "haptic_drum", "cellomobo"})
-    REQUIRE(programs.add(shipped(name), exact_options()) == "");
+  std::map<std::string, std::string> programs_of;
+  for (const char* name : kNames) {
+    const auto graph = shipped(name);
+    REQUIRE(programs.add(graph, exact_options()) == "");
+    programs_of[name] = c_identifier(graph.spec->name);
+  }
   programs.compile("-O2");
-  for (const char* name : {"wall", "haptic_drum", "cellomobo"}) {
+  for (const char* name : kNames) {
     INFO(name);
     auto engine = engine_for(shipped(name), exact_options());
     const auto in = hits(engine.plan().input_names.size(), kFrames);
     const auto expected = run(engine, in, kFrames, {64});
-    CHECK(first_difference(programs.run(name, in, kFrames), expected) == "");
+    CHECK(first_difference(programs.run(programs_of[name], in, kFrames), expected) == "");
     for (const auto& channel : expected) CHECK(std::ranges::any_of(channel, [](double x) { return x != 0; }));
   }
 }
@@ -196,9 +203,11 @@ TEST_CASE("export: a loop that explodes starts anew, and no output is ever non-f
 TEST_CASE("export: what cannot be exported is reported all at once, with its place and what to change",
           "[export]") {
   const std::string text =
-      "format = 1\n[inputs]\nx = { unit = \"N\" }\n[networks.one]\n"
+      "format = 1\n[inputs]\nx = { unit = \"N\" }\n[networks.one]\nsolver = "
+      "\"reference\"\n"
       "m = { type = \"mass\", mass = \"1 kg\" }\npush = { type = \"force\", on = \"m\", force = \"x\" }\n"
-      "[networks.two]\nm = { type = \"mass\", mass = \"2 kg\" }\npush = { type = \"force\", on = \"m\", "
+      "[networks.two]\nsolver = \"reference\"\nm = { type = \"mass\", mass = \"2 kg\" }\npush = { type = "
+      "\"force\", on = \"m\", "
       "force = \"x\" }\n"
       "[outputs]\ny = { from = \"(one.m.position + two.m.position) / 1 m\" }\n";
   const auto program =
@@ -206,10 +215,10 @@ TEST_CASE("export: what cannot be exported is reported all at once, with its pla
   REQUIRE(!program);
   REQUIRE(program.error().size() == 2);
   CHECK(program.error()[0].where == "test.toml:4:11");
-  CHECK(program.error()[1].where == "test.toml:7:11");
+  CHECK(program.error()[1].where == "test.toml:8:11");
   for (const auto& error : program.error()) {
     CHECK(error.code == Errc::BadArgument);
-    CHECK(error.remedy != "");
+    CHECK_THAT(error.remedy, Catch::Contains("solver = \"auto\""));
   }
 }
 
@@ -257,8 +266,28 @@ TEST_CASE("export: the size of the state is what the compiler makes of it, and w
   REQUIRE(!files);
   REQUIRE(files.error().size() >= 2);
   CHECK(files.error()[1].where == "test.toml:5:1");
-  // 480 frames and four taps: 512 and four mirrored.
-  CHECK(files.error()[1].what == "echo: delay takes 4128 bytes");
+  // 480 frames and four taps: 512, four mirrored, and the place of the next one.
+  CHECK(files.error()[1].what == "echo: delay takes 4132 bytes");
+}
+
+TEST_CASE("export: a network that is too large is named with all that it takes", "[export]") {
+  const std::string text =
+      "format = 1\nname = \"large\"\n[inputs]\nx = {}\n[networks.string]\nsolver = \"explicit\"\n"
+      "c = { type = \"chain\", masses = 100, mass = \"1 g\", stiffness = \"1 kN/m\" }\n"
+      "push = { type = \"force\", on = \"c.5\", force = \"x * 1 N\" }\n"
+      "ear = { type = \"probe\", on = \"c.50\" }\n[outputs]\ny = { from = \"string.ear.position / 1 m\" }\n";
+  CompiledPrograms programs;
+  REQUIRE(programs.add(text, exact_options()) == "");
+  programs.compile("-O0");
+  CHECK(state_bytes(programs.program("large"), machine_types()[0]) == programs.start("large").size());
+  auto options = exact_options();
+  options.most_bytes = 2000;
+  const auto files = export_graph(parse_graph_leniently(text, "test.toml"), standard_nodes(), options);
+  REQUIRE(!files);
+  REQUIRE(files.error().size() == 2);
+  CHECK(files.error()[1].where == "test.toml:5:11");
+  // Place, way and change of 100 masses and a fixed point, a force and the input of the last frame.
+  CHECK(files.error()[1].what == "string: network takes " + std::to_string(8 * (3 * 101 + 2)) + " bytes");
 }
 
 TEST_CASE("export: what many voices do alike is written once, as a loop, and gives the bits of the engine",
