@@ -63,7 +63,6 @@ TEST_CASE("benchmarks: an exported program and the plain loop beside it give the
   if (std::system(TACTUS_C_COMPILER " --version > /dev/null 2>&1") != 0) test::skip("there is no C compiler");
   for (const auto& work : works()) {
     CAPTURE(work.name);
-    if (work.masses > 0) continue;  // networks are not exported
     ExportedProgram program{parse_graph_leniently(text_of(work), work.name)};
     const auto in = excitation(work, kFrames);
     const auto plain = hand_written(work, in, kFrames);
