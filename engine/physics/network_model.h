@@ -56,6 +56,7 @@ struct ActiveCoupling {
   double motion = 0.0;        ///< with all forces: after the solution (Gradient: of the last iteration)
   double force = 0.0;         ///< [N]
   bool bounces = false;       ///< over within the step: the damper of its restitution
+  bool released = false;      ///< it would have to pull
 };
 
 /// A damper with z k / m above this stops its masses within a step.

@@ -9,6 +9,7 @@
 typedef struct tactus_coupling {
   int coupling;              ///< contacts, then bonds
   int bounces;               ///< over within the step: the damper of its restitution
+  int released;              ///< it would have to pull
   tactus_real slope;         ///< of the root of the energy, over the step
   tactus_real static_force;  ///< without motion [N]
   tactus_real resistance;    ///< [N/m]
@@ -20,7 +21,7 @@ typedef struct tactus_coupling {
 static inline tactus_coupling tactus_coupling_of(int coupling) {
   tactus_coupling link;
   link.coupling = coupling;
-  link.bounces = 0;
+  link.bounces = link.released = 0;
   link.slope = link.static_force = link.resistance = link.free_motion = link.motion = link.force = 0;
   return link;
 }

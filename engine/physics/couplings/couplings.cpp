@@ -622,7 +622,9 @@ void Couplings::solve_quadratised(NetworkState& state) const noexcept {
     return link.force < 0.0 || floats(link);
   };
   const auto some_pull = [&] {
-    const bool some = std::erase_if(state.active, pulls) > 0;
+    for (auto& link : state.active) link.released = pulls(link);  // each against all others
+    const bool some =
+        std::erase_if(state.active, [](const ActiveCoupling& link) { return link.released; }) > 0;
     state.let_go = state.let_go || some;
     return some;
   };
