@@ -438,7 +438,8 @@ double share_of_error(const Samples& expected, const Samples& found) {
 
 }  // namespace
 
-TEST_CASE("export: networks in floats are within their stated errors of the engine", "[export][physics]") {
+TEST_CASE("export: networks in floats are within their stated errors of the engine",
+          "[export][physics][slow]") {
   auto single = exact_options();
   single.number = find_number_type("float");
   struct FloatCase {

@@ -209,7 +209,7 @@ TEST_CASE("cellomobo loop: without a bow it dies as the string alone does", "[in
   CHECK(60 * apart / fell == Approx(t60).epsilon(0.05));
 }
 
-TEST_CASE("cellomobo loop: its pitch stays within the bound at every delay", "[instruments]") {
+TEST_CASE("cellomobo loop: its pitch stays within the bound at every delay", "[instruments][slow]") {
   const double f0 = GENERATE(110.0, 440.0);
   const double g = 0.99;
   std::vector<double> errors;
@@ -240,7 +240,8 @@ TEST_CASE("cellomobo loop: without the string the note follows the delay", "[ins
   CHECK(errors[errors.size() / 2] > 1200);
 }
 
-TEST_CASE("cellomobo loop: aligned, the fundamental wins at every delay and every note", "[instruments]") {
+TEST_CASE("cellomobo loop: aligned, the fundamental wins at every delay and every note",
+          "[instruments][slow]") {
   const double f0 = GENERATE(110.0, 220.0, 440.0, 880.0), g = GENERATE(0.9, 0.99);
   for (double delay_ms = 0; delay_ms <= 40; delay_ms += 5) {
     INFO(f0 << " Hz, g " << g << ", " << delay_ms << " ms");

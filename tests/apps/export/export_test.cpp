@@ -52,7 +52,12 @@ TEST_CASE("tactus export: limits are the built-in ones of an unknown drive, or o
 TEST_CASE("tactus export: what it cannot do is an error with its place", "[apps][export]") {
   const Desk desk;
   check_exit(desk.run("export " + kWall + "/scene.toml"), 2, "scene instrument");
-  check_exit(desk.run("export " + kWall + "/plant.toml"), 3, "plant.toml network cannot be exported");
+  desk.folder.write(
+      "net.toml",
+      "format = 1\n[networks.n]\nsolver = \"reference\"\nm = { type = \"mass\", mass = \"1 g\" }\n"
+      "[outputs]\ny = { from = \"n.m.position / 1 m\" }\n");
+  check_exit(desk.run("export net.toml"), 3,
+             "net.toml network cannot be exported reference solver = \"auto\"");
   check_exit(desk.run("export " + kWall + " --ram 100"), 3, "bytes allowed");
   check_exit(desk.run("export nothing"), 3, "nothing");
   CHECK(desk.run("export " + kWall + " --number decimal").exit == 2);

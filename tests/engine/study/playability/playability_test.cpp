@@ -233,7 +233,7 @@ TEST_CASE("playability: the shipped instruments are playable over all the delays
 }
 
 TEST_CASE("playability: the drum keeps to its tested delays with other woofers and plants",
-          "[analysis][instruments]") {
+          "[analysis][instruments][slow]") {
   auto scene = scene_of("haptic_drum/scene.toml");
   scene.duration = Seconds{4};
   const auto tested = scene.part("instrument")->graph->tested;
