@@ -565,7 +565,7 @@ class Analysis {
       closed.delay(wire, pair.from, 1);
       for (auto& signals : loops_of(closed, false)) {
         const LoopGroup group(closed, std::move(signals), {wire});
-        if (group.too_large() || group.cut(wire) < 0) continue;
+        if (std::vector<Doubt> ignored; too_large(group, ignored) || group.cut(wire) < 0) continue;
         const auto margin = LoopScan(group, verdict_.rate).margin(group.cut(wire));
         pair.peak = margin.peak;
         pair.peak_hz = margin.peak_hz;
