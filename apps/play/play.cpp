@@ -83,12 +83,7 @@ void print(const Report& report) {
   print_guard(recording.guard, recording.sample_rate);
   print_ports(recording.ports);
   print_networks(networks);
-  fmt::print("  faults              {}\n",
-             recording.faults.empty() && recording.bad_inputs == 0 ? "none" : "");
-  for (const auto& fault : recording.faults)
-    fmt::print("                      {} produced non-finite values {} times\n", fault.path, fault.count);
-  if (recording.bad_inputs != 0)
-    fmt::print("                      {} non-finite sensor samples replaced by zero\n", recording.bad_inputs);
+  print_faults(recording);
   if (!report.outcomes.empty()) fmt::print("\n  expectations of this scene\n");
   for (const auto& outcome : report.outcomes) print(outcome);
 }

@@ -175,6 +175,15 @@ void print_guard(const GuardReport& report, Hertz sample_rate) {
   for (const auto& line : lines) fmt::print("  {:<18}  {}\n", std::exchange(heading, ""), line);
 }
 
+void print_faults(const SceneRecording& recording) {
+  const bool none = recording.faults.empty() && recording.bad_inputs == 0;
+  fmt::print("  faults              {}\n", none ? "none" : "");
+  for (const auto& fault : recording.faults)
+    fmt::print("                      {} produced non-finite values {} times\n", fault.path, fault.count);
+  if (recording.bad_inputs != 0)
+    fmt::print("                      {} non-finite sensor samples replaced by zero\n", recording.bad_inputs);
+}
+
 void add_player_options(CLI::App& command, PlayerOptions& options) {
   command.add_option("--delay", options.delay, "system delay; such as \"10 ms\"; default: the scene's");
   command.add_option("--rate", options.rate, "sample rate; such as \"96 kHz\"; default: the scene's");

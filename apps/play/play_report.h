@@ -38,6 +38,8 @@ Json limits_json(const GuardReport& report);
 Json guard_json(const GuardReport& report, Hertz sample_rate);
 /// And for people.
 void print_guard(const GuardReport& report, Hertz sample_rate);
+/// Nodes that produced non-finite values, and sensors that gave them.
+void print_faults(const SceneRecording& recording);
 
 /// Options of every run of an instrument or a scene.
 struct PlayerOptions {

@@ -65,6 +65,7 @@ int render_scene(const RenderOptions& options, const Target& target) {
     print_json({{"scene", scene.name},
                 {"events", count_of(events)},
                 {"run_seconds", recording.run_seconds},
+                {"faults", faults_json(recording.faults)},
                 {"guard", guard_json(recording.guard, rate)},
                 {"ports", ports_json(recording.ports)},
                 {"network_solvers", networks_json(networks)}});
@@ -75,6 +76,7 @@ int render_scene(const RenderOptions& options, const Target& target) {
   print_guard(recording.guard, rate);
   print_ports(recording.ports);
   print_networks(networks);
+  print_faults(recording);
   return exit_code;
 }
 
