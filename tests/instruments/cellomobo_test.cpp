@@ -72,7 +72,7 @@ double level_at(const SceneRecording& recording, double hertz, double from_s) {
 
 }  // namespace
 
-TEST_CASE("cellomobo: every scene does what it promises, at short and long delays", "[instruments]") {
+TEST_CASE("cellomobo: every scene does what it promises, at short and long delays", "[instruments][slow]") {
   const std::string scene =
       GENERATE("scene", "open_string", "scale", "vibrato", "crescendo", "bow_change", "octave", "fingered",
                "fast_scale", "wide_vibrato", "pizzicato", "double_stops");

@@ -145,7 +145,7 @@ TEST_CASE("analysis: frames lost behind the mark are reported, also more than th
   CHECK(verdict(analysis_of(recording)) == "LOST_FRAMES");
 }
 
-TEST_CASE("analysis: the standard error holds in tones, swelling noise and knocks", "[latency]") {
+TEST_CASE("analysis: the standard error holds in tones, swelling noise and knocks", "[latency][slow]") {
   const auto sound = GENERATE(Sound::Drone, Sound::Swelling, Sound::Knocks);
   constexpr int kTrials = 16;
   double squares = 0.0;
