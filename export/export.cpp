@@ -8,6 +8,7 @@
 
 #include "engine/core/named.h"
 #include "engine/core/port_name.h"
+#include "export/c_names.h"
 #include "export/fixed/fixed_program.h"
 #include "export/read_plan.h"
 #include "export/targets/memory.h"

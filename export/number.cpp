@@ -58,6 +58,13 @@ const NumberType* find_number_type(std::string_view name) { return find_named(kT
 
 std::vector<std::string> number_type_names() { return names_of(kTypes); }
 
+std::string c_list(const std::vector<std::string>& values, std::size_t in_a_line) {
+  std::string text = "{";
+  for (std::size_t i = 0; i < values.size(); ++i)
+    text += (i == 0 ? "" : i % in_a_line == 0 ? ",\n    " : ", ") + values[i];
+  return text + "}";
+}
+
 std::string c_number(double value, const NumberType& type) {
   const bool narrow = type.literal_suffix[0] != '\0';
   if (narrow && value != 0 && std::abs(value) < kLeastFloat) value = std::copysign(kLeastFloat, value);

@@ -26,6 +26,9 @@ std::vector<std::string> number_type_names();
 /// The shortest text that reads back as this number: "0.5", "-1e-09f", "INFINITY".
 std::string c_number(double value, const NumberType& type);
 
+/// "{0.5, 1.0}", with so many in a line.
+std::string c_list(const std::vector<std::string>& values, std::size_t in_a_line);
+
 /// C text for doubles as text for this type: its literals and functions of math.h get the suffixes.
 /// Comments stay.
 std::string with_numbers(std::string_view code, const NumberType& type);

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <map>
 
 #include "engine/graph/semantics/operators.h"
+#include "export/c_names.h"
 #include "export/drop_unused.h"
 #include "export/kernel_texts.h"
 #include "export/nodes/table.h"
@@ -19,21 +19,6 @@ namespace {
 /// Longer expressions get a name, so that lines stay readable.
 constexpr std::size_t kLongestInline = 70;
 
-/// What variables cannot be called: words of C, functions of math.h, and names of the code around them.
-constexpr auto kTaken = std::to_array<std::string_view>(
-    {"auto",         "break",  "case",   "char",     "const",    "continue", "default",  "do",
-     "double",       "else",   "enum",   "extern",   "float",    "for",      "goto",     "if",
-     "inline",       "int",    "long",   "register", "restrict", "return",   "short",    "signed",
-     "sizeof",       "static", "struct", "switch",   "typedef",  "union",    "unsigned", "void",
-     "volatile",     "while",  "self",   "in",       "out",      "s",        "c",        "group_position",
-     "frame_number", "check",  "moved",  "open",     "k",        "lane",     "main",     "sin",
-     "cos",          "tan",    "exp",    "log",      "pow",      "sqrt",     "floor",    "ceil",
-     "round",        "rint",   "fabs",   "asin",     "acos",     "atan",     "tanh",     "log2",
-     "log10",        "gamma",  "j0",     "j1",       "y0",       "y1",       "yn",       "jn",
-     "signgam",      "index",  "abs",    "bool",     "true",     "false",    "asm",      "typeof",
-     "complex",      "I",      "NAN",    "INFINITY", "HUGE_VAL", "errno",    "linux",    "unix",
-     "NULL",         "EOF",    "near_"});
-
 class PlanReader {
   using Kind = Vertex::Kind;
   using Port = std::pair<int, int>;  ///< vertex, output
@@ -44,7 +29,9 @@ class PlanReader {
 
  public:
   PlanReader(CProgram program, const Plan& plan, const RecordedNodes& nodes)
-      : program_(std::move(program)), plan_(plan), nodes_(nodes) {}
+      : program_(std::move(program)), plan_(plan), nodes_(nodes) {
+    for (auto* names : {&controls_, &members_, &variables_}) names->insert(program_.name);
+  }
 
   Checked<CProgram> run() {
     read_controls();
@@ -69,13 +56,7 @@ class PlanReader {
     auto name = c_identifier(wanted);
     // Not as what is defined outside of functions.
     if (name.starts_with(program_.name + "_")) name = "node_" + name;
-    auto candidate = name;
-    for (int i = 2; candidate == program_.name || names.contains(candidate) ||
-                    std::ranges::find(kTaken, candidate) != kTaken.end();
-         ++i)
-      candidate = name + "_" + std::to_string(i);
-    names.insert(candidate);
-    return candidate;
+    return unique_name(name, names);
   }
 
   std::string name_of(const Vertex& vertex, int port, std::set<std::string>& names) const {
@@ -607,19 +588,6 @@ class PlanReader {
 };
 
 }  // namespace
-
-std::string c_identifier(std::string_view text) {
-  std::string name;
-  for (const char c : text) {
-    if (is_identifier_part(c))
-      name += c;
-    else if (!name.empty() && name.back() != '_')
-      name += '_';
-  }
-  while (!name.empty() && name.back() == '_') name.pop_back();
-  if (name.empty() || !is_identifier_start(name.front())) name = "_" + name;
-  return name.front() == '_' ? "x" + name : name;
-}
 
 Checked<CProgram> read_plan(CProgram program, const Plan& plan, const RecordedNodes& nodes) {
   auto read = PlanReader{std::move(program), plan, nodes}.run();

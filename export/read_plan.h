@@ -13,7 +13,4 @@ namespace tactus {
 /// for each node that cannot be exported, all at once.
 Checked<CProgram> read_plan(CProgram program, const Plan& plan, const RecordedNodes& nodes);
 
-/// Text as a C identifier: "haptic drum" as "haptic_drum".
-std::string c_identifier(std::string_view text);
-
 }  // namespace tactus

@@ -11,7 +11,9 @@
 #include <string_view>
 
 #include "engine/core/index.h"
+#include "export/c_names.h"
 #include "export/kernel_texts.h"
+#include "export/number.h"
 
 namespace tactus {
 namespace {
@@ -28,8 +30,6 @@ struct Token {
 };
 using Tokens = std::vector<Token>;
 
-bool is_name_part(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
-
 Tokens tokens_of(std::string_view text) {
   Tokens tokens;
   for (std::size_t at = 0; at < text.size();) {
@@ -37,12 +37,12 @@ Tokens tokens_of(std::string_view text) {
     auto kind = Token::Kind::Other;
     if (std::isdigit(static_cast<unsigned char>(text[at])) != 0) {
       kind = Token::Kind::Number;
-      while (end < text.size() && (is_name_part(text[end]) || text[end] == '.' ||
+      while (end < text.size() && (is_identifier_part(text[end]) || text[end] == '.' ||
                                    ((text[end] == '-' || text[end] == '+') && text[end - 1] == 'e')))
         ++end;
-    } else if (is_name_part(text[at])) {
+    } else if (is_identifier_part(text[at])) {
       kind = Token::Kind::Name;
-      while (end < text.size() && is_name_part(text[end])) ++end;
+      while (end < text.size() && is_identifier_part(text[end])) ++end;
     }
     tokens.push_back({kind, std::string{text.substr(at, end - at)}});
     at = end;
@@ -138,6 +138,7 @@ class LaneRoller {
       for (const auto& text : *list) taken_.merge(identifiers_of(text));
     for (const auto& statement : program_.frame) taken_.merge(identifiers_of(statement.text));
     for (const auto& output : program_.outputs) taken_.merge(identifiers_of(output.value));
+    for (auto* names : {&taken_, &taken_members_}) names->insert(program_.name);
   }
 
   void run() {
@@ -186,21 +187,17 @@ class LaneRoller {
     tokenise(statements);
     for (std::size_t at = 0; at < list_.size();) {
       const auto pattern = best_pattern(statements, at);
-      if (!pattern) {
+      if (!pattern || !locals_stay_in_their_lanes(*pattern)) {
         ++at;
         continue;
       }
-      auto rolled = roll_one(*pattern);
-      if (!rolled) {
-        ++at;
-        continue;
-      }
+      const auto rolled = roll_one(*pattern);
       const auto begin = statements.begin() + static_cast<std::ptrdiff_t>(pattern->first);
       statements.erase(begin, begin + static_cast<std::ptrdiff_t>(pattern->period * pattern->lanes));
-      statements.insert(statements.begin() + static_cast<std::ptrdiff_t>(pattern->first), rolled->begin(),
-                        rolled->end());
+      statements.insert(statements.begin() + static_cast<std::ptrdiff_t>(pattern->first), rolled.begin(),
+                        rolled.end());
       for (auto& statement : statements) statement.text = renamed(statement.text);
-      at = pattern->first + rolled->size();
+      at = pattern->first + rolled.size();
       tokenise(statements);
     }
   }
@@ -365,14 +362,14 @@ class LaneRoller {
   struct Loop {
     std::vector<std::string> before, body, after;
   };
+  /// What stands for the names of all lanes.
+  using Replaced = std::map<std::pair<Role, Names>, std::string>;
 
-  /// Nothing if a lane reads what another one defines.
-  std::optional<std::vector<Statement>> roll_one(Pattern pattern) {
-    if (!locals_stay_in_their_lanes(pattern)) return std::nullopt;
+  std::vector<Statement> roll_one(Pattern pattern) {
     const std::size_t variables = add_variables(pattern);
     find_slots(pattern);
     Loop loop;
-    std::map<std::pair<Role, Names>, std::string> replaced;  // what stands for the names of all lanes
+    Replaced replaced;
     std::vector<Tokens> lane(list_.begin() + static_cast<std::ptrdiff_t>(pattern.first),
                              list_.begin() + static_cast<std::ptrdiff_t>(pattern.first + pattern.period));
     for (const auto& slot : pattern.slots) {
@@ -397,8 +394,9 @@ class LaneRoller {
             for (std::size_t t = 0; t < 4; ++t) lane[slot.statement][t].text.clear();
           break;
         }
-        default:
-          return std::nullopt;
+        case Role::Variable:  // by now a local
+        case Role::None:      // in no pattern
+          break;
       }
     }
     for (std::size_t s = 0; s < lane.size(); ++s)
@@ -420,7 +418,6 @@ class LaneRoller {
     return statements;
   }
 
-  using Replaced = std::map<std::pair<Role, Names>, std::string>;
   template <class Make>
   static std::string replacement(Replaced& replaced, Role role, const Names& names, Make make) {
     const auto found = replaced.find({role, names});
@@ -470,13 +467,6 @@ class LaneRoller {
     return true;
   }
 
-  static std::string unused(const std::string& wanted, std::set<std::string>& taken) {
-    auto name = wanted;
-    for (int i = 2; taken.contains(name); ++i) name = wanted + "_" + std::to_string(i);
-    taken.insert(name);
-    return name;
-  }
-
   /// A number that counts with the lanes, or a table.
   std::string number_of_lane(const Names& texts) {
     std::vector<long> whole;
@@ -492,11 +482,9 @@ class LaneRoller {
     const bool real = whole.empty();
     const auto known = number_tables_.find(texts);
     if (known != number_tables_.end()) return known->second + "[lane]";
-    const auto name = unused(real ? "tactus_data_lanes" : "tactus_data_places", taken_);
-    std::string table = fmt::format("static const {} {}[] = {{", real ? "tactus_real" : "int", name);
-    for (std::size_t i = 0; i < texts.size(); ++i)
-      table += (i == 0 ? "" : i % 6 == 0 ? ",\n    " : ", ") + texts[i];
-    program_.tables.push_back(table + "};");
+    const auto name = unique_name(real ? "tactus_data_lanes" : "tactus_data_places", taken_);
+    program_.tables.push_back(
+        fmt::format("static const {} {}[] = {};", real ? "tactus_real" : "int", name, c_list(texts, 6)));
     program_.table_bytes += (real ? 8 : 4) * texts.size();
     number_tables_[texts] = name;
     return name + "[lane]";
@@ -505,7 +493,7 @@ class LaneRoller {
   std::string make_member(const Names& names) {
     const auto place = members_.at(names.front());
     const auto declared = *Declaration::read(program_.members[place].declaration);
-    const auto name = unused(common_name(names), taken_members_);
+    const auto name = unique_name(common_name(names), taken_members_);
     auto& first = program_.members[place];
     for (std::size_t i = 1; i < names.size(); ++i) {
       auto& other = program_.members[members_.at(names[i])];
@@ -523,7 +511,7 @@ class LaneRoller {
   std::string make_table(const Names& names) {
     const auto place = tables_.at(names.front());
     const auto declared = *Declaration::read(program_.tables[place]);
-    const auto name = unused(common_name(names), taken_);
+    const auto name = unique_name(common_name(names), taken_);
     std::string table = fmt::format("{} {}[{}] = {{", declared.type, name, names.size());
     for (std::size_t i = 0; i < names.size(); ++i) {
       auto& text = program_.tables[tables_.at(names[i])];
@@ -541,7 +529,7 @@ class LaneRoller {
 
   /// An array if something behind the loop reads it. Where all lanes are checked, the loop does it.
   std::string make_local(const Pattern& pattern, const Names& names, const Tokens& definition, Loop& loop) {
-    const auto name = unused(common_name(names), taken_);
+    const auto name = unique_name(common_name(names), taken_);
     const auto checked = std::ranges::count_if(names, [&](const auto& each) { return is_checked(each); });
     const bool all = checked == std::ssize(names);
     const bool outside = (checked > 0 && !all) || std::ranges::any_of(names, [&](const std::string& each) {
@@ -549,7 +537,7 @@ class LaneRoller {
                          });
     const auto value = outside ? name + "[lane]" : name;
     if (all) {
-      const auto fault = unused(name + "_fault", taken_);
+      const auto fault = unique_name(name + "_fault", taken_);
       loop.before.push_back(fmt::format("int {} = 0;", fault));
       loop.after.push_back(fmt::format("{0} |= {1} - {1} != 0;", fault, value));
       program_.faults.push_back(fault);

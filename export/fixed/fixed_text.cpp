@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "export/c_names.h"
 #include "export/fixed/fixed_program.h"
-#include "export/read_plan.h"
 #include "export/targets/c_text.h"
 #include "export/targets/target_texts.h"
 

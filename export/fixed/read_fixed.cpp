@@ -7,10 +7,10 @@
 
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/semantics/operators.h"
+#include "export/c_names.h"
 #include "export/fixed/fixed_program.h"
 #include "export/fixed/nodes.h"
 #include "export/fixed/operators.h"
-#include "export/read_plan.h"
 
 namespace tactus {
 namespace {

@@ -4,7 +4,6 @@
 #include <stdexcept>
 
 #include "export/kernel_texts.h"
-#include "export/number.h"
 
 namespace tactus {
 namespace {
@@ -98,20 +97,15 @@ std::string chosen_lines(std::string_view text, const NetworkFlags& flags) {
 
 std::string renamed(std::string_view text, const std::map<std::string, std::string>& beginnings) {
   std::string result;
-  for (std::size_t at = 0; at < text.size();) {
-    if (!is_identifier_part(text[at])) {
-      result += text[at++];
-      continue;
-    }
-    std::size_t end = at;
-    while (end < text.size() && is_identifier_part(text[end])) ++end;
-    const auto word = text.substr(at, end - at);
-    const auto found = std::ranges::find_if(
-        beginnings, [&](const auto& beginning) { return word.starts_with(beginning.first); });
-    result += found == beginnings.end() ? std::string{word}
-                                        : found->second + std::string{word.substr(found->first.size())};
-    at = end;
-  }
+  for_each_name(
+      text,
+      [&](const std::string& name, std::size_t end) {
+        const auto found = std::ranges::find_if(
+            beginnings, [&](const auto& beginning) { return name.starts_with(beginning.first); });
+        result += found == beginnings.end() ? name : found->second + name.substr(found->first.size());
+        return end;
+      },
+      [&](char c) { result += c; });
   return result;
 }
 

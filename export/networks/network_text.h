@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/core/embedded_file.h"
+#include "export/number.h"
 
 namespace tactus {
 
@@ -25,6 +26,21 @@ using NetworkFlags = std::map<std::string, bool, std::less<>>;
 
 /// The lines whose conditions hold. Conditions are flags with "!", "&&" and "||", without brackets.
 std::string chosen_lines(std::string_view text, const NetworkFlags& flags);
+
+/// Calls `name(name, end)`, which gives where to go on, for each identifier and number, and `other` for each
+/// character between them.
+template <class Name, class Other>
+void for_each_name(std::string_view text, Name name, Other other) {
+  for (std::size_t at = 0; at < text.size();) {
+    if (!is_identifier_part(text[at])) {
+      other(text[at++]);
+      continue;
+    }
+    auto end = at;
+    while (end < text.size() && is_identifier_part(text[end])) ++end;
+    at = name(std::string{text.substr(at, end - at)}, end);
+  }
+}
 
 /// Names that begin so, with another beginning: "net_link_k" as "net_jump_k" by {"net_link", "net_jump"}.
 std::string renamed(std::string_view text, const std::map<std::string, std::string>& beginnings);

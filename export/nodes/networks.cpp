@@ -701,21 +701,6 @@ class NetworkWriter {
     return literal.empty() ? value_of(integers_) : literal;
   }
 
-  /// Calls `name(name, end)`, which gives where to go on, for each identifier, and `other` for each character
-  /// between them.
-  template <class Name, class Other>
-  static void for_each_name(const std::string& text, Name name, Other other) {
-    for (std::size_t at = 0; at < text.size();) {
-      if (!is_identifier_part(text[at])) {
-        other(text[at++]);
-        continue;
-      }
-      auto end = at;
-      while (end < text.size() && is_identifier_part(text[end])) ++end;
-      at = name(text.substr(at, end - at), end);
-    }
-  }
-
   std::string with_names(const std::string& text) {
     std::string result;
     for_each_name(
@@ -751,10 +736,8 @@ class NetworkWriter {
 
   std::string integer_table(const std::string& suffix, Integers values) {
     if (values.empty()) values.push_back(0);  // C has no empty lists
-    std::string text;
-    for (std::size_t i = 0; i < values.size(); ++i)
-      text += (i == 0 ? "" : i % 16 == 0 ? ",\n    " : ", ") + number_text(values[i]);
-    return node_.table("int", suffix, "[]{" + text + "}", sizeof(int) * values.size());
+    const auto texts = list_of(values, [](int value) { return number_text(value); });
+    return node_.table("int", suffix, "[]" + c_list(texts, 16), sizeof(int) * values.size());
   }
 
   struct StructTable {

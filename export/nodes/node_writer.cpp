@@ -51,12 +51,9 @@ std::string NodeWriter::table(const std::string& type, const std::string& suffix
 }
 
 std::string NodeWriter::table(const std::string& suffix, const std::vector<double>& values) {
-  std::string text = "[]{";
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (i > 0) text += i % 6 == 0 ? ",\n    " : ", ";
-    text += number(values[i]);
-  }
-  return table("tactus_real", suffix, text + "}", 8 * values.size());
+  std::vector<std::string> texts;
+  for (const double value : values) texts.push_back(number(value));
+  return table("tactus_real", suffix, "[]" + c_list(texts, 6), 8 * values.size());
 }
 
 std::string NodeWriter::function_name(const std::string& suffix) {

@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "engine/guard/drive_guard.h"
-#include "export/read_plan.h"
+#include "export/c_names.h"
 #include "export/targets/memory.h"
 #include "tests/export/compiled_programs.h"
 #include "tests/support/graphs/node_runner.h"
@@ -324,6 +324,27 @@ out = { from = "sum / 8" }
   CHECK(std::ranges::any_of(program->members, [](const ProgramMember& member) {
     return member.declaration.find(" u[24]") != std::string::npos;
   }));
+}
+
+TEST_CASE("export: lanes whose common name means something else in the program get another one", "[export]") {
+  const std::string voices = R"(format = 1
+name = "clash"
+[inputs]
+x = {}
+[nodes]
+c = { type = "low_pass", in = "x", voices = 16, cutoff = { from = "300 Hz", to = "4 kHz" } }
+out = { type = "clip", in = "c", low = -0.5, high = 0.5 }
+sum = { type = "mix", in = "out" }
+[outputs]
+y = { from = "sum / 8" }
+)";
+  constexpr int kFrames = 480;
+  CompiledPrograms programs;
+  REQUIRE(programs.add(voices, exact_options()) == "");
+  programs.compile();
+  auto engine = engine_for(parse_graph_leniently(voices, "clash.toml"), exact_options());
+  const auto in = hits(1, kFrames);
+  CHECK(first_difference(programs.run("clash", in, kFrames), run(engine, in, kFrames, {64})) == "");
 }
 
 TEST_CASE("export: a value that is not finite in one of many lanes starts all nodes anew", "[export]") {
