@@ -15,6 +15,20 @@ Status cannot_write(const fs::path& file) {
               "choose an existing, writable folder");
 }
 
+/// Writes it beside `file`, calls `before`, and gives it the name of `file`.
+template <class Before>
+Status replace_after(const fs::path& file, const std::string& text, Before before) {
+  auto temporary = file;
+  temporary += ".new" + std::to_string(std::random_device{}());  // no other program takes this name too
+  auto status = write_file(temporary, text);
+  std::error_code error, ignored;
+  if (status) before();
+  if (status) fs::rename(temporary, file, error);
+  if (status && !error) return {};
+  fs::remove(temporary, ignored);
+  return cannot_write(file);
+}
+
 }  // namespace
 
 Status write_file(const fs::path& file, const std::string& text) {
@@ -23,24 +37,6 @@ Status write_file(const fs::path& file, const std::string& text) {
   stream.close();
   return stream ? Status{} : cannot_write(file);
 }
-
-namespace {
-
-/// Writes it beside `file`; then `take` and a name that is `file`'s from then on.
-template <class Take>
-Status replace_after(const fs::path& file, const std::string& text, Take take) {
-  auto temporary = file;
-  temporary += ".new" + std::to_string(std::random_device{}());  // no other program takes this name too
-  auto status = write_file(temporary, text);
-  std::error_code error, ignored;
-  if (status) take();
-  if (status) fs::rename(temporary, file, error);
-  if (status && !error) return {};
-  fs::remove(temporary, ignored);
-  return cannot_write(file);
-}
-
-}  // namespace
 
 Status replace_file(const fs::path& file, const std::string& text) {
   return replace_after(file, text, [] {});

@@ -67,15 +67,11 @@ class RandomTurn {
 /// False: it cannot be started.
 bool start_ode();
 
-/// Where an assertion of the library, which would end the program, goes on: it leaves `call`, in the middle
-/// of whatever it did. False: so it was, and the world must not be touched any more, not even to be
-/// destroyed. Objects that `call` makes are not destroyed then.
-template <class Call>
-bool survives(Call call) noexcept;
-
-/// Of this thread; nullptr: an assertion ends the program.
+/// Of this thread: where an assertion of the library goes on; nullptr: it ends the program.
 std::jmp_buf*& ode_assertion_goes_to() noexcept;
 
+/// False: an assertion of the library has left `call` in the middle of whatever it did. The world must not be
+/// touched any more, not even to be destroyed, and objects that `call` made are not destroyed.
 template <class Call>
 bool survives(Call call) noexcept {
   std::jmp_buf here;

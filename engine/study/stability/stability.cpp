@@ -106,18 +106,18 @@ int growing_in(const LinearGraph& graph, const std::vector<int>& signals, Hertz 
                          : LoopScan(LoopGroup(graph, signals, {}), rate, LoopScan::For::Counting).growing());
 }
 
+/// Or too long.
 bool too_large(const LoopGroup& group, std::vector<Doubt>& doubts) {
   if (group.too_large())
     add_doubt(doubts, {"the loops through '" + group.graph().signals[index(group.signals().front())] +
                            "' are too many to analyse",
                        kSmaller});
-  const bool too_long = group.delay_frames() > LoopScan::kLongestDelay;
-  if (too_long)
+  if (group.too_long())
     add_doubt(doubts, {fmt::format("a loop through '{}' takes {} frames, more than the {} that are analysed",
                                    group.graph().signals[index(group.signals().front())],
-                                   group.delay_frames(), LoopScan::kLongestDelay),
+                                   group.delay_frames(), LoopGroup::kLongestDelay),
                        "shorten its delays, or check it at a lower --rate"});
-  return group.too_large() || too_long;
+  return group.too_large() || group.too_long();
 }
 
 void analyse_group(const ClosedGraph& closed, const LoopGroup& group, Hertz rate, StabilityVerdict& all,
@@ -565,7 +565,7 @@ class Analysis {
       closed.delay(wire, pair.from, 1);
       for (auto& signals : loops_of(closed, false)) {
         const LoopGroup group(closed, std::move(signals), {wire});
-        if (std::vector<Doubt> ignored; too_large(group, ignored) || group.cut(wire) < 0) continue;
+        if (group.too_large() || group.too_long() || group.cut(wire) < 0) continue;
         const auto margin = LoopScan(group, verdict_.rate).margin(group.cut(wire));
         pair.peak = margin.peak;
         pair.peak_hz = margin.peak_hz;

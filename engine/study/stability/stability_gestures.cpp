@@ -77,7 +77,7 @@ double growth_with(const StabilitySubject& subject, const WorldOptions& options,
     const auto closed = world->closed(regime);
     for (auto& signals : loops_of(closed.graph, false)) {
       const LoopGroup group(closed.graph, std::move(signals), {});
-      if (group.too_large()) continue;
+      if (group.too_large() || group.too_long()) continue;
       const LoopScan scan(group, world->rate());
       if (scan.growing() > 0) most = std::max(most, 2 * kSlowestGrowth);  // even if no root is found
       for (const auto& root : scan.roots(1)) most = std::max(most, root.growth_per_s);

@@ -37,6 +37,9 @@ class LoopGroup {
   int frames() const { return frames_; }                            ///< between two samples; 1: every frame
   /// Too many nested loops to analyse: nothing below may be called.
   bool too_large() const { return cuts_.size() + inner_cuts_.size() > kMostCuts; }
+  /// Its delays are longer than `kLongestDelay`: its turns are not counted safely.
+  bool too_long() const { return delay_frames() > kLongestDelay; }
+  static constexpr int kLongestDelay = 75'000;  ///< [frames]
   /// Index in `cuts`, or -1.
   int cut(int signal) const;
   Eigen::MatrixXcd returned(std::complex<double> z) const;

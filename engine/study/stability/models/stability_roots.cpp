@@ -120,7 +120,8 @@ void LoopScan::add_ringing(const LinearEdge& edge, int base, std::vector<double>
 
 /// Eight for each turn of the delays, more towards 0 Hz and around what rings in networks and nodes.
 std::vector<double> LoopScan::first_points() const {
-  const int even = std::clamp(kPointsOfDelay * group_.delay_frames(), 1024, kPointsOfDelay * kLongestDelay);
+  const int even =
+      std::clamp(kPointsOfDelay * group_.delay_frames(), 1024, kPointsOfDelay * LoopGroup::kLongestDelay);
   std::vector<double> points;
   for (int i = 0; i <= even; ++i) points.push_back(kPi * i / even);
   for (int i = 0; i < 160; ++i) points.push_back(std::pow(10.0, -9.0 + i / 20.0));

@@ -49,9 +49,6 @@ class LoopScan {
   };
   LoopScan(const LoopGroup& group, Hertz rate, For what = For::Margins);
 
-  /// Frames; the turns of longer ones are not counted safely.
-  static constexpr int kLongestDelay = 75'000;
-
   /// False: there are more turns than points, so that none of what follows is certain.
   bool complete() const { return complete_; }
   /// Roots outside the circle, from the turns of f around 0 (Cauchy's argument principle; f has no poles
