@@ -30,7 +30,7 @@ class ArmRequest {
   /// numbers cannot be tried in turn. Errors: BadArgument: it is void, or order_arm's.
   Result<int> arm(RemoteTarget& target, std::optional<double> given, Clock::time_point now) {
     const auto request = std::exchange(request_, std::nullopt);
-    if (!request) return refuse("no number was asked for");
+    if (!request) return refuse("no number was requested");
     if (now > request->until) return refuse("the request is older than 3 s");
     if (!given || *given != static_cast<double>(request->number)) return refuse("the number is wrong");
     if (target.disarms() != request->disarms) return refuse("the drives were disarmed after the request");
@@ -44,7 +44,7 @@ class ArmRequest {
     int disarms;
   };
   static Result<int> refuse(const char* why) {
-    return fail(Errc::BadArgument, "", why, "ask for a number and send it back within 3 s");
+    return fail(Errc::BadArgument, "", why, "request a number and send it back within 3 s");
   }
 
   std::optional<Request> request_;

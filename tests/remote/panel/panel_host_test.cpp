@@ -218,7 +218,7 @@ TEST_CASE("panel host: arming needs a request", "[remote][panel]") {
   Stage stage;
   stage.connect(1);
   stage.send(1, {{"do", "arm"}, {"number", 5}});
-  CHECK(stage.error(1).find("not armed: no number was asked for; ask for") == 0);
+  CHECK(stage.error(1).find("not armed: no number was requested; request") == 0);
   CHECK(stage.host.counts().refused == 1);
   CHECK(stage.target.arms == 0);
 }
