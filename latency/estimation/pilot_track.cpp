@@ -109,9 +109,9 @@ struct Whitened {
     expected = fourier.inverse(of_expected);
   }
 
-  /// How much more of it is captured with each lag from -reach to +reach, in standard deviations; `full`:
-  /// with all of it, at the lag 0.
-  std::vector<double> prominence(std::int64_t reach, double& full) const {
+  /// How much more of it is captured with each lag from -reach to +reach, in standard deviations of the lags
+  /// from `first` on; `full`: with all of it, at the lag 0.
+  std::vector<double> prominence(std::int64_t reach, std::int64_t first, double& full) const {
     Fourier fourier{captured.size()};
     auto cross = fourier.forward(captured);
     const auto other = fourier.forward(expected);
@@ -120,7 +120,8 @@ struct Whitened {
     const auto size = std::ssize(circle);
     std::vector<double> lags;
     for (auto lag = -reach; lag <= reach; ++lag) lags.push_back(circle[index((lag + size) % size)]);
-    const double deviation = std::max(robust_deviation(lags), 1e-300);
+    const auto counted = part_of(lags, reach + first, std::ssize(lags));
+    const double deviation = std::max(robust_deviation({counted.begin(), counted.end()}), 1e-300);
     for (auto& each : lags) each /= deviation;
     full = product(expected, expected) / deviation;
     return lags;
@@ -212,10 +213,12 @@ MarkTrack track_mark(const SingleBurst& mark, std::span<const double> captured, 
   const auto behind = std::min(longest, kMarkReach);
   const Whitened white{cut(captured, begin - before, before + length + behind), whole, before};
   const auto reach = std::max(before, behind);
+  // Before the recording begins nothing is captured, not even noise.
+  const auto first = expected < 0 ? -expected : -reach;
   double full = 0.0;
-  const auto found = white.prominence(reach, full);
+  const auto found = white.prominence(reach, first, full);
   const auto highest = std::max_element(found.begin(), found.end());
-  if (expected < 0 && !(*highest > kProminent && highest - found.begin() >= reach - expected)) return track;
+  if (expected < 0 && !(*highest > kProminent && highest - found.begin() >= reach + first)) return track;
   track.recorded = true;
   const bool in_place = found[index(reach)] > kInPlace;
   track.judged = in_place || full > kMarkExpected || *highest > kProminent;
