@@ -156,7 +156,7 @@ std::string axis_text(const DeviceAxis& axis, const std::vector<Drive>& drives,
   }
   if (!sensed) return {};
   return fmt::format(
-      "[networks.{}]\nmotion = \"{}\"\nframe = {{ type = \"ground\" }}\n"
+      "[networks.{}]\nsolver = \"exact\"\nmotion = \"{}\"\nframe = {{ type = \"ground\" }}\n"
       "tip = {{ type = \"mass\", mass = \"{:.17g} {}\" }}\n"
       "drag = {{ type = \"damper\", between = [\"frame\", \"tip\"], damping = \"{:.17g} {}\" }}\n"
       "push = {{ type = \"force\", on = \"tip\", force = \"{}\" }}\n",

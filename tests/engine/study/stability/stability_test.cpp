@@ -102,6 +102,21 @@ TEST_CASE("stability: with a long delay the stiffest spring is that of phi tan p
   CHECK(rest.stiff[0].stable_up_to == Approx(expected).epsilon(0.01));
 }
 
+// m x'' = F - b x' with the force held for T is, with a = exp(-b T / m), h = (1 - a) m / b and g = T / b - h
+// / b:
+//   x' = x + h v + g F,   v' = a v + (1 - a) F / b.
+// With F = -K x the product of the two roots is 1 at the border: a (1 - K g) + K h (1 - a) / b = 1.
+TEST_CASE("stability: the assumed device moves as one that is pushed by a held force", "[analysis]") {
+  const auto conditions = GENERATE(Conditions{8000, 0, 0.001, 5}, Conditions{8000, 0, 0.001, 20},
+                                   Conditions{1000, 0, 0.01, 1}, Conditions{2000, 0, 0.002, 3});
+  const double m = conditions.mass, b = conditions.damping, T = 1.0 / conditions.rate;
+  const double a = std::exp(-b * T / m), h = (1 - a) * m / b, g = T / b - h / b;
+  const auto rest = regime(analysed(spring_text(1), conditions), "at rest", false);
+  REQUIRE(rest.stiff.size() == 1);
+  // What grows by less than 1e-4 a second counts as stable.
+  CHECK(rest.stiff[0].stable_up_to == Approx((1 - a) / (h * (1 - a) / b - a * g)).epsilon(1e-5));
+}
+
 TEST_CASE("stability: a spring below its border holds and one above it grows", "[analysis]") {
   const double border = 0.1 / (0.001 + 0.5 / 48000);
   const auto below = analysed(spring_text(0.97 * border), {}),
