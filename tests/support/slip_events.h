@@ -7,8 +7,8 @@
 
 namespace tactus::test {
 
-/// Something with frictions, signal 0 at each frame, and how many frames of it.
-struct Rubbed {
+/// Something with frictions or plectra, signal 0 at each frame, and how many frames of it.
+struct Slipping {
   NetworkElements elements;
   Hertz rate{48000};
   int frames = 0;
@@ -16,7 +16,7 @@ struct Rubbed {
 };
 
 /// By how many frames the first stop or slip is outside of where the reference solution has it with forces of
-/// friction that are larger or smaller by a share of at most `error`.
-double first_event_error(const Rubbed& rubbed, Solver solver, int oversample, double error);
+/// frictions and plectra that are larger or smaller by a share of at most `error`.
+double first_event_error(const Slipping& slipping, Solver solver, int oversample, double error);
 
 }  // namespace tactus::test

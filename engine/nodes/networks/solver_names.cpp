@@ -47,17 +47,18 @@ std::string percent(double error) {
 }
 
 std::string error_text(const SolverBounds& b) {
-  const bool rubs = b.friction_frames > 0.0 || !b.bounded;
-  std::string text =
-      b.error == 0.0 ? std::string{rubs ? "resonances exact" : "exact"} : "error at most " + percent(b.error);
+  const bool slips = b.slip_frames > 0.0 || !b.bounded;
+  std::string text = b.error == 0.0 ? std::string{slips ? "resonances exact" : "exact"}
+                                    : "error at most " + percent(b.error);
   if (b.contact_frames > 0.0)
     text += fmt::format(", contacts shorter than {:g} frames right within {:g} frames", kShortContact,
                         b.contact_frames);
-  if (b.friction_frames > 0.0)
-    text +=
-        fmt::format(", friction as if its force were at most {} off, each stop and slip within {:g} frames",
-                    percent(b.friction_error), b.friction_frames);
-  if (!b.bounded) text += ", not bounded: friction";
+  if (b.slip_frames > 0.0)
+    text += fmt::format(
+        ", friction and plectra as if their forces were at most {} off, each stop and slip within {:g} "
+        "frames",
+        percent(b.slip_error), b.slip_frames);
+  if (!b.bounded) text += ", not bounded: friction or plectra";
   return text;
 }
 
@@ -125,7 +126,7 @@ const SectionType& network_options() {
 
 std::string describe_bound(const SolverBounds& bounds) {
   if (!bounds.stable) return "error not bounded: " + against(bounds);
-  if (!bounds.bounded) return "error not bounded: friction";
+  if (!bounds.bounded) return "error not bounded: friction or plectra";
   if (bounds.error >= 1.0)
     return "error not bounded: a step is too long for the stiffest spring, damper or contact";
   return bounds.error == 0.0 && bounds.contact_frames == 0.0 ? "no error beyond rounding"

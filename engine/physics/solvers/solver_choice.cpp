@@ -282,12 +282,15 @@ void add_contacts(SolverBounds& bounds, const ContactDemand& contacts, double k)
   }
 }
 
-void add_frictions(SolverBounds& bounds, const NetworkElements& elements, const NetworkModel& model,
-                   const ContactDemand& contacts) {
-  if (elements.frictions.empty()) return;
+void add_slips(SolverBounds& bounds, const NetworkElements& elements, const NetworkModel& model,
+               const ContactDemand& contacts) {
+  const bool plectra =
+      std::ranges::any_of(elements.bonds, [](const Bond& bond) { return std::isfinite(bond.limit); });
+  if (elements.frictions.empty() && !plectra) return;
   const double k = model.k, squared = k * k;
   double fastest = std::max(std::sqrt(squared * std::max(model.stiffest(1.0, 0.0), contacts.bond_stiffness)),
                             squared * model.stiffest(0.0, 1.0));
+  if (plectra) fastest = std::max(fastest, k * contacts.damping);
   for (const auto& strike : contacts.strikes) {
     const double steps = strike.time_s / k;
     if (!is_short(strike, steps, bounds.oversample)) fastest = std::max(fastest, std::numbers::pi / steps);
@@ -297,8 +300,8 @@ void add_frictions(SolverBounds& bounds, const NetworkElements& elements, const 
   });
   bounds.bounded = fastest <= kFastestLoad && !pressed;
   if (!bounds.bounded) return;
-  bounds.friction_error = square(fastest) / 8.0;
-  bounds.friction_frames = 2.0 / bounds.oversample + bounds.contact_frames;
+  bounds.slip_error = square(fastest) / 8.0;
+  bounds.slip_frames = 2.0 / bounds.oversample + bounds.contact_frames;
 }
 
 /// What makes explicit steps unstable.
@@ -329,7 +332,7 @@ SolverBounds bounds_of(const NetworkElements& elements, Hertz rate, Solver solve
   bounds.multiplications = oversample * (cost.step + (elements.contacts.empty() ? 0.0 : cost.contact));
   bounds.error = linear_error(elements, model, *made, contacts);
   add_contacts(bounds, contacts, k);
-  add_frictions(bounds, elements, model, contacts);
+  add_slips(bounds, elements, model, contacts);
   if (solver == Solver::Explicit) bounds.limit = explicit_limit(model, contacts);
   if (bounds.limit == Limit::None && !(bounds.error <= kGoodEnough)) bounds.limit = Limit::Inexact;
   bounds.stable = bounds.limit == Limit::None || bounds.limit == Limit::Inexact;

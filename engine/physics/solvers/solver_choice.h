@@ -68,10 +68,10 @@ struct SolverBounds {
   /// The largest error in time of a contact that is shorter than `kShortContact`, which `error` leaves out;
   /// 0: there is none. [frames]
   double contact_frames = 0;
-  /// Each stop and slip of a friction is within so many frames of where it would be if its forces were larger
-  /// or smaller by a share of at most `friction_error`; 0: there is none.
-  double friction_frames = 0, friction_error = 0;
-  bool bounded = true;  ///< false: what loads a friction changes too fast (`kFastestLoad`)
+  /// Each stop and slip of a friction or a plectrum is within so many frames of where it would be if its
+  /// forces were larger or smaller by a share of at most `slip_error`; 0: nothing slips.
+  double slip_frames = 0, slip_error = 0;
+  bool bounded = true;  ///< false: what loads a friction or a plectrum changes too fast (`kFastestLoad`)
   /// What speaks against it.
   enum class Limit {
     None,
@@ -96,8 +96,8 @@ inline constexpr double kStiffestContact = 1.6;
 /// does not. [frames]
 inline constexpr double kShortContact = 2.0;
 
-/// How far the fastest oscillator or decay that loads a friction may go in a step for its stops and slips to
-/// be found. [rad]
+/// How far the fastest oscillator or decay that loads a friction or a plectrum may go in a step for its stops
+/// and slips to be found. [rad]
 inline constexpr double kFastestLoad = 1.5;
 
 /// Steps a frame that are tried.
@@ -131,8 +131,8 @@ struct SolverChoice {
 ///    steps (implicit). The largest of 40 phases, measured for a = 1 ... 10 and s = 3 ... 20, with loss for a
 ///    = 1 ... 3, e = 0.01 ... 0.8 and s = 0.03 ... 48;
 ///  - contacts shorter than `kShortContact`: passive two steps, implicit four, exact seven;
-///  - frictions, with x how far the fastest spring, damper, bond or contact of s steps (pi / s) goes in a
-///  step:
+///  - frictions and plectra, with x how far the fastest spring, damper, bond or contact of s steps (pi / s)
+///  goes in a step:
 ///    forces x^2 / 8, each stop and slip two steps, and what a short contact may be late. A line between two
 ///    steps differs by x^2 / 8 from what swings. Nothing is said beyond `kFastestLoad`, or where a short
 ///    contact presses one. It does not count in the choice: more steps are not taken for it.

@@ -12,8 +12,8 @@
 #include "engine/physics/network.h"
 #include "engine/physics/parts.h"
 #include "tests/studies/networks/true_motion.h"
-#include "tests/support/friction_events.h"
 #include "tests/support/random_networks.h"
+#include "tests/support/slip_events.h"
 
 // How true is the error that is reported? `networks_study NETWORKS [FIRST]` steps random networks by every
 // solver, measures the error of each against the reference solution, as `tactus render --error` does, and
@@ -124,6 +124,12 @@ struct Choices {
   int events = 0, early_or_late = 0;  ///< first stops and slips; those outside their bound
 };
 
+/// Has it a friction or a plectrum?
+bool may_slip(const NetworkElements& elements) {
+  const auto slips = [](const Bond& bond) { return std::isfinite(bond.limit); };
+  return !elements.frictions.empty() || std::ranges::any_of(elements.bonds, slips);
+}
+
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0.0;
   std::ranges::sort(values);
@@ -194,8 +200,8 @@ class Study {
         "over the "
         "cheapest's, median | 90 % below | largest | over one step of `passive`, median |\n"
         "|---|---|---|---|---|---|---|---|---|\n");
-    print("without friction", choices_[0]);
-    print("with friction", choices_[1]);
+    print("nothing slips", choices_[0]);
+    print("with friction or plectra", choices_[1]);
     fmt::print("\nOf {} first stops and slips {} are outside of their bound.\n", choices_[1].events,
                choices_[1].early_or_late);
   }
@@ -232,24 +238,23 @@ class Study {
     const auto chosen = std::ranges::find_if(choice.candidates, [&](const SolverBounds& candidate) {
       return candidate.solver == choice.solver && candidate.oversample == choice.oversample;
     });
-    auto& choices = choices_[random.elements.frictions.empty() ? 0 : 1];
+    auto& choices = choices_[may_slip(random.elements) ? 1 : 0];
     ++choices.networks;
     if (chosen == choice.candidates.end() || !chosen->bounded) return;
     ++choices.bounded;
-    if (chosen->friction_frames > 0.0 && expected.solved()) {
-      const Rubbed rubbed{random.elements, random.rate, random.frames,
-                          [&](int frame) { return random.signal(frame); }};
-      const double late =
-          first_event_error(rubbed, chosen->solver, chosen->oversample, chosen->friction_error);
+    if (chosen->slip_frames > 0.0 && expected.solved()) {
+      const Slipping slipping{random.elements, random.rate, random.frames,
+                              [&](int frame) { return random.signal(frame); }};
+      const double late = first_event_error(slipping, chosen->solver, chosen->oversample, chosen->slip_error);
       ++choices.events;
-      choices.early_or_late += late > chosen->friction_frames;
-      if (late > chosen->friction_frames)
+      choices.early_or_late += late > chosen->slip_frames;
+      if (late > chosen->slip_frames)
         complain(seed,
-                 fmt::format("auto: a friction stops or slips {:.1f} frames off, bound {:.1f}", late,
-                             chosen->friction_frames),
+                 fmt::format("auto: a friction or plectrum stops or slips {:.1f} frames off, bound {:.1f}",
+                             late, chosen->slip_frames),
                  random);
     }
-    if (!(std::max(chosen->error, chosen->friction_error) <= kGoodEnough)) return;
+    if (!(std::max(chosen->error, chosen->slip_error) <= kGoodEnough)) return;
     ++choices.good;
     if (!expected.clear()) return;
     ++choices.compared;
@@ -285,7 +290,7 @@ class Study {
   }
 
   std::map<std::string, Tally> tallies_;
-  Choices choices_[2];  ///< without, with friction
+  Choices choices_[2];  ///< where nothing slips, and where something may
   std::vector<double> reference_errors_;
   int networks_ = 0, without_truth_ = 0, unsolved_ = 0, complaints_ = 0;
 };
