@@ -17,6 +17,8 @@ namespace {
 
 // Its exponential then takes a second; larger ones are integrated faster than multiplied.
 constexpr std::size_t kMostExactNumbers = 256;
+// Beside it the rest lengths of springs are lost, and not the digits of a weak damper.
+constexpr double kLarge = 0x1p200;
 // Local error, relative to the largest position, velocity or current.
 constexpr double kTolerance = 1e-13;
 // A driven point changes its speed from frame to frame; less than this is rounding. [m/s]
@@ -370,10 +372,10 @@ class Motion {
     rates(numbers_.data(), constant.data());
     for (std::size_t j = 0; j + 1 < all; ++j) {
       double& one = j < numbers ? numbers_[j] : inputs_[j - numbers];
-      one = 1.0;
+      one = kLarge;
       rates(numbers_.data(), column.data());
       one = 0.0;
-      a.col(row_of(j)).head(row_of(numbers)) = column - constant;
+      a.col(row_of(j)).head(row_of(numbers)) = (column - constant) / kLarge;
     }
     a.col(row_of(all - 1)).head(row_of(numbers)) = constant;
     const Eigen::MatrixXd scaled =

@@ -171,6 +171,25 @@ TEST_CASE("reference: integrated and exponential agree to 1e-9", "[physics]") {
     CHECK(thrown(watched, frames, false) == Approx(thrown(woofer(0.8e-3), frames, true)).epsilon(1e-9));
 }
 
+// Where K rest / m is 10^12 times the decay: x - rest = e^-at (cos wt + a/w sin wt), a = c / 2m, w^2 = K/m -
+// a^2.
+TEST_CASE("reference: a weak damper beside a spring that is far from its place", "[physics]") {
+  constexpr double kRate = 1e5, kDecay = 10.0 / 3.0, kRest = 1e3;
+  NetworkElements elements;
+  elements.points = {mass(1.0, kRest + 1.0), ground()};
+  elements.springs = {{1, 0, kRate * kRate, 2.0 * kDecay, kRest}};
+  Run swing(elements);
+  REQUIRE(swing.exact());
+  const double w = std::sqrt(kRate * kRate - kDecay * kDecay);
+  for (int n = 1; n <= 4800; ++n) {
+    swing.step();
+    if (n % 480 != 0) continue;
+    const double t = n * kFrame_s;
+    const double expected = std::exp(-kDecay * t) * (std::cos(w * t) + kDecay / w * std::sin(w * t));
+    CHECK(swing.position(0) - kRest == Approx(expected).margin(1e-9));
+  }
+}
+
 TEST_CASE("reference: energy of what loses none stays to 1e-9 over many contacts", "[physics]") {
   NetworkElements elements;
   elements.points = {ground(), mass(0.01, 1e-3, -1.0), mass(0.03, 3e-3, 0.5), ground(4e-3)};
