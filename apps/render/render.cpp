@@ -88,9 +88,12 @@ Table error_table(const WorkPrecision& result) {
   for (std::size_t a = 0; a < point.errors.size(); ++a) {
     const auto& used = result.references[a];
     table.rows.push_back({fmt::format("{}: {} of {}", used.accuracy, used.measure, used.of),
-                          fmt::format("{:.2e}", point.errors[a]),
+                          fmt::format("{:.2e}{}", point.errors[a], point.trusted(a) ? "" : "?"),
                           bound ? fmt::format("{:.2e}", *bound) : "none",
-                          used.own_error > 0 ? fmt::format("{:.1e}", used.own_error) : "", used.what});
+                          used.own_error >= 1  ? "it failed"
+                          : used.own_error > 0 ? fmt::format("{:.1e}", used.own_error)
+                                               : "",
+                          used.what});
   }
   return table;
 }
@@ -102,9 +105,13 @@ std::string error_text(const WorkPrecision& result) {
   text += fmt::format("  {:.1f} ns per frame, {:.2g} % of real time at {:g} kHz\n", point.ns_per_frame,
                       100 * point.load(), point.variant.rate.value / 1e3);
   for (const auto& network : point.networks) text += "  " + describe(network) + "\n";
-  return text + "\n" + error_table(result).text() +
-         "\nErrors are relative. The bound is that of each resonance, decay and contact; the error of a path "
-         "adds them up over its duration.\n";
+  text +=
+      "\n" + error_table(result).text() +
+      "\nErrors are relative. The bound is that of each resonance, decay and contact; the error of a path "
+      "adds them up over its duration.\n";
+  bool trusted = true;
+  for (std::size_t a = 0; a < point.errors.size(); ++a) trusted = trusted && point.trusted(a);
+  return text + (trusted ? "" : "?: less than ten times the reference's own error, so in doubt.\n");
 }
 
 /// Errors of one run and its time a frame.

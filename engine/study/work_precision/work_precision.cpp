@@ -302,9 +302,13 @@ class Study {
     if (!first) return tl::unexpected(first.error());
     const auto second = play_run({{}, with_network_option(solved, "oversample", 3.0)}, table_);
     if (!second) return tl::unexpected(second.error());
+    // What was not followed to the end is no reference.
+    const bool failed = !first->faults.empty() || !second->faults.empty();
     std::vector<double> floors;
     for (const auto& accuracy : scene_.accuracy)
-      floors.push_back(accuracy.exact ? 0 : accuracy_error(accuracy, *second, *first).value_or(1));
+      floors.push_back(accuracy.exact ? 0
+                       : failed       ? 1
+                                      : accuracy_error(accuracy, *second, *first).value_or(1));
     reference = {std::move(*first), std::move(floors)};
     return &*reference;
   }

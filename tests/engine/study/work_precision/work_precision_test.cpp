@@ -113,6 +113,37 @@ x = { measure = "position", of = "plant.x" }
   CHECK(find(*study, "passive", 1).trusted(0));
 }
 
+TEST_CASE("work and precision: where the reference could not follow the motion no error is trusted",
+          "[analysis]") {
+  // Between two contacts of 1e30 N/m^1.5 a body turns within 1e-20 s.
+  const TemporaryFolder folder;
+  folder.write("plant.toml", R"(format = 1
+[networks.n]
+ground = { type = "ground" }
+a = { type = "mass", mass = "64 g", at = "0.4 mm", velocity = "-0.13 m/s" }
+b = { type = "mass", mass = "193 g", at = "-20 um" }
+stop = { type = "contact", between = ["ground", "a"], stiffness = "9e29 N/m^6", exponent = 6, restitution = 0.999 }
+hit = { type = "contact", between = ["b", "a"], stiffness = "9e29 N/m^1.5" }
+s = { type = "spring", between = ["ground", "b"], stiffness = "300 kN/m", rest = "-20 um" }
+[outputs]
+x = { from = "n.a.position", unit = "m" }
+)");
+  folder.write("scene.toml", R"(format = 1
+name = "hard"
+duration = "20 ms"
+[parts]
+plant = { use = "plant.toml" }
+[accuracy]
+x = { measure = "position", of = "plant.x" }
+)");
+  const auto scene = load_scene(folder.path());
+  REQUIRE(scene);
+  const auto study = study_work_precision(*scene, standard_nodes(), {{}, {"passive"}, {48_kHz}, {1}, 1});
+  REQUIRE(study);
+  CHECK(study->references[0].own_error == 1.0);
+  CHECK_FALSE(find(*study, "passive", 1).trusted(0));
+}
+
 TEST_CASE("work and precision: a run that grows is unstable and has no error", "[analysis]") {
   // (w T)^2 = 6.9 > 4; with two steps a frame 1.7.
   const auto study = study_work_precision(Swing{20000}.scene(), standard_nodes(),
