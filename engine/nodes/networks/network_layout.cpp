@@ -122,7 +122,9 @@ class LayoutReader {
         read.within[0] == read.within[1])
       errors_.add(Errc::Duplicate, on->at, "both ends of " + owner(read) + " are one point",
                   "give two different points");
-    if (read.type->in_space && !errors_.any()) check_line(element, read, *on);
+    // An end without a type was reported when the file was read.
+    const bool found = read.ends[0] >= 0 && read.ends[1] >= 0;
+    if (read.type->in_space && found && !errors_.any()) check_line(element, read, *on);
   }
 
   /// Ends with the same axes; a line to a place that a signal gives has no length when the file is read.

@@ -216,6 +216,10 @@ TEST_CASE("space elements: errors name the axis, the body and the remedy", "[phy
   CHECK(errors_in(bob + "hook = { type = \"anchor\" }\n" +
                   R"(s = { type = "line_spring", between = ["hook.x", "bob"])" + end) ==
         R"(test.toml:6:40 WrongType 'hook.x' "hook")");
+  // What was written without a type is an error once.
+  CHECK(errors_in(bob + "floor = { mass = \"1 g\" }\n" +
+                  R"(s = { type = "line_spring", between = ["floor", "bob"])" + end) ==
+        R"(test.toml:5:1 Missing 'floor' 'n' 'type' type "mass")");
   CHECK(errors_in(R"(bob = { type = "particle", axes = 2, mass = "1 g", z = "1 m" })") ==
         "test.toml:4:56 UnknownName 'bob' 2 'z' axes 3");
   CHECK(errors_in("bob = { type = \"particle\", axes = 2, mass = \"1 g\" }\n" +
