@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <csignal>
+#include <filesystem>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -171,6 +172,25 @@ TEST_CASE("play: errors of an edit and the graph reach the panel", "[remote][liv
   CHECK(browser.wait_for("edit")["errors"].size() == 1);  // another number of outputs
   (void)desk.folder.write("tone.toml", kTone);
   CHECK(browser.wait_for("edit")["errors"].empty());
+  CHECK(play.stop() == 5);
+}
+
+TEST_CASE("play: an instrument that becomes a folder or has no end is an error of an edit",
+          "[remote][live]") {
+  const test::Desk desk;
+  const bool folder = GENERATE(true, false);
+  Program play{desk};
+  test::BrowserClient browser{test::port_of(play.link)};
+  REQUIRE(browser.open(play.link));
+  REQUIRE(std::filesystem::remove(desk.file("tone.toml")));
+  if (folder)
+    std::filesystem::create_directory(desk.file("tone.toml"));
+  else
+    std::filesystem::create_symlink("/dev/zero", desk.file("tone.toml"));
+  CHECK(browser.wait_for("edit")["errors"].size() == 1);
+  CHECK(play.says(folder ? "this is a folder" : "this is not a regular file"));
+  // It is drawn once more without the text of the file.
+  CHECK(wait_until([&] { return browser.wait_for("description")["text"].empty(); }));
   CHECK(play.stop() == 5);
 }
 

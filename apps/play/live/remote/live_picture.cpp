@@ -1,12 +1,11 @@
 #include "apps/play/live/remote/live_picture.h"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <set>
 
 #include "engine/core/index.h"
+#include "engine/graph/file/load.h"
 #include "engine/graph/semantics/expression.h"
 
 namespace tactus::app {
@@ -188,9 +187,8 @@ std::vector<PictureFile> read_files(const std::vector<std::filesystem::path>& fi
   std::vector<PictureFile> texts;
   std::set<std::filesystem::path> seen;
   for (const auto& file : files) {
-    std::ifstream in{file, std::ios::binary};
-    if (!in || !seen.insert(file).second) continue;
-    texts.push_back({file.string(), {std::istreambuf_iterator<char>{in}, {}}});
+    if (!seen.insert(file).second) continue;
+    if (auto text = read_graph_text(file)) texts.push_back({file.string(), std::move(*text)});
   }
   return texts;
 }
