@@ -8,7 +8,11 @@ namespace tactus::app {
 Key DriveKeys::act(Key key, Clock::time_point now) {
   notice_disarm(now);
   const bool on = switches_.armed() || switches_.arm_ordered();
-  if (on && (key == 'a' || key == kDisarmKey)) return disarm(now);
+  if (key == 'a' || key == kDisarmKey) {
+    if (on) return disarm(now);
+    switches_.disarm();
+    ++disarms_;  // this one is no reason to void the arming by keys
+  }
   if (key == 'a') return press_a(now);
   if (asked_ && (key == '\r' || key == '\n')) return press_enter(now);
   return press_other(key, now);

@@ -49,7 +49,8 @@ class DriveSwitches {
   std::atomic<int> disarms_{0};
 };
 
-/// [any, one thread: the stop loop] Keys that act on the drives at once: m mutes or unmutes, a disarms.
+/// [any, one thread: the stop loop] Keys that act on the drives at once: m mutes or unmutes, a disarms, and
+/// voids what somebody else is about to arm.
 /// Arming takes two keys, so that no key that is held down arms: a, then Enter from 100 ms to 3 s after it.
 /// No byte may come between them, not even a second a, and neither a byte nor a disarm in the second before
 /// the a. So neither text that is typed or pasted arms, nor several presses of a that were meant to disarm.

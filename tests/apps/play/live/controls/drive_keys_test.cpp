@@ -52,6 +52,17 @@ constexpr Key kEnter = '\n';
 
 }  // namespace
 
+// What somebody else requested to arm is void once a drive was disarmed.
+TEST_CASE("drive keys: an a that finds the drives disarmed disarms them once more", "[live]") {
+  const auto key = GENERATE(as<Key>{}, 'a', kDisarmKey);
+  Drive drive{false};
+  const int before = drive.switches.disarms();
+  drive.press(key, 5000ms);
+  CHECK(drive.switches.disarms() == before + 1);
+  drive.turn(5050ms);
+  CHECK((drive.press(kEnter, 5200ms) == kArmKey) == (key == 'a'));
+}
+
 TEST_CASE("drive keys: a, then Enter from 100 ms to 3 s after it, arm on the control thread", "[live]") {
   const auto apart = GENERATE(100ms, 3000ms);
   const auto enter = GENERATE(as<Key>{}, '\n', '\r');
