@@ -33,6 +33,7 @@ class Demand {
     for (const auto& bond : elements_.bonds)
       links_.push_back({bond.lower, bond.upper, 0.0, bond.law->largest_stiffness(), bond.damping, bond.axes});
     demand_.bond_stiffness = largest(&Link::stiffness);
+    demand_.bond_damping = largest(&Link::damping);
     const auto plain = [](const Link& link) { return link.axes == 1; };
     auto bonds = links_;
     std::erase_if(links_, plain);
@@ -290,11 +291,11 @@ void add_slips(SolverBounds& bounds, const NetworkElements& elements, const Netw
   const double k = model.k, squared = k * k;
   double fastest = std::max(std::sqrt(squared * std::max(model.stiffest(1.0, 0.0), contacts.bond_stiffness)),
                             squared * model.stiffest(0.0, 1.0));
-  if (plectra) fastest = std::max(fastest, k * contacts.damping);
   for (const auto& strike : contacts.strikes) {
     const double steps = strike.time_s / k;
     if (!is_short(strike, steps, bounds.oversample)) fastest = std::max(fastest, std::numbers::pi / steps);
   }
+  if (plectra) fastest = std::max(fastest, k * contacts.bond_damping);
   const bool pressed = std::ranges::any_of(elements.frictions, [&](const Friction& friction) {
     return friction.normal_contact >= 0 && bounds.contact_frames > 0.0;
   });

@@ -37,6 +37,7 @@ struct ContactDemand {
   double stiffness = 0.0;       ///< bounds the largest eigenvalue of M^-1 K of all k together [1/s^2]
   double bond_stiffness = 0.0;  ///< the same of the bonds alone
   double damping = 0.0;         ///< the same of all z [1/s]
+  double bond_damping = 0.0;    ///< the same of the bonds alone
   double line_damping = 0.0;    ///< the same of the bonds of several axes alone
 };
 
