@@ -28,6 +28,7 @@ constexpr double kStrongest = 14.0, kHum = 0.5;
 constexpr double kNothing = 1e-18;    // -180 dBFS, below what a float sample of full scale can hold
 constexpr double kDamaged = 0.05;     // of a probe's power, more than other probes leave unexplained
 constexpr double kMoreDamaged = 1.5;  // the same, times what others leave
+constexpr double kNoNoise = 10.0;     // power over what other probes leave
 constexpr Seconds kLongestDamage{0.02};
 constexpr std::size_t kManyProbes = 4;  // by how they differ, the noise is known
 constexpr double kUnsteady = 2.0;       // power
@@ -79,6 +80,15 @@ bool is_elsewhere(const TrackedProbe& probe, double least_step) {
   const double gain = std::exp(probe.log_gain), lost = 1.0 - gain;
   const bool weak = lost > kElsewhere && lost > kLoopEstimatorCertain * gain * probe.gain_deviation;
   return weak && std::abs(probe.delay_frames) > least_step;
+}
+
+/// Is as much power captured as of the others, with another course? What sounds beside a probe adds at least
+/// the share that is not explained, and a gain that falls takes away as much.
+bool is_displaced(const TrackedProbe& probe, const std::vector<TrackedProbe>& probes) {
+  if (probe.misfit <= kMoreDamaged * usual(&TrackedProbe::misfit, probes) + kDamaged) return false;
+  if (probe.chi_squared <= kNoNoise * usual(&TrackedProbe::chi_squared, probes)) return false;
+  const double gain = std::exp(probe.log_gain - usual(&TrackedProbe::log_gain, probes));
+  return std::abs(gain * gain / (1.0 - probe.misfit) - 1.0) < 0.5 * probe.misfit;
 }
 
 std::vector<DelayPoint> points_of(const std::vector<TrackedProbe>& probes, double delay) {
@@ -283,7 +293,8 @@ void LoopEstimator::compare(LoopEstimate& loop) {
   loop.trend = DelayTrend::of(points_of(whole, loop.constant()), loop.least_step);
   loop.steps = loop.trend.steps;
   for (const auto& probe : loop.probes)
-    if (is_elsewhere(probe, loop.least_step)) loop.steps.push_back({probe.burst.at, 0.0});
+    if (is_elsewhere(probe, loop.least_step) || is_displaced(probe, loop.probes))
+      loop.steps.push_back({probe.burst.at, 0.0});
   const bool describes =
       loop.fit.misfit < kFits;  // the path, so that what it makes of other signals is known
   // An actuator keeps too little of so short a sound.

@@ -117,6 +117,18 @@ TEST_CASE("analysis: frames lost or repeated before the first sweep and in its b
   CHECK(verdict(analysis) == "LOST_FRAMES");
 }
 
+TEST_CASE("analysis: frames that are lost and come back within a sweep are reported", "[latency]") {
+  // Lost in the silence before a sweep and repeated in it: every other sweep is in its place.
+  const auto frames = GENERATE(16, 64);
+  auto recording = recorded(1234.37, GENERATE(1e-4, 0.01));
+  auto& captured = recording.captured[0];
+  move(captured, 1234 + 63840, -frames);                         // 1.33 s
+  move(captured, 1234 + GENERATE(76800, 80640, 84480), frames);  // 1.6 to 1.76 s: the sweep begins at 1.42 s
+  const auto analysis = analysis_of(recording);
+  CAPTURE(frames, analysis.finding.what);
+  CHECK(verdict(analysis) == "LOST_FRAMES");
+}
+
 TEST_CASE("analysis: a probe that was written before there was a mark is analysed", "[latency]") {
   auto samples = probe();
   std::fill_n(samples.begin(), 20000, 0.0);
