@@ -71,7 +71,7 @@ LearntSensor learn_sensitivity(const RigInput& input, Backend& backend, StreamRe
   guarded.disable_sensor_watch();
   const auto stream = or_exit(backend.open(request, guarded), kNo);
   or_exit(stream->start(), kNo);
-  fmt::print(stderr, "hit softly five times: {}\n", input.name);
+  fmt::print(stderr, "hit softly five times (Ctrl-C ends): {}\n", input.name);
   SensorLearner learner{stream->granted().format.sample_rate};
   const auto deadline = std::chrono::steady_clock::now() + 60s;
   for (int reported = 0; !learner.done() && std::chrono::steady_clock::now() < deadline;) {

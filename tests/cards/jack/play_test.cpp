@@ -147,7 +147,7 @@ out = { from = "0.0316 * hit * wave", kind = "audio" }
   Playing hits{{in_folder("hits.toml"), "--rig", source, "--duration", "8 s"}};
   REQUIRE(hits.says("delay "));
   Playing play{{tone, "--rig", rig, "--learn", "--duration", "0.2 s"}};
-  CHECK(play.says("hit softly five times: heard"));
+  CHECK(play.says("hit softly five times (Ctrl-C ends): heard"));
   CHECK(play.ends() == 0);
   CHECK(play.says("a soft hit peaks at"));
   CHECK_THAT(play.log(), Catch::Contains("1 2 3 4 5"));
