@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <set>
 
@@ -20,14 +19,6 @@ constexpr int kMostPasses = 150;
 constexpr double kHuge = 1e12;  ///< what grows so far grows without limit
 constexpr std::size_t kLongestOperand = 90;
 constexpr double kSlack = 0.001;  ///< by which rounding exceeds an output that is limited to 1
-
-/// Words of C, and names of the code around.
-constexpr auto kTakenWords = std::to_array<std::string_view>(
-    {"auto",    "break",    "case",     "char",  "const",    "continue", "default", "do",     "double",
-     "else",    "enum",     "extern",   "float", "for",      "goto",     "if",      "inline", "int",
-     "long",    "register", "return",   "short", "signed",   "sizeof",   "static",  "struct", "switch",
-     "typedef", "union",    "unsigned", "void",  "volatile", "while",    "self",    "in",     "out",
-     "s",       "open",     "main",     "abs",   "index"});
 
 class FixedReader {
   using Kind = Vertex::Kind;
@@ -112,7 +103,6 @@ class FixedReader {
 
   void read() {
     names_.clear();
-    for (const auto name : kTakenWords) names_.insert(std::string{name});
     of_pass_.clear();
     arithmetic_.decisions.clear();
     auto heading = std::move(program_.heading);
@@ -129,12 +119,7 @@ class FixedReader {
     program_.decisions = arithmetic_.decisions;
   }
 
-  std::string unique(const std::string& wanted) {
-    const auto name = c_identifier(wanted);
-    auto candidate = name;
-    for (int i = 2; !names_.insert(candidate).second; ++i) candidate = name + "_" + std::to_string(i);
-    return candidate;
-  }
+  std::string unique(const std::string& wanted) { return unique_name(c_identifier(wanted), names_); }
 
   void refuse(const Source& at, std::string what, std::string remedy) {
     of_pass_.push_back({Errc::BadArgument, at.text(), std::move(what), std::move(remedy)});
