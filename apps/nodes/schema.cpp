@@ -279,7 +279,7 @@ Json world() {
 Json scene() {
   auto json = section_schema(scene_fields());
   auto& keys = json["properties"];
-  keys["parts"]["required"] = {"plant"};
+  keys["parts"]["minProperties"] = 1;
   keys["converters"]["not"] = {{"required", {"bits", "off"}}, {"properties", {{"off", {{"const", true}}}}}};
   auto value = quantity("a control, or another part's controls: plant.gain = 2");
   value["type"] = {"number", "string", "object"};
