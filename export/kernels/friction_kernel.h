@@ -196,21 +196,32 @@ static inline tactus_friction_force tactus_rubbing_moving(const tactus_rubbing* 
                              before);
 }
 
-/// Driven points have changed their speeds halfway: until then it held, from there on it slides.
-static inline tactus_friction_force tactus_rubbing_jumped(const tactus_rubbing* r, tactus_real load) {
-  const tactus_real y = r->step->mobility, end = 2 * r->free - r->before - y * load;
+/// Driven points change their speeds so much that it slides from there on: either at once, or halfway. Until
+/// then it holds, or pushes with all that it can hold with.
+static inline tactus_friction_force tactus_rubbing_slip_at_jump(const tactus_rubbing* r, tactus_real load) {
+  const tactus_real y = r->step->mobility;
+  tactus_real first, start, end, way;
   tactus_friction_step half;
   tactus_rubbing later;
+  if (!r->step->centred) {
+    way = r->step->jump < 0 ? -1 : 1;
+    later = tactus_rubbing_of(r->law, r->step, way);
+    return tactus_rubbing_moving(&later, way * r->step->jump);
+  }
+  first = tactus_max(-r->holding, tactus_min(load, r->holding));
+  start = r->jump + y * (load - first);
+  end = 2 * r->free - r->before - y * first;
+  way = start < 0 ? -1 : 1;
   half.normal = r->step->normal;
-  half.free = 0.5 * (r->jump + end);
+  half.free = 0.5 * (start + end);
   half.mobility = 0.5 * y;
   half.before = half.jump = 0;
   half.holds = half.centred = half.clings = 0;
   half.memory.margin = -1;
   half.memory.heat = half.memory.owed = 0;
-  later = tactus_rubbing_of(r->law, &half, 1);
-  return tactus_rubbing_move(r, r->free - y * (0.5 * (load + tactus_rubbing_moving(&later, r->jump).force)),
-                             r->before);
+  later = tactus_rubbing_of(r->law, &half, way);
+  return tactus_rubbing_move(
+      r, r->free - y * (0.5 * (first + tactus_rubbing_moving(&later, way * start).force)), r->before);
 }
 
 static inline tactus_friction_force tactus_rubbing_break_away(const tactus_rubbing* r, tactus_real load,
@@ -218,14 +229,12 @@ static inline tactus_friction_force tactus_rubbing_break_away(const tactus_rubbi
   const tactus_real known = r->step->memory.margin, grown = known - margin;
   const tactus_real part = known < 0 ? 1 : 0.5 - margin / grown;
   const tactus_real drive = known < 0 ? fabs(load) : r->holding + 0.5 * part * grown;
-  if (tactus_rubbing_runs_away(r, 0, part))
-    return tactus_rubbing_slide(
-        r,
-        0.5 * tactus_rubbing_run_away(r, 0, known < 0 ? drive : r->holding,
-                                      known < 0 ? drive : 2 * drive - r->holding, part),
-        r->before);
-  return tactus_rubbing_slide(
-      r, tactus_max(0, tactus_rubbing_speed(r, r->step->mobility * part * drive, part)), r->before);
+  const tactus_real v = tactus_rubbing_runs_away(r, 0, part)
+                            ? 0.5 * tactus_rubbing_run_away(r, 0, known < 0 ? drive : r->holding,
+                                                            known < 0 ? drive : 2 * drive - r->holding, part)
+                            : tactus_max(0, tactus_rubbing_speed(r, r->step->mobility * part * drive, part));
+  // No friction slows it further, however driven points change their speeds.
+  return tactus_rubbing_slide(r, tactus_max(v, r->free - r->step->mobility * r->holding), r->before);
 }
 
 /// It held before; `sign` is that of the force which it would need.
@@ -241,8 +250,7 @@ static inline tactus_friction_force tactus_rubbing_from_rest(const tactus_rubbin
     const tactus_real mean = r->free - y * r->holding;
     return tactus_friction_result(r->sign * r->holding, r->sign * mean, r->sign * (2 * mean - r->before), -1);
   }
-  if (margin >= 0)
-    return r->step->centred ? tactus_rubbing_jumped(r, load) : tactus_rubbing_moving(r, r->jump);
+  if (margin >= 0 || fabs(r->jump) > y * r->holding) return tactus_rubbing_slip_at_jump(r, load);
   return tactus_rubbing_break_away(r, load, margin);
 }
 

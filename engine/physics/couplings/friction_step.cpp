@@ -54,7 +54,7 @@ class Rubbing {
     const double load = needed - jump_ * (step_.centred ? 0.5 : 1.0) / y, margin = holding_ - std::abs(load);
     if (needed <= holding_) return hold(margin);
     if (step_.clings) return push(holding_);
-    if (margin >= 0.0) return step_.centred ? jumped(load) : moving(jump_);
+    if (margin >= 0.0 || std::abs(jump_) > y * holding_) return slip_at_jump(load);
     return break_away(load, margin);
   }
 
@@ -114,18 +114,27 @@ class Rubbing {
     const double known = step_.memory.margin, grown = known - margin;
     const double part = known < 0.0 ? 1.0 : 0.5 - margin / grown;
     const double drive = known < 0.0 ? std::abs(load) : holding_ + 0.5 * part * grown;
-    if (runs_away(0.0, part))
-      return slide(0.5 * run_away(0.0, known < 0.0 ? drive : holding_,
-                                  known < 0.0 ? drive : 2.0 * drive - holding_, part),
-                   before_);
-    return slide(std::max(0.0, speed(step_.mobility * part * drive, part)), before_);
+    const double v = runs_away(0.0, part) ? 0.5 * run_away(0.0, known < 0.0 ? drive : holding_,
+                                                           known < 0.0 ? drive : 2.0 * drive - holding_, part)
+                                          : std::max(0.0, speed(step_.mobility * part * drive, part));
+    return slide(std::max(v, least_speed()), before_);
   }
 
-  /// Driven points have changed their speeds halfway: until then it held, from there on it slides.
-  FrictionForce jumped(double load) const noexcept {
-    const double y = step_.mobility, end = 2.0 * free_ - before_ - y * load;
-    const FrictionStep half{.normal = step_.normal, .free = 0.5 * (jump_ + end), .mobility = 0.5 * y};
-    const double force = 0.5 * (load + Rubbing(law_, viscous_, half, 1.0).moving(jump_).force);
+  /// No friction slows it further, however driven points change their speeds.
+  double least_speed() const noexcept { return free_ - step_.mobility * holding_; }
+
+  /// Driven points change their speeds so much that it slides from there on: either at once, or halfway.
+  /// Until then it holds, or pushes with all that it can hold with.
+  FrictionForce slip_at_jump(double load) const noexcept {
+    const double y = step_.mobility;
+    if (!step_.centred) {
+      const double way = sign_of(step_.jump);
+      return Rubbing(law_, viscous_, step_, way).moving(way * step_.jump);
+    }
+    const double first = std::clamp(load, -holding_, holding_), start = jump_ + y * (load - first),
+                 end = 2.0 * free_ - before_ - y * first, way = sign_of(start);
+    const FrictionStep half{.normal = step_.normal, .free = 0.5 * (start + end), .mobility = 0.5 * y};
+    const double force = 0.5 * (first + Rubbing(law_, viscous_, half, way).moving(way * start).force);
     return move(free_ - y * force, before_);
   }
 

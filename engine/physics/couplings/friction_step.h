@@ -40,6 +40,7 @@ struct FrictionForce {
 ///  - What held breaks away where the force that it would need, on a line from the step before to this one,
 ///    passes what it can hold with; from there on it slides. What its force has been too large by in the
 ///    step before is taken off this one and, as no friction pushes on, off the next ones.
+///  - Where driven points change their speeds by more than it could hold against, it slides from there on.
 ///  - What slides goes on, of two ways at the higher speed (the stable one), if it does so until the end.
 ///  - What would turn round stops. It stays if it can be held; else it slides the other way for the rest.
 /// So no motion is turned round but by the other forces, and over a slide friction only takes energy: what

@@ -218,6 +218,27 @@ TEST_CASE("friction: takes out what it gives as heat, with contacts and other fr
         Approx(audit.supplied - audit.dissipated).margin(1e-10 * audit.dissipated).epsilon(0));
 }
 
+// Both hold, and neither can hold what the start of the belts would need: m v' = N_1 mu_1 - N_2 mu_2.
+TEST_CASE("friction: a mass between two belts that part goes no faster than their friction drives it",
+          "[physics]") {
+  const auto solver = any_solver();
+  constexpr double kMass = 0.064, kRate = 44100.0, kMost[] = {1.5, 0.4};
+  NetworkElements elements;
+  elements.points = {
+      mass(kMass), {Point::Kind::Motion, 0, 0, 0, {0, {}}}, {Point::Kind::Motion, 0, 0, 0, {1, {}}}};
+  elements.frictions = {coulomb(1, 0, 0.3, 2), coulomb(2, 0, 0.1, 3)};
+  const auto network = Network::make(elements, 4, Hertz{kRate}, solver, 1).value();
+  auto state = network.initial_state();
+  constexpr double kAcceleration = (kMost[0] - kMost[1]) / kMass;
+  for (int n = 0; n < 60; ++n) {  // after 77 frames it is as fast as the first belt
+    const double t = n / kRate, inputs[] = {0.03 * t, -0.0076 * t, 5.0, 4.0};
+    network.step(state, inputs);
+    CAPTURE(static_cast<int>(solver), n);
+    for (int f = 0; f < 2; ++f) CHECK(std::abs(network.friction_force(state, f)) <= kMost[f] * (1 + 1e-12));
+    CHECK(network.velocity(state, 0) == Approx(kAcceleration * t).margin(2.0 * kAcceleration / kRate));
+  }
+}
+
 TEST_CASE("friction: the push of a contact is its normal force", "[physics]") {
   // A weight of 5 N rests on a contact; the block beside it is held by up to 0.4 of that.
   NetworkElements elements;
