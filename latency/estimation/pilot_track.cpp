@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "engine/core/index.h"
 #include "engine/core/median.h"
@@ -17,6 +18,8 @@ constexpr double kProminent = 10.0;  // standard deviations
 constexpr double kMarkExpected = 14.0;
 constexpr double kInPlace = 7.0;       // the same, where it is expected
 constexpr double kMarkLowest = 0.003;  // of the sample rate, as probes are fitted
+constexpr double kMarkFaintest =
+    1e-6;  // of its mean power: where a resampled mark has none, its images are left
 constexpr double kBlockCertain = 4.0;  // independent values in a block
 constexpr double kReplaced = 0.6;      // of the amplitude: less is kept
 constexpr double kReplacedCertain = 6.0;
@@ -96,12 +99,15 @@ struct Whitened {
     std::vector<double> placed(index(before), 0.0);
     placed.insert(placed.end(), signal.begin(), signal.end());
     auto of_expected = fourier.forward(placed);
-    const auto power = smoothed_power(of_captured);
-    double mean = 0.0;
-    for (const double each : power) mean += each / static_cast<double>(power.size());
+    const auto power = smoothed_power(of_captured), played = smoothed_power(of_expected);
+    const auto mean_of = [](const std::vector<double>& all) {
+      return std::accumulate(all.begin(), all.end(), 0.0) / static_cast<double>(all.size());
+    };
+    const double mean = mean_of(power), least = kMarkFaintest * mean_of(played);
     const auto lowest = static_cast<std::size_t>(kMarkLowest * static_cast<double>(fourier.size()));
     for (std::size_t b = 0; b < power.size(); ++b) {
-      const double weight = b < lowest ? 0.0 : 1.0 / std::sqrt(power[b] + 1e-9 * mean + 1e-300);
+      const bool heard = b >= lowest && played[b] > least;
+      const double weight = heard ? 1.0 / std::sqrt(power[b] + 1e-9 * mean + 1e-300) : 0.0;
       of_captured[b] *= weight;
       of_expected[b] *= weight;
     }
