@@ -10,6 +10,10 @@
 #include <set>
 #include <thread>
 #include <vector>
+#ifdef __unix__
+#include <sys/stat.h>
+#include <unistd.h>
+#endif
 
 #include "engine/graph/file/quantity.h"
 #include "remote/serial/serial_line.h"
@@ -23,6 +27,19 @@ using ErrorCode = boost::system::error_code;
 constexpr std::chrono::milliseconds kReopen{500};
 constexpr std::size_t kMostNames = 16;  // unknown ones that are reported
 
+/// The terminal of this program: whoever reads it takes the keys that stop the drives.
+bool is_own_terminal([[maybe_unused]] const std::string& device_name) {
+#ifdef __unix__
+  struct stat device {
+  }, own{};
+  if (stat(device_name.c_str(), &device) != 0) return false;
+  if (stat("/dev/tty", &own) == 0 && own.st_rdev == device.st_rdev) return true;
+  for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (isatty(standard) == 1 && fstat(standard, &own) == 0 && own.st_rdev == device.st_rdev) return true;
+#endif
+  return false;
+}
+
 class Sensors final : public SerialSensors {
  public:
   Sensors(const SerialOptions& options, RemoteTarget& target) : options_(options), target_(target) {}
@@ -33,9 +50,10 @@ class Sensors final : public SerialSensors {
 
   Status start() {
     if (const auto error = open_port(); error)
-      return fail(Errc::Device, "--serial",
-                  fmt::format("{} cannot be opened: {}", options_.device, error.message()),
-                  "check the name of the device, and that you may use it: on Linux the group dialout may");
+      return fail(
+          Errc::Device, "--serial", fmt::format("{} cannot be opened: {}", options_.device, error.message()),
+          "check the name of the device, and that you may use it: on Linux the group dialout may; the "
+          "terminal of this program is no sensor");
     read();
     thread_ = std::thread{[this] { io_.run(); }};
     return {};
@@ -50,6 +68,8 @@ class Sensors final : public SerialSensors {
   ErrorCode open_port() {
     using Port = asio::serial_port;
     ErrorCode error;
+    if (is_own_terminal(options_.device))  // opened, it would be in another mode
+      return boost::system::errc::make_error_code(boost::system::errc::device_or_resource_busy);
     port_.open(options_.device, error);
     if (!error) port_.set_option(Port::baud_rate{static_cast<unsigned>(options_.baud)}, error);
     if (!error) port_.set_option(Port::character_size{8}, error);

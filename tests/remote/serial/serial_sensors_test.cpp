@@ -7,6 +7,7 @@
 #include "tests/remote/fake_remote_target.h"
 #include "tests/remote/serial/serial_device.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/terminal_process.h"
 #include "tests/support/wait_until.h"
 
 using namespace tactus;
@@ -52,6 +53,16 @@ TEST_CASE("serial sensors: names of devices", "[remote][serial]") {
   const auto missing = SerialSensors::open({"/dev/no_such_port"}, target);
   REQUIRE_FALSE(missing);
   CHECK(missing.error().code == Errc::Device);
+}
+
+TEST_CASE("serial sensors: the terminal that has the stop keys is none", "[remote][serial]") {
+  const test::TemporaryFolder folder;
+  const auto wire = folder.write("wire.toml", "format = 1\n[outputs]\nout = { from = \"0.1\" }\n");
+  const auto* terminal = GENERATE("/dev/tty", "/proc/self/fd/0");
+  test::TerminalProcess play{
+      {TACTUS_PROGRAM, "play", wire.string(), "--backend", "loop", "--serial", terminal}};
+  CHECK(play.shows("the terminal of this program is no sensor"));
+  CHECK(play.wait() == 4);
 }
 
 TEST_CASE("serial sensors: lines set controls in their unit and range, one bundle each", "[remote][serial]") {
