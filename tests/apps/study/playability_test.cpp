@@ -184,7 +184,7 @@ TEST_CASE("study playability: Ctrl-C ends it with 5 and keeps what is done", "[a
   const test::TemporaryFolder folder;
   const auto kept = folder.path() / "runs.jsonl";
   test::ChildProcess study{{TACTUS_PROGRAM, "study", "playability", kDrum, "--delays", "0:1000:1 ms",
-                            "--keep", folder.path().string()},
+                            "--duration", "2 s", "--keep", folder.path().string()},
                            test::ChildProcess::Stdout::Logged};
   REQUIRE(
       test::wait_until([&] { return std::filesystem::exists(kept) && std::filesystem::file_size(kept) > 0; },
