@@ -2,6 +2,7 @@
 
 // Thread: [control]
 #include <array>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -106,6 +107,8 @@ struct Bond {
   double limit = std::numeric_limits<double>::infinity();  ///< [N], > 0; infinite with several axes
   int axes = 1;
   double rest = 0.0;  ///< with several axes: length at zero force [m]
+
+  bool slips() const { return std::isfinite(limit); }
 };
 
 /// Where a wave of force travels between a mass and something outside, as in a string of impedance Z:

@@ -195,7 +195,7 @@ class NetworkWriter {
   void find_flags() {
     const auto& m = model_;
     const auto solver = network_.solver();
-    const auto any = [](const auto& list, auto is) { return std::ranges::any_of(list, is); };
+    const auto any = [](const auto& list, auto meets) { return std::ranges::any_of(list, meets); };
     const auto power = [&](double exponent) {
       return any(m.contacts, [=](const auto& c) { return c.exponent == exponent; });
     };
@@ -239,7 +239,7 @@ class NetworkWriter {
     set("WELLS", any(m.bonds, [](const Bond& b) { return !b.law->linear(); }));
     set("SPRING_BONDS", any(m.bonds, [](const Bond& b) { return b.law->linear(); }));
     set("BENDS", any(m.bonds, [](const Bond& b) { return b.axes > 1 || !b.law->linear(); }));
-    set("LIMITS", any(m.bonds, [](const Bond& b) { return std::isfinite(b.limit); }));
+    set("LIMITS", any(m.bonds, &Bond::slips));
     set("BOND_INERTIA", has_bond_inertia());
     set("LOW_PASSES", !m.low_passes.empty());
     set("MOTION_LOW_PASSES", any(m.motions, filtered));

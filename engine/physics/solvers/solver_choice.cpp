@@ -285,8 +285,7 @@ void add_contacts(SolverBounds& bounds, const ContactDemand& contacts, double k)
 
 void add_slips(SolverBounds& bounds, const NetworkElements& elements, const NetworkModel& model,
                const ContactDemand& contacts) {
-  const bool plectra =
-      std::ranges::any_of(elements.bonds, [](const Bond& bond) { return std::isfinite(bond.limit); });
+  const bool plectra = std::ranges::any_of(elements.bonds, &Bond::slips);
   if (elements.frictions.empty() && !plectra) return;
   const double k = model.k, squared = k * k;
   double fastest = std::max(std::sqrt(squared * std::max(model.stiffest(1.0, 0.0), contacts.bond_stiffness)),

@@ -124,12 +124,6 @@ struct Choices {
   int events = 0, early_or_late = 0;  ///< first stops and slips; those outside their bound
 };
 
-/// Has it a friction or a plectrum?
-bool may_slip(const NetworkElements& elements) {
-  const auto slips = [](const Bond& bond) { return std::isfinite(bond.limit); };
-  return !elements.frictions.empty() || std::ranges::any_of(elements.bonds, slips);
-}
-
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0.0;
   std::ranges::sort(values);

@@ -259,11 +259,13 @@ std::optional<std::vector<double>> integrate(const RandomNetwork& network, Equat
 
 }  // namespace
 
+bool may_slip(const NetworkElements& elements) {
+  return !elements.frictions.empty() || std::ranges::any_of(elements.bonds, &Bond::slips);
+}
+
 std::optional<std::vector<double>> true_motion(const test::RandomNetwork& network) {
   const auto& elements = network.elements;
-  const bool slips =
-      std::ranges::any_of(elements.bonds, [](const Bond& b) { return std::isfinite(b.limit); });
-  if (slips || !elements.frictions.empty()) return std::nullopt;
+  if (may_slip(elements)) return std::nullopt;
   Equations equations(elements);
   if (elements.contacts.empty()) return solve_linear(network, equations);
   return integrate(network, equations);
