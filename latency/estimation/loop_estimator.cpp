@@ -59,9 +59,14 @@ double usual(double TrackedProbe::*of, const std::vector<TrackedProbe>& probes) 
   return median(std::move(all));
 }
 
-/// Sweeps in which nothing is broken: those that leave about as much unexplained as the others.
+/// What a sweep in which nothing is broken leaves unexplained: about as much as the others.
+double most_misfit(const std::vector<TrackedProbe>& probes) {
+  return kMoreDamaged * usual(&TrackedProbe::misfit, probes) + kDamaged;
+}
+
+/// Sweeps in which nothing is broken.
 std::vector<TrackedProbe> whole_ones(const std::vector<TrackedProbe>& probes) {
-  const double most = kMoreDamaged * usual(&TrackedProbe::misfit, probes) + kDamaged;
+  const double most = most_misfit(probes);
   std::vector<TrackedProbe> whole;
   for (const auto& probe : probes)
     if (probe.misfit <= most) whole.push_back(probe);
@@ -85,7 +90,7 @@ bool is_elsewhere(const TrackedProbe& probe, double least_step) {
 /// Is as much power captured as of the others, with another course? What sounds beside a probe adds at least
 /// the share that is not explained, and a gain that falls takes away as much.
 bool is_displaced(const TrackedProbe& probe, const std::vector<TrackedProbe>& probes) {
-  if (probe.misfit <= kMoreDamaged * usual(&TrackedProbe::misfit, probes) + kDamaged) return false;
+  if (probe.misfit <= most_misfit(probes)) return false;
   if (probe.chi_squared <= kNoNoise * usual(&TrackedProbe::chi_squared, probes)) return false;
   const double gain = std::exp(probe.log_gain - usual(&TrackedProbe::log_gain, probes));
   return std::abs(gain * gain / (1.0 - probe.misfit) - 1.0) < 0.5 * probe.misfit;
