@@ -6,7 +6,7 @@
 namespace tactus::test {
 namespace {
 
-constexpr int kParts = 8;  // of a frame in which the reference is looked at
+constexpr int kParts = 8;  // the reference takes so many steps a frame
 
 /// The end of the first part of a frame in which a friction begins to slide, to hold or to turn round, or a
 /// plectrum slips, or of the last one. [frames]

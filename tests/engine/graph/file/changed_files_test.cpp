@@ -1,8 +1,6 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <regex>
 
 #include "tests/support/error_summary.h"
@@ -13,11 +11,6 @@
 using namespace tactus;
 
 namespace {
-
-std::string text_of(const std::filesystem::path& file) {
-  std::ifstream in{file, std::ios::binary};
-  return {std::istreambuf_iterator<char>{in}, {}};
-}
 
 /// Instruments, plants and parts, no scenes.
 std::vector<std::filesystem::path> shipped_graphs() {
@@ -48,7 +41,7 @@ TEST_CASE("changed files: a key that is missing, misspelt or of another kind is 
   std::size_t keys = 0;
   for (const auto& file : shipped_graphs()) {
     INFO(file.string());
-    const auto text = text_of(file);
+    const auto text = read_graph_text(file).value();
     if (!compile(parse_graph_leniently(text, file.string()), standard_nodes(), {})) continue;
     for (std::sregex_iterator at{text.begin(), text.end(), pair}, end; at != end; ++at) {
       const auto& found = *at;
