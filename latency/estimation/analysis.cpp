@@ -17,7 +17,8 @@ namespace tactus {
 namespace {
 
 constexpr double kAnalysisRounding =
-    1e-4;  // misfit: less is left by the steps of converters, which have no shape
+    1e-4;                        // misfit: less is left by the steps of converters, which have no shape
+constexpr double kFaint = 1e-6;  // of the probe's loudest frequency
 constexpr Seconds kThroughActuator{0.00002};  // standard error: five of them are a tenth of a millisecond
 
 /// The gain of the bursts before the probes (the level ramp), for what changes with time. The mark has more
@@ -44,14 +45,21 @@ std::optional<double> level_probe_gain_db(std::span<const double> all_played, co
   return highest;
 }
 
-/// Without the profile, where the model was fitted.
+Hertz fitted_from(const LoopEstimate& loop, Hertz rate) {
+  return Hertz{static_cast<double>(loop.mean.lowest_bin) * rate.value / static_cast<double>(loop.mean.size)};
+}
+
+/// Without the profile, where the model was fitted. A resampled probe ends before its own stop frequency
+/// at the rate of the recording.
 double gain_range_db(const LoopEstimate& loop, Hertz rate) {
-  double lowest = 1e300, highest = 0.0;
+  double lowest = 1e300, highest = 0.0, loudest = 0.0;
+  for (const auto& bin : loop.mean.played) loudest = std::max(loudest, std::norm(bin));
   const auto hertz = [&](std::size_t bin) {
     return static_cast<double>(bin) / static_cast<double>(loop.mean.size) * rate.value;
   };
   const double stop = measuring_probe(rate).stop.value;
   for (auto b = loop.mean.lowest_bin; hertz(b) < stop; ++b) {
+    if (std::norm(loop.mean.played[b]) < kFaint * loudest) continue;
     const double gain = std::norm(loop.fit.model.at(angular_frequency(b, loop.mean.size)));
     lowest = std::min(lowest, gain);
     highest = std::max(highest, gain);
@@ -162,8 +170,7 @@ std::array<std::optional<double>, 4> harmonics_of(LoopEstimator& estimator, cons
 void report_high_pass(const LoopEstimate& loop, Hertz rate, Analysis& analysis) {
   const double unit_hz = PathModel::kScale * rate.value / (2 * std::numbers::pi);
   analysis.high_pass_hz = std::max(0.0, -loop.fit.model.shape[0] * unit_hz);
-  analysis.fitted_from_hz =
-      static_cast<double>(loop.mean.lowest_bin) * rate.value / static_cast<double>(loop.mean.size);
+  analysis.fitted_from_hz = fitted_from(loop, rate).value;
   if (!loop.fit.high_pass_deviation) return;
   const double by_noise =
       *loop.fit.high_pass_deviation * std::sqrt(std::max(1.0, loop.fit.chi_squared)) * unit_hz;
@@ -210,15 +217,15 @@ double usual_level(const LoopEstimate& loop, std::span<const double> first, std:
   return median(std::move(levels));
 }
 
-/// Searches what is left of the recording once the path is taken away. It has to be captured of
-/// most probes: where frames are lost, some are captured at one delay and the others at another.
-std::optional<SecondPath> find_second_path(const LoopEstimate& loop, CoarseSearch& search) {
+/// Searches what is left of the recording once the path is taken away, where the path is known. It has to be
+/// captured of most probes: where frames are lost, some are captured at one delay and the others at another.
+std::optional<SecondPath> find_second_path(const LoopEstimate& loop, Hertz rate, CoarseSearch& search) {
   if (!loop.coarse.clear()) return std::nullopt;
   auto model = loop.fit.model;
   model.delay_frames = loop.constant();
-  const auto first = search.behind(model);
-  std::vector<double> rest = loop.samples;
-  for (std::size_t n = 0; n < rest.size(); ++n) rest[n] -= loop.floor.mean + first[n];
+  const auto first = search.behind(model, fitted_from(loop, rate));
+  auto rest = search.above(loop.samples, fitted_from(loop, rate));
+  for (std::size_t n = 0; n < rest.size(); ++n) rest[n] -= first[n];
   if (product(rest, rest) < kSoftest * kSoftest * product(first, first)) return std::nullopt;
 
   const auto found = search.find(rest);
@@ -252,7 +259,7 @@ void report(LoopEstimator& estimator, const LoopEstimate& loop, Analysis& analys
   evidence.with_profile = estimator.settings.profile.has_value();
   if (evidence.with_profile) evidence.widest_error_frames = frames_in(kThroughActuator, estimator.rate);
   const Response response{loop.mean, loop.fit.model, estimator.rate, estimator.windows.fourier()};
-  evidence.second = find_second_path(loop, estimator.search);
+  evidence.second = find_second_path(loop, estimator.rate, estimator.search);
   if (evidence.second)
     analysis.echo_frames = static_cast<int>(evidence.second->frames);
   else if (loop.fit.misfit > 1e-3)

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 #include "engine/core/index.h"
 #include "engine/core/median.h"
@@ -109,12 +110,22 @@ CoarseDelay CoarseSearch::find(std::span<const double> captured) {
   return found;
 }
 
-std::vector<double> CoarseSearch::behind(const PathModel& model) {
+std::vector<double> CoarseSearch::from(Hertz lowest, Spectrum spectrum) {
+  const double bins = lowest / sample_rate_ * static_cast<double>(fourier_.size());
+  std::fill_n(spectrum.begin(), static_cast<std::size_t>(std::ceil(bins)), 0.0);
+  auto samples = fourier_.inverse(spectrum);
+  samples.resize(index(frames_));
+  return samples;
+}
+
+std::vector<double> CoarseSearch::behind(const PathModel& model, Hertz lowest) {
   auto spectrum = model.spectrum(fourier_.size(), {});
   for (std::size_t b = 0; b < spectrum.size(); ++b) spectrum[b] *= played_[b];
-  auto captured = fourier_.inverse(spectrum);
-  captured.resize(index(frames_));
-  return captured;
+  return from(lowest, std::move(spectrum));
+}
+
+std::vector<double> CoarseSearch::above(std::span<const double> captured, Hertz lowest) {
+  return from(lowest, fourier_.forward(captured));
 }
 
 }  // namespace tactus

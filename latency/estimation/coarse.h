@@ -37,12 +37,15 @@ class CoarseSearch {
   CoarseSearch(std::span<const double> played, std::size_t frames, Hertz sample_rate);
   /// [control]
   CoarseDelay find(std::span<const double> captured);
-  /// [control] What a path of that model makes of what was played.
-  std::vector<double> behind(const PathModel& model);
+  /// [control] What a path of that model makes of what was played, from the frequency `lowest` on.
+  std::vector<double> behind(const PathModel& model, Hertz lowest);
+  /// [control] A recording, from the frequency `lowest` on.
+  std::vector<double> above(std::span<const double> captured, Hertz lowest);
 
  private:
   /// At delays from 0 on, those below 0 from the end backwards.
   std::vector<double> correlation(std::span<const double> captured);
+  std::vector<double> from(Hertz lowest, Spectrum spectrum);
   /// Of the probe's energy, what a recording holds of it that comes so late.
   double share_within(std::int64_t delay) const;
 

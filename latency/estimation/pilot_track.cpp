@@ -16,12 +16,11 @@ constexpr std::int64_t kPilotReach = 4096;
 constexpr std::int64_t kMarkReach = 8192;
 constexpr double kProminent = 10.0;  // standard deviations
 constexpr double kMarkExpected = 14.0;
-constexpr double kInPlace = 7.0;       // the same, where it is expected
-constexpr double kMarkLowest = 0.003;  // of the sample rate, as probes are fitted
-constexpr double kMarkFaintest =
-    1e-6;  // of its mean power: where a resampled mark has none, its images are left
-constexpr double kBlockCertain = 4.0;  // independent values in a block
-constexpr double kReplaced = 0.6;      // of the amplitude: less is kept
+constexpr double kInPlace = 7.0;        // the same, where it is expected
+constexpr double kMarkLowest = 0.003;   // of the sample rate, as probes are fitted
+constexpr double kMarkFaintest = 1e-3;  // of its mean power: a resampled mark has less above its own band
+constexpr double kBlockCertain = 4.0;   // independent values in a block
+constexpr double kReplaced = 0.6;       // of the amplitude: less is kept
 constexpr double kReplacedCertain = 6.0;
 
 std::vector<double> cut(std::span<const double> all, std::int64_t from, std::int64_t frames) {
@@ -89,17 +88,22 @@ std::vector<DelayPoint> without_outliers(const std::vector<DelayPoint>& points) 
   return quiet;
 }
 
-/// Both, each frequency weighted so that all of what was captured is as strong.
+/// Both, each frequency weighted so that the stronger of them is as strong everywhere. What is expected and
+/// not captured, as at the upper end of a resampled signal, counts no more than any other frequency.
 struct Whitened {
   std::vector<double> captured, expected;
 
-  Whitened(std::span<const double> region, std::span<const double> signal, std::int64_t before) {
+  /// `signal`: what the path makes of `sound`, expected `before` frames behind the begin of `region`. Where
+  /// nothing was played the model of the path is a guess, and nothing counts.
+  Whitened(std::span<const double> region, std::span<const double> signal, std::span<const double> sound,
+           std::int64_t before) {
     Fourier fourier{region.size() + signal.size()};
     auto of_captured = fourier.forward(region);
     std::vector<double> placed(index(before), 0.0);
     placed.insert(placed.end(), signal.begin(), signal.end());
     auto of_expected = fourier.forward(placed);
-    const auto power = smoothed_power(of_captured), played = smoothed_power(of_expected);
+    const auto power = smoothed_power(of_captured), expects = smoothed_power(of_expected),
+               played = smoothed_power(fourier.forward(sound));
     const auto mean_of = [](const std::vector<double>& all) {
       return std::accumulate(all.begin(), all.end(), 0.0) / static_cast<double>(all.size());
     };
@@ -107,7 +111,8 @@ struct Whitened {
     const auto lowest = static_cast<std::size_t>(kMarkLowest * static_cast<double>(fourier.size()));
     for (std::size_t b = 0; b < power.size(); ++b) {
       const bool heard = b >= lowest && played[b] > least;
-      const double weight = heard ? 1.0 / std::sqrt(power[b] + 1e-9 * mean + 1e-300) : 0.0;
+      const double weight =
+          heard ? 1.0 / std::sqrt(std::max(power[b], expects[b]) + 1e-9 * mean + 1e-300) : 0.0;
       of_captured[b] *= weight;
       of_expected[b] *= weight;
     }
@@ -156,16 +161,17 @@ struct Whitened {
 
 }  // namespace
 
+std::span<const double> SingleBurst::sound() const { return part_of(played, burst.at, burst.end()); }
+
 std::vector<double> SingleBurst::expected() const {
-  const auto sound = part_of(played, burst.at, burst.end());
-  Fourier fourier{sound.size() + profile.size() + 2 * kLead};
+  Fourier fourier{sound().size() + profile.size() + 2 * kLead};
   auto placed = model;
   placed.delay_frames += static_cast<double>(kLead);
   const auto path = placed.spectrum(fourier.size(), profile.empty() ? Spectrum{} : fourier.forward(profile));
-  auto spectrum = fourier.forward(sound);
+  auto spectrum = fourier.forward(sound());
   for (std::size_t b = 0; b < spectrum.size(); ++b) spectrum[b] *= path[b];
   auto signal = fourier.inverse(spectrum);
-  signal.resize(sound.size() + 2 * kLead);
+  signal.resize(sound().size() + 2 * kLead);
   return signal;
 }
 
@@ -217,7 +223,7 @@ MarkTrack track_mark(const SingleBurst& mark, std::span<const double> captured, 
   const auto expected = begin + SingleBurst::kLead;
   const auto before = std::clamp<std::int64_t>(expected, 0, kMarkReach) + SingleBurst::kLead;
   const auto behind = std::min(longest, kMarkReach);
-  const Whitened white{cut(captured, begin - before, before + length + behind), whole, before};
+  const Whitened white{cut(captured, begin - before, before + length + behind), whole, mark.sound(), before};
   const auto reach = std::max(before, behind);
   // Before the recording begins nothing is captured, not even noise.
   const auto first = expected < 0 ? -expected : -reach;

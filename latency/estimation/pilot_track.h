@@ -22,6 +22,8 @@ struct SingleBurst {
   std::int64_t at = 0;              ///< whole frames of the delay
 
   static constexpr std::int64_t kLead = 64;  ///< frames: what a filter may answer before its delay
+  /// [any] The burst as it was played.
+  std::span<const double> sound() const;
   /// [control] What the path would bring, from `kLead` frames before its delay on.
   std::vector<double> expected() const;
   /// The frame of the recording at which that begins.

@@ -1,11 +1,15 @@
 #include "latency/estimation/analysis.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <random>
 
+#include "engine/dsp/delays/resample.h"
 #include "latency/estimation/delay_trend.h"
 #include "latency/probe/probe.h"
 #include "tests/support/error_summary.h"
@@ -44,6 +48,14 @@ double sweep_power() {
 
 double noise_for(double snr_db, double gain = 1.0) {
   return std::abs(gain) * std::sqrt(sweep_power() * std::pow(10.0, -snr_db / 10.0));
+}
+
+/// `samples` with white, normal noise of that rms.
+std::vector<double> noisy(std::vector<double> samples, double noise) {
+  std::mt19937_64 random{7};
+  std::normal_distribution<double> normal;
+  for (auto& sample : samples) sample += noise * normal(random);
+  return samples;
 }
 
 std::string verdict(const Analysis& analysis) { return code(analysis.finding.verdict); }
@@ -269,6 +281,42 @@ TEST_CASE("analysis: a probe with dither in its pauses is taken apart all the sa
   CHECK(std::abs(analysis.delay_frames - 1234.37) < 0.0005);
 }
 
+TEST_CASE("analysis: a recording may have a higher rate than its probe", "[latency]") {
+  const auto [from, to, noise] = GENERATE(table<double, double, double>({{16000, 32000, 1e-6},
+                                                                         {16000, 48000, 1e-6},
+                                                                         {48000, 192000, 1e-6},
+                                                                         {48000, 192000, 1e-4},
+                                                                         {8000, 48000, 1e-6},
+                                                                         {8000, 48000, 1e-4}}));
+  CAPTURE(from, to, noise);
+  const auto slow = stimulus(Hertz{from}, kLevel);
+  const auto times = static_cast<int>(to / from);
+  const auto frames = std::ssize(slow) * times;
+  LoopRecording recording;
+  recording.sample_rate = Hertz{to};
+  recording.played = resample(slow, Hertz{from}, Hertz{to}, 0, frames);
+  // What is captured of a card that plays at the lower rate: all of each frame's wave, also before the first.
+  auto captured = resample(slow, Hertz{from}, Hertz{to}, -3000 * times, frames + 12000 * times);
+  for (auto& sample : captured) sample *= 0.5;
+  recording.captured.push_back(noisy(std::move(captured), noise));
+  const auto analysis = analysis_of(recording);
+  INFO(analysis.finding.what);
+  CHECK(verdict(analysis) == "ok");
+  CHECK(std::abs(analysis.delay_frames - 3000.0 * times) < 4.0 * analysis.standard_error_frames);
+}
+
+TEST_CASE("analysis: knocks without a cable are no signal", "[latency]") {
+  auto recording = SimulatedLoop{.delay_frames = 1000.0, .gain = 0.0, .noise = 1e-5}.record(probe(), 48_kHz);
+  const auto knock = [&](double second, double level) {
+    for (int n = 0; n < 4800; ++n)
+      recording.captured[0][static_cast<std::size_t>(second * 48000.0) + static_cast<std::size_t>(n)] +=
+          level * std::exp(-n / 300.0) * std::sin(2.0 * std::numbers::pi * 700.0 * n / 48000.0);
+  };
+  knock(0.9, 0.2);
+  knock(1.6, 0.05);
+  CHECK(verdict(analysis_of(recording)) == "NO_SIGNAL");
+}
+
 TEST_CASE("analysis: of one burst nobody knows whether clocks differ", "[latency]") {
   auto samples = measuring_probe(48_kHz).samples(48_kHz);
   samples.insert(samples.begin(), 24000, 0.0);
@@ -326,6 +374,30 @@ TEST_CASE("analysis: a second path is captured as one at any distance, before th
   const double reported =
       std::stod(analysis.finding.what.substr(analysis.finding.what.find_first_of("0123456789")));
   CHECK(reported == Approx(-20 * std::log10(level)).epsilon(0).margin(1.0));
+}
+
+TEST_CASE("analysis: a second path is captured as one behind a coupling capacitor", "[latency]") {
+  const double level_db = GENERATE(-18.0, -28.8, -38.0);
+  const double corner = GENERATE(10.0, 30.0, 60.0);
+  CAPTURE(level_db, corner);
+  constexpr int kLater = 13719;
+  auto recording = SimulatedLoop{.delay_frames = 54.74, .gain = 0.6}.record(probe(), 48_kHz, kLater + 8000);
+  auto& captured = recording.captured[0];
+  for (std::size_t n = captured.size(); n-- > kLater;)
+    captured[n] += std::pow(10.0, level_db / 20.0) * captured[n - kLater];
+  // y' = x' - y / tau by the trapezoidal rule
+  const double k = std::tan(std::numbers::pi * corner / 48000.0);
+  double before = 0.0, state = 0.0;
+  for (std::size_t n = 0; n < captured.size(); ++n) {
+    state = ((1.0 - k) * state + captured[n] - before) / (1.0 + k);
+    before = captured[n];
+    captured[n] = state;
+  }
+  captured = noisy(std::move(captured), 1e-4);
+  const auto analysis = analysis_of(recording);
+  CHECK(verdict(analysis) == "DIRECT_MONITORING");
+  CHECK(analysis.finding.what.find(fmt::format("{:.1f} dB below the first, +{} frames", -level_db, kLater)) !=
+        std::string::npos);
 }
 
 TEST_CASE("analysis: more frames lost than a sweep is searched for are no second path", "[latency]") {
