@@ -35,7 +35,7 @@ std::optional<double> time_of(const Plan& plan, int node, const std::vector<doub
 }  // namespace
 
 std::optional<double> NetworkReport::error_bound() const {
-  if (!bounds || !bounds->stable || !bounds->bounded || bounds->error >= 1) return std::nullopt;
+  if (!bounds || !bounds->stable || !bounds->bounded() || bounds->error >= 1) return std::nullopt;
   return bounds->error;
 }
 

@@ -46,9 +46,17 @@ std::string percent(double error) {
                         : fmt::format("{:.2g} %", 100.0 * error);
 }
 
+/// What it has no bound on.
+std::string unknown(const SolverBounds& b) {
+  const auto opening = fmt::format(
+      "a contact with loss is pressed at the start and open again within {:g} frames", kShortContact);
+  if (!b.opens_unknown) return "friction or plectra";
+  return b.slips_unknown ? "friction or plectra; " + opening : opening;
+}
+
 std::string error_text(const SolverBounds& b) {
-  const bool slips = b.slip_frames > 0.0 || !b.bounded;
-  std::string text = b.error == 0.0 ? std::string{slips ? "resonances exact" : "exact"}
+  const bool partly = b.slip_frames > 0.0 || !b.bounded();
+  std::string text = b.error == 0.0 ? std::string{partly ? "resonances exact" : "exact"}
                                     : "error at most " + percent(b.error);
   if (b.contact_frames > 0.0)
     text += fmt::format(", contacts shorter than {:g} frames right within {:g} frames", kShortContact,
@@ -58,7 +66,7 @@ std::string error_text(const SolverBounds& b) {
         ", friction and plectra as if their forces were at most {} off, each stop and slip within {:g} "
         "frames",
         percent(b.slip_error), b.slip_frames);
-  if (!b.bounded) text += ", not bounded: friction or plectra";
+  if (!b.bounded()) text += ", not bounded: " + unknown(b);
   return text;
 }
 
@@ -126,7 +134,7 @@ const SectionType& network_options() {
 
 std::string describe_bound(const SolverBounds& bounds) {
   if (!bounds.stable) return "error not bounded: " + against(bounds);
-  if (!bounds.bounded) return "error not bounded: friction or plectra";
+  if (!bounds.bounded()) return "error not bounded: " + unknown(bounds);
   if (bounds.error >= 1.0)
     return "error not bounded: a step is too long for the stiffest spring, damper or contact";
   return bounds.error == 0.0 && bounds.contact_frames == 0.0 ? "no error beyond rounding"

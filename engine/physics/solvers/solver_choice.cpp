@@ -90,12 +90,13 @@ class Demand {
     const double time = 2.0 * std::sqrt(std::numbers::pi) * std::tgamma(1.0 + 1.0 / a1) /
                         std::tgamma(0.5 + 1.0 / a1) * depth / v;
     const double e = restitution(contact, v);
-    const bool spring = springs_back(contact);
+    const bool spring = springs_back(contact), pressed = e < 1.0 && stored(contact) > 0.0;
     const auto known = std::ranges::find_if(demand_.strikes, [&](const auto& strike) {
-      return strike.exponent == contact.exponent && strike.restitution == e && strike.spring == spring;
+      return strike.exponent == contact.exponent && strike.restitution == e && strike.spring == spring &&
+             strike.pressed == pressed;
     });
     if (known == demand_.strikes.end())
-      demand_.strikes.push_back({contact.exponent, e, time, spring});
+      demand_.strikes.push_back({contact.exponent, e, time, spring, pressed});
     else
       known->time_s = std::min(known->time_s, time);
   }
@@ -280,6 +281,7 @@ void add_contacts(SolverBounds& bounds, const ContactDemand& contacts, double k)
       bounds.error = std::max(bounds.error, time_error(bounds.solver, strike, steps));
     else
       bounds.contact_frames = short_contact_steps(bounds.solver) / bounds.oversample;
+    bounds.opens_unknown |= strike.pressed && is_short(strike, steps, bounds.oversample);
   }
 }
 
@@ -298,8 +300,8 @@ void add_slips(SolverBounds& bounds, const NetworkElements& elements, const Netw
   const bool pressed = std::ranges::any_of(elements.frictions, [&](const Friction& friction) {
     return friction.normal_contact >= 0 && bounds.contact_frames > 0.0;
   });
-  bounds.bounded = fastest <= kFastestLoad && !pressed;
-  if (!bounds.bounded) return;
+  bounds.slips_unknown = fastest > kFastestLoad || pressed;
+  if (bounds.slips_unknown) return;
   bounds.slip_error = square(fastest) / 8.0;
   bounds.slip_frames = 2.0 / bounds.oversample + bounds.contact_frames;
 }
@@ -374,18 +376,23 @@ SolverChoice choose_solver(const NetworkElements& elements, Hertz rate, int over
       choice.candidates.push_back(bounds_of(elements, rate, solver, steps, contacts));
   };
   const auto good = [](const SolverBounds& b) { return b.limit == SolverBounds::Limit::None; };
+  const auto bounded = [&](const SolverBounds& b) { return good(b) && b.bounded(); };
   // A solver costs in proportion to its steps: twice as many are tried while the cheapest of those just tried
-  // would still cost less than the best so far.
-  double best_cost = std::numeric_limits<double>::infinity();
+  // would still cost less than the best so far, or no more than its bound is worth.
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  double best_cost = kNone, bounded_cost = kNone;
   for (int steps = std::max(1, oversample); steps <= kMostOversample; steps *= 2) {
     const auto first = std::ssize(choice.candidates);
     try_at(steps);
-    double least = std::numeric_limits<double>::infinity();
+    double least = kNone;
     for (auto b = choice.candidates.begin() + first; b != choice.candidates.end(); ++b) {
       if (b->limit != SolverBounds::Limit::CannotBeMade) least = std::min(least, b->multiplications);
       if (good(*b)) best_cost = std::min(best_cost, b->multiplications);
+      if (bounded(*b)) bounded_cost = std::min(bounded_cost, b->multiplications);
     }
-    if (oversample > 0 || 2.0 * least >= best_cost) break;
+    const bool cheaper = 2.0 * least < best_cost;
+    const bool worth = 2.0 * least < bounded_cost && 2.0 * least <= kBoundIsWorth * best_cost;
+    if (oversample > 0 || !(cheaper || worth)) break;
   }
   std::stable_sort(choice.candidates.begin(), choice.candidates.end(),
                    [](const auto& a, const auto& b) { return a.multiplications < b.multiplications; });
@@ -395,6 +402,10 @@ SolverChoice choose_solver(const NetworkElements& elements, Hertz rate, int over
     if (best == nullptr || (!good(*best) && b.error < best->error)) best = &b;
   }
   if (best == nullptr) return choice;  // none can be made: the passive solver reports the error
+  const auto sure = std::ranges::find_if(choice.candidates, bounded);
+  if (good(*best) && sure != choice.candidates.end() &&
+      sure->multiplications <= kBoundIsWorth * best->multiplications)
+    best = &*sure;
   choice.solver = best->solver;
   choice.oversample = best->oversample;
   return choice;

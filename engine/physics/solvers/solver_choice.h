@@ -29,6 +29,7 @@ struct ContactDemand {
     double exponent, restitution;  ///< of the speeds; 1: without loss
     double time_s;                 ///< without loss
     bool spring;                   ///< one side of a spring: the other side follows at once
+    bool pressed;                  ///< at the start, by a contact with loss
 
     /// Explicit steps make energy of it below so many.
     double fewest_steps() const;
@@ -72,7 +73,10 @@ struct SolverBounds {
   /// Each stop and slip of a friction or a plectrum is within so many frames of where it would be if its
   /// forces were larger or smaller by a share of at most `slip_error`; 0: nothing slips.
   double slip_frames = 0, slip_error = 0;
-  bool bounded = true;  ///< false: what loads a friction or a plectrum changes too fast (`kFastestLoad`)
+  /// What has no bound: what loads a friction or a plectrum changes too fast (`kFastestLoad`); a contact with
+  /// loss that is pressed at the start is open again before its loss is resolved (`kShortContact`).
+  bool slips_unknown = false, opens_unknown = false;
+  bool bounded() const { return !slips_unknown && !opens_unknown; }
   /// What speaks against it.
   enum class Limit {
     None,
@@ -100,6 +104,9 @@ inline constexpr double kShortContact = 2.0;
 /// How far the fastest oscillator or decay that loads a friction or a plectrum may go in a step for its stops
 /// and slips to be found. [rad]
 inline constexpr double kFastestLoad = 1.5;
+
+/// So many times the multiplications of the cheapest are spent where it is not bounded and another one is.
+inline constexpr double kBoundIsWorth = 4.0;
 
 /// Steps a frame that are tried.
 inline constexpr int kMostOversample = 64;
@@ -131,12 +138,16 @@ struct SolverChoice {
 ///    max(5, 1.6 / sqrt(e)) steps, and for e below 0.05 no less than 0.13 (passive, exact), or 0.1 below 20
 ///    steps (implicit). The largest of 40 phases, measured for a = 1 ... 10 and s = 3 ... 20, with loss for a
 ///    = 1 ... 3, e = 0.01 ... 0.8 and s = 0.03 ... 48;
-///  - contacts shorter than `kShortContact`: passive two steps, implicit four, exact seven;
+///  - contacts shorter than `kShortContact`: passive two steps, implicit four, exact seven; nothing is said
+///  of
+///    one with loss that is pressed at the start;
 ///  - frictions and plectra, with x how far the fastest spring, damper, bond or contact of s steps (pi / s)
 ///  goes in a step:
 ///    forces x^2 / 8, each stop and slip two steps, and what a short contact may be late. A line between two
 ///    steps differs by x^2 / 8 from what swings. Nothing is said beyond `kFastestLoad`, or where a short
-///    contact presses one. It does not count in the choice: more steps are not taken for it.
+///    contact presses one.
+/// Where nothing is said, the next cheapest of which something is known is chosen, as far as `kBoundIsWorth`.
+/// How large the bound on a slip is does not count in the choice.
 SolverChoice choose_solver(const NetworkElements& elements, Hertz rate, int oversample);
 
 }  // namespace tactus

@@ -149,7 +149,7 @@ std::optional<double> cheapest_bounded(const Plan& plan, double error) {
     double least = std::numeric_limits<double>::infinity();
     for (int steps = 1; steps <= kMostOversample; steps *= 2)
       for (const auto& bounds : choose_solver(view->recipe.elements, view->recipe.rate, steps).candidates)
-        if (bounds.stable && bounds.bounded && bounds.error <= error)
+        if (bounds.stable && bounds.bounded() && bounds.error <= error)
           least = std::min(least, bounds.multiplications);
     sum += least;
   }

@@ -234,7 +234,7 @@ class Study {
     });
     auto& choices = choices_[may_slip(random.elements) ? 1 : 0];
     ++choices.networks;
-    if (chosen == choice.candidates.end() || !chosen->bounded) return;
+    if (chosen == choice.candidates.end() || !chosen->bounded()) return;
     ++choices.bounded;
     if (chosen->slip_frames > 0.0 && expected.solved()) {
       const Slipping slipping{random.elements, random.rate, random.frames,
