@@ -109,10 +109,11 @@ TEST_CASE("analysis: frames lost or repeated before the first sweep and in its b
           "[latency]") {
   // Of the probe: within the mark, behind it, in the silence, and in the first sweep, which begins at 0.5 s.
   const auto second = GENERATE(0.002, 0.02, 0.1, 0.45, 0.505, 0.54);
-  const auto frames = GENERATE(-1, -500, 2, 300);
-  auto recording = recorded(1234.37, GENERATE(1e-4, 0.03));
+  const auto [frames, noise] =
+      GENERATE(table<int, double>({{-1, 0.03}, {-500, 1e-4}, {2, 1e-4}, {300, 0.03}}));
+  auto recording = recorded(1234.37, noise);
   move(recording.captured[0], 1234 + std::lround(second * 48000.0), frames);
-  CAPTURE(second, frames);
+  CAPTURE(second, frames, noise);
   const auto analysis = analysis_of(recording);
   CHECK(verdict(analysis) == "LOST_FRAMES");
 }

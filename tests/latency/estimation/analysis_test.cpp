@@ -357,7 +357,7 @@ TEST_CASE("analysis: a second path is captured as one", "[latency]") {
 TEST_CASE("analysis: a second path is captured as one at any distance, before the first one or behind it",
           "[latency]") {
   const auto distance = GENERATE(-25000, -9000, 2500, 5000, 8500, 20000, 60000);
-  const auto level = GENERATE(0.5, 0.3, 0.1, 0.02);
+  const auto level = GENERATE(0.5, 0.02);
   CAPTURE(distance, level);
   auto recording =
       SimulatedLoop{.delay_frames = 30960.25, .gain = 0.5, .noise = 1e-5}.record(probe(), 48_kHz, 70000);
