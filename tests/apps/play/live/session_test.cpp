@@ -145,6 +145,7 @@ tone = { from = "0.5 * ramp" }
   REQUIRE(session.start());
   CHECK_FALSE(session.recording());
   const auto wav = stage.folder.path() / "take.wav";
+  stage.folder.write("take-2.wav", "what a full disk left");
   for (int take = 1; take <= 2; ++take) {
     REQUIRE(session.start_recording(wav));
     CHECK(session.recording());
@@ -167,7 +168,7 @@ tone = { from = "0.5 * ramp" }
     CHECK(read->header.armed);
     CHECK(read->complete == read_wav(session.takes().back())->frames());
   }
-  CHECK(session.takes() == std::vector{wav, stage.folder.path() / "take-2.wav"});
+  CHECK(session.takes() == std::vector{wav, stage.folder.path() / "take-3.wav"});
   CHECK(session.view().health.xruns == 0);
 }
 
