@@ -36,7 +36,7 @@ std::optional<double> time_of(const Plan& plan, int node, const std::vector<doub
 
 std::optional<double> NetworkReport::error_bound() const {
   if (!bounds || !bounds->stable || !bounds->bounded() || bounds->error >= 1) return std::nullopt;
-  return bounds->error;
+  return std::max(bounds->error, bounds->slip_error);
 }
 
 std::vector<NetworkReport> report_networks(const Plan& plan, const std::vector<double>& step_ns) {

@@ -21,7 +21,8 @@ struct NetworkReport {
   std::optional<SolverBounds> bounds;  ///< nothing: it is the reference solution
   std::optional<double> ns_per_frame;  ///< nothing: it was not timed
 
-  /// The bound on its error, relative; nothing: there is none.
+  /// The bound on its error, relative: of resonances, decays and contacts, and of the forces of what slips;
+  /// nothing: there is none.
   std::optional<double> error_bound() const;
 };
 

@@ -137,8 +137,9 @@ std::string describe_bound(const SolverBounds& bounds) {
   if (!bounds.bounded()) return "error not bounded: " + unknown(bounds);
   if (bounds.error >= 1.0)
     return "error not bounded: a step is too long for the stiffest spring, damper or contact";
-  return bounds.error == 0.0 && bounds.contact_frames == 0.0 ? "no error beyond rounding"
-                                                             : error_text(bounds);
+  return bounds.error == 0.0 && bounds.contact_frames == 0.0 && bounds.slip_frames == 0.0
+             ? "no error beyond rounding"
+             : error_text(bounds);
 }
 
 std::string explain_choice(const SolverChoice& choice) {

@@ -407,11 +407,11 @@ class Motion {
     }
   }
 
-  /// At the start of a frame driven points have new speeds, which what held to them has not.
+  /// At the start of a frame driven points have new speeds, which what held to them or slid on them has not.
   void start_slides() {
     for (std::size_t f = 0; f < frictions(); ++f) {
       const double v = between(velocities(numbers_.data()), model_.frictions[f]);
-      if (slide_[f] == 0.0 && std::abs(v) > kStill) slide_[f] = direction_of(v);
+      if (std::abs(v) > kStill) slide_[f] = direction_of(v);
     }
   }
 

@@ -64,6 +64,21 @@ TEST_CASE("network report: exact steps have no bound but rounding, and say how m
   CHECK(network.error_bound() == 0.0);
 }
 
+TEST_CASE("network report: exact steps with friction have the bound of its force", "[scene]") {
+  const auto network =
+      reports_of("solver = \"exact\"",
+                 "g = { type = \"ground\" }\n"
+                 "r = { type = \"friction\", between = [\"g\", \"tip\"], normal = \"1 N\", kinetic = 0.3 }\n")
+          .front();
+  const double squared = 400e3 / 0.01 / 48e3 / 48e3;
+  REQUIRE(network.error_bound());
+  CHECK(*network.error_bound() == Approx(squared / 8.0).epsilon(1e-9));
+  CHECK(
+      describe_bound(network) ==
+      "resonances exact, friction and plectra as if their forces were at most 0.22 % off, each stop and slip "
+      "within 2 frames");
+}
+
 TEST_CASE("network report: what is unstable, and the reference, have no bound", "[scene]") {
   // k / (m fs^2) = 4.3 > 4
   const auto stiff = reports_of(

@@ -253,6 +253,24 @@ TEST_CASE("reference: a sliding body stops where friction says and stays", "[phy
   CHECK(flow.state.sliding[0] == 0.0);
 }
 
+TEST_CASE("reference: a belt that turns round pushes a body the other way, no faster than friction does",
+          "[physics]") {
+  // m v' = mu N while the belt is faster than the body, -mu N from the frame on in which it turns round.
+  NetworkElements elements;
+  elements.points = {{Point::Kind::Motion, 0.0, 0.0, 0.0, {1, {}}}, mass(0.01)};
+  elements.frictions = {{.lower = 0, .upper = 1, .law = {.kinetic = 0.3}, .normal = {0, {}}}};
+  Run flow(elements);
+  constexpr double kAcceleration = 0.3 / 0.01, kForth = 100, kBack = 150;
+  for (int n = 0; n <= kForth + kBack; ++n) {
+    const double inputs[] = {1.0, kFrame_s * (n <= kForth ? n : 2 * kForth - n)};
+    flow.network.step(flow.state, inputs);
+  }
+  const double forth = kForth * kFrame_s, back = kBack * kFrame_s;
+  CHECK(flow.velocity(1) == Approx(kAcceleration * (forth - back)).epsilon(1e-9));
+  CHECK(flow.position(1) ==
+        Approx(kAcceleration * (0.5 * forth * forth + forth * back - 0.5 * back * back)).epsilon(1e-9));
+}
+
 TEST_CASE("reference: dry friction takes 2 mu N / k from a swing at each turn until it holds", "[physics]") {
   // From 10.5 mu N / k: -8.5, 6.5, -4.5, 2.5, -0.5, where the spring pulls less than mu N.
   NetworkElements elements;
