@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <fstream>
@@ -18,8 +19,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-volatile std::sig_atomic_t signalled = 0;
-extern "C" void note_signal(int) { signalled = 1; }
+// Other threads read it, too.
+std::atomic<bool> signalled{false};
+static_assert(std::atomic<bool>::is_always_lock_free);
+extern "C" void note_signal(int) { signalled.store(true, std::memory_order_relaxed); }
 
 bool opens(const fs::path& file) {
   std::error_code none;
@@ -124,7 +127,7 @@ void install_signal_handlers() {
 #endif
 }
 
-bool interrupted() { return signalled != 0; }
+bool interrupted() { return signalled.load(std::memory_order_relaxed); }
 
 void print_note(const std::string& text) noexcept { std::fprintf(stderr, "%s\n", text.c_str()); }
 
