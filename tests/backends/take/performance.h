@@ -144,7 +144,8 @@ class Performance {
   std::vector<double> scales_;
   int padding_;
   RigInputs rig_;
-  DeadMansSwitch dead_man_;
+  /// Its age counts in frames; by the clock no time passes, however slow the machine is.
+  DeadMansSwitch dead_man_{[] { return std::chrono::nanoseconds{0}; }};
   Guarded guarded_;
   std::unique_ptr<TakeRecorder> recorder_;
   std::vector<std::vector<double>> sensors_, drives_;
