@@ -59,10 +59,10 @@ struct DeviceIdentity {
 
 /// A second device of a stream: it is read and written at its own rate, beside the blocks of the first.
 struct GrantedSecond {
-  std::string device;  ///< Device::id
-  DeviceIdentity identity;
-  Seconds input_delay;   ///< its inputs are so much later than those of the first
-  Seconds output_delay;  ///< its outputs come so long after they are computed
+  std::string device;            ///< Device::id
+  DeviceIdentity input, output;  ///< empty where there are no channels
+  Seconds input_delay;           ///< its inputs are so much later than those of the first
+  Seconds output_delay;          ///< its outputs come so long after they are computed
 };
 
 /// What was granted. Only this counts: drivers round block sizes and add buffers of their own.

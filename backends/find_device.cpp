@@ -211,23 +211,26 @@ void distinguish_same_ids(std::vector<Device>& devices) {
   }
 }
 
-static void add_doubt(const DeviceIdentity& before, const DeviceIdentity& now, const char* what,
-                      std::vector<std::string>& found) {
-  if (before.may_be_another() || now.may_be_another())
-    found.push_back(fmt::format("it may be another device of the same name: check its {}s", what));
+static bool doubtful(const DeviceIdentity& before, const DeviceIdentity& now) {
+  return before.may_be_another() || now.may_be_another();
 }
 
+static void add_doubt(bool doubtful, const char* what, std::vector<std::string>& found) {
+  if (doubtful) found.push_back(fmt::format("it may be another device of the same name: check its {}", what));
+}
+
+/// `of`: the device, where it is not the first one: " of the second device".
 static void compare(const DeviceIdentity& before, const DeviceIdentity& now, const char* what,
-                    std::vector<std::string>& found) {
+                    std::vector<std::string>& found, const char* of = "") {
   if (before.hardware != now.hardware)
-    found.push_back(
-        fmt::format("the hardware of its {}s is '{}' instead of '{}'", what, now.hardware, before.hardware));
+    found.push_back(fmt::format("the hardware of the {}s{} is '{}' instead of '{}'", what, of, now.hardware,
+                                before.hardware));
   if (before.channels != now.channels)
-    found.push_back(fmt::format("it has {} {}s instead of {}", now.channels, what, before.channels));
+    found.push_back(fmt::format("it has {} {}s{} instead of {}", now.channels, what, of, before.channels));
   for (std::size_t c = 0; c < std::min(before.ports.size(), now.ports.size()); ++c)
     if (before.ports[c] != now.ports[c])
       found.push_back(
-          fmt::format("{} {} is '{}' instead of '{}'", what, c + 1, now.ports[c], before.ports[c]));
+          fmt::format("{} {}{} is '{}' instead of '{}'", what, c + 1, of, now.ports[c], before.ports[c]));
 }
 
 static void compare_names(const StreamGranted& before, const StreamGranted& now,
@@ -250,18 +253,20 @@ static void compare_settings(const StreamGranted& before, const StreamGranted& n
 static void compare_second(const StreamGranted& before, const StreamGranted& now, bool doubt,
                            std::vector<std::string>& found) {
   if (!before.second || !now.second) return;
-  if (doubt) add_doubt(before.second->identity, now.second->identity, "second device", found);
-  if (before.second->identity.hardware != now.second->identity.hardware)
-    found.push_back(fmt::format("the hardware of its second device is '{}' instead of '{}'",
-                                now.second->identity.hardware, before.second->identity.hardware));
+  const auto &one = *before.second, &other = *now.second;
+  constexpr const char* kOf = " of the second device";
+  add_doubt(doubt && (doubtful(one.input, other.input) || doubtful(one.output, other.output)),
+            "second device", found);
+  compare(one.input, other.input, "input", found, kOf);
+  compare(one.output, other.output, "output", found, kOf);
 }
 
 std::vector<std::string> differences(const StreamGranted& before, const StreamGranted& now) {
   std::vector<std::string> found;
   compare_names(before, now, found);
-  add_doubt(before.input, now.input, "input", found);
+  add_doubt(doubtful(before.input, now.input), "inputs", found);
   compare(before.input, now.input, "input", found);
-  add_doubt(before.output, now.output, "output", found);
+  add_doubt(doubtful(before.output, now.output), "outputs", found);
   compare(before.output, now.output, "output", found);
   compare_second(before, now, true, found);
   if (before.renames != now.renames) found.push_back("its ports were renamed");

@@ -12,6 +12,7 @@
 #include "backends/find_device.h"
 #include "backends/realtime_thread.h"
 #include "backends/sdl/effect_timer.h"
+#include "backends/sdl/joystick_place.h"
 #include "backends/sdl/wave_effect.h"
 
 namespace tactus {
@@ -326,10 +327,14 @@ class OpenDevice {
   std::atomic<std::int64_t> refused_{0};
 };
 
-/// Its path, where the system has one.
+/// Its place, and the numbers of its maker, model and version. Empty: unknown.
 std::string hardware_of(int index) {
   const auto* path = SDL_JoystickPathForIndex(index);
-  return path == nullptr ? "" : path;
+  const auto place = path == nullptr ? "" : joystick_place(path);
+  return place.empty()
+             ? ""
+             : fmt::format("{} {:04x}:{:04x}:{:04x}", place, SDL_JoystickGetDeviceVendor(index),
+                           SDL_JoystickGetDeviceProduct(index), SDL_JoystickGetDeviceProductVersion(index));
 }
 
 Device described(int index) {

@@ -197,8 +197,7 @@ class TwoDeviceStream final : public Stream {
     granted_.format.in_channels = request.in_channels;
     granted_.format.out_channels = request.out_channels;
     const auto& of_second = second_->granted();
-    granted_.second = {of_second.device, out.second.empty() ? of_second.input : of_second.output, kInputDelay,
-                       kOutputDelay};
+    granted_.second = {of_second.device, of_second.input, of_second.output, kInputDelay, kOutputDelay};
     granted_.digital_inputs = digital_inputs(request.in_channels);
     granted_.comes_back = granted_.comes_back && of_second.comes_back;
     return {};
@@ -248,7 +247,8 @@ class TwoDeviceStream final : public Stream {
     of_second.out_channels = static_cast<int>(out.second.size());
     if (request.previous && request.previous->second) {
       of_second.previous.emplace();
-      of_second.previous->input = of_second.previous->output = request.previous->second->identity;
+      of_second.previous->input = request.previous->second->input;
+      of_second.previous->output = request.previous->second->output;
     }
     return of_second;
   }

@@ -217,6 +217,27 @@ TEST_CASE("find device: a device that kept its hardware is the same under a long
   CHECK(differences(before, now).size() == 1);
 }
 
+TEST_CASE("find device: a second device is compared as the first one is", "[backends]") {
+  const DeviceIdentity inputs{"usb-2 054c:0ce6:8111", 19, {}, false}, outputs{inputs.hardware, 2, {}, false};
+  StreamGranted before;
+  before.second = {"sdl:Pad", inputs, outputs, {}, {}};
+  auto now = before;
+  CHECK(differences(before, now).empty());
+  now.second->input.channels = 4;
+  CHECK(differences(before, now) ==
+        std::vector<std::string>{"it has 4 inputs of the second device instead of 19"});
+  now = before;
+  now.second->output.hardware = "usb-2 044f:b66e:0100";
+  CHECK(differences(before, now) ==
+        std::vector<std::string>{"the hardware of the outputs of the second device is 'usb-2 "
+                                 "044f:b66e:0100' instead of 'usb-2 054c:0ce6:8111'"});
+  now = before;
+  now.second->input.hardware = now.second->output.hardware = "";
+  CHECK(differences(before, now).front() ==
+        "it may be another device of the same name: check its second device");
+  CHECK(differences_between_openings(before, now, true).size() == 2);
+}
+
 TEST_CASE("find device: between two openings unknown hardware is no difference, a new connection is one",
           "[backends]") {
   StreamGranted before;
