@@ -25,7 +25,7 @@ constexpr double kLoopEstimatorSilence = 1e-10;  // of the captured power: noise
 constexpr double kFaintest = -14.0;              // log gain: -122 dB, below the resolution of any converter
 // A hum or a click, which the model can follow only with a gain that nothing has, and leaves most of.
 constexpr double kStrongest = 14.0, kHum = 0.5;
-constexpr double kKnock = 0.9, kOfOthers = 3.5;  // misfit, and log gain: 30 dB over that of the other probes
+constexpr double kKnock = 2.0;        // log gain: 17 dB over that of the other probes
 constexpr double kNothing = 1e-18;    // -180 dBFS, below what a float sample of full scale can hold
 constexpr double kDamaged = 0.05;     // of a probe's power, more than other probes leave unexplained
 constexpr double kMoreDamaged = 1.5;  // the same, times what others leave
@@ -100,10 +100,10 @@ bool is_displaced(const TrackedProbe& probe, const std::vector<TrackedProbe>& pr
 /// Is there no more than a knock or two, of which a probe may be made as little as of noise, and in the other
 /// probes nothing?
 bool are_knocks(const LoopEstimate& loop) {
-  if (loop.fit.misfit < kKnock || loop.probes.empty()) return false;
+  if (loop.fit.misfit < kHum || loop.probes.empty()) return false;
   const auto louder = [](const TrackedProbe& a, const TrackedProbe& b) { return a.log_gain < b.log_gain; };
   const auto loudest = std::max_element(loop.probes.begin(), loop.probes.end(), louder);
-  return loudest->log_gain > usual(&TrackedProbe::log_gain, loop.probes) + kOfOthers;
+  return loudest->log_gain > usual(&TrackedProbe::log_gain, loop.probes) + kKnock;
 }
 
 std::vector<DelayPoint> points_of(const std::vector<TrackedProbe>& probes, double delay) {
