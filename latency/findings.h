@@ -17,9 +17,14 @@ inline constexpr const char* kAgainstGaps =
 
 /// Another way by which what was played comes back, too far from the first one for the same window.
 struct SecondPath {
-  static constexpr std::int64_t kNear = 2048;  ///< frames: nearer ones are left to Response::echo
-  std::int64_t frames = 0;                     ///< from the path to it; negative: it is earlier
-  double level_db = 0.0;                       ///< beside the path
+  /// Nearer ones are left to Response::echo, which sees as much as the pauses between probes leave. [frames]
+  static std::int64_t near(Hertz rate) {
+    constexpr double kLongest = 2048.0;
+    constexpr Seconds kTime{0.04};
+    return std::llround(std::min(kLongest, frames_in(kTime, rate)));
+  }
+  std::int64_t frames = 0;  ///< from the path to it; negative: it is earlier
+  double level_db = 0.0;    ///< beside the path
 };
 
 /// Results of an analysis that its report omits.

@@ -231,7 +231,7 @@ std::optional<SecondPath> find_second_path(const LoopEstimate& loop, Hertz rate,
   const auto found = search.find(rest);
   SecondPath second;
   second.frames = found.frames - std::llround(loop.constant());
-  if (!found.clear() || std::abs(second.frames) <= SecondPath::kNear) return std::nullopt;
+  if (!found.clear() || std::abs(second.frames) <= SecondPath::near(rate)) return std::nullopt;
   const double level = usual_level(loop, first, rest, found.frames);
   // A gain that moves leaves something at the path itself, which may look alike probes later.
   if (level < kSoftest || level < kAside * usual_level(loop, first, rest, loop.at)) return std::nullopt;

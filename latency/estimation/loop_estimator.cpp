@@ -36,6 +36,7 @@ constexpr double kUnsteady = 2.0;       // power
 constexpr double kElsewhere = 0.5;      // of the amplitude
 constexpr double kLoudPilot = 10.0;     // power over that of the noise
 constexpr double kFitsWell = 1e-3;      // misfit of a cable
+constexpr double kCable = 5e-3;         // the same beside a sound that is nearly as loud
 constexpr int kDriftRounds = 3;
 constexpr double kClearest = 0.01;  // noise over signal: bands that are clearer count alike
 
@@ -97,10 +98,11 @@ bool is_displaced(const TrackedProbe& probe, const std::vector<TrackedProbe>& pr
   return std::abs(gain * gain / (1.0 - probe.misfit) - 1.0) < 0.5 * probe.misfit;
 }
 
-/// Is there no more than a knock or two, of which a probe may be made as little as of noise, and in the other
-/// probes nothing?
+/// Are there no more than some knocks, of which a probe may be made as little as of noise, and in the other
+/// probes nothing, or something at another place in every second one?
 bool are_knocks(const LoopEstimate& loop) {
   if (loop.fit.misfit < kHum || loop.probes.empty()) return false;
+  if (2 * loop.steps.size() >= loop.probes.size()) return true;
   const auto louder = [](const TrackedProbe& a, const TrackedProbe& b) { return a.log_gain < b.log_gain; };
   const auto loudest = std::max_element(loop.probes.begin(), loop.probes.end(), louder);
   return loudest->log_gain > usual(&TrackedProbe::log_gain, loop.probes) + kKnock;
@@ -314,7 +316,7 @@ void LoopEstimator::compare(LoopEstimate& loop) {
   const bool describes =
       loop.fit.misfit < kFits;  // the path, so that what it makes of other signals is known
   // An actuator keeps too little of so short a sound.
-  const bool is_cable = loop.fit.misfit < kFitsWell && !settings.profile;
+  const bool is_cable = loop.fit.misfit < kCable && !settings.profile;
   if (const auto mark = loop.bursts.mark(rate); mark && is_cable) add_mark_steps(loop, *mark, whole);
   if (const auto pilot = loop.bursts.pilot(rate); pilot && describes) add_pilot_steps(loop, *pilot, whole);
   if (loop.steps.empty()) find_damage(loop);
@@ -330,7 +332,7 @@ void LoopEstimator::add_mark_steps(LoopEstimate& loop, const Burst& mark,
   const auto at = loop.at + (loop.steps.empty() ? 0 : std::llround(whole.front().delay_frames));
   const auto silence = loop.bursts.repeated.front().at - mark.end();
   const auto track = track_mark(single(loop, mark, at), loop.samples, silence);
-  loop.ends_hidden = track.recorded && !track.judged;
+  loop.ends_hidden = loop.fit.misfit < kFitsWell && track.recorded && !track.judged;
   loop.steps.insert(loop.steps.begin(), track.steps.begin(), track.steps.end());
 }
 

@@ -92,6 +92,7 @@ std::vector<DelayPoint> without_outliers(const std::vector<DelayPoint>& points) 
 /// not captured, as at the upper end of a resampled signal, counts no more than any other frequency.
 struct Whitened {
   std::vector<double> captured, expected;
+  double share = 0.0;  ///< of all frequencies, those that count
 
   /// `signal`: what the path makes of `sound`, expected `before` frames behind the begin of `region`. Where
   /// nothing was played the model of the path is a guess, and nothing counts.
@@ -113,6 +114,7 @@ struct Whitened {
       const bool heard = b >= lowest && played[b] > least;
       const double weight =
           heard ? 1.0 / std::sqrt(std::max(power[b], expects[b]) + 1e-9 * mean + 1e-300) : 0.0;
+      share += heard ? 1.0 / static_cast<double>(power.size()) : 0.0;
       of_captured[b] *= weight;
       of_expected[b] *= weight;
     }
@@ -138,8 +140,9 @@ struct Whitened {
     return lags;
   }
 
-  /// Is a part from either end missing, of at least 32 frames?
+  /// Is a part from either end missing, of at least 32 independent values?
   bool cut_short(std::int64_t from, std::int64_t to) const {
+    const auto least = std::llround(32.0 / std::max(share, 1e-3));
     double expects = 0.0, finds = 0.0;
     std::vector<double> beside;
     for (auto n = from; n < to; ++n) beside.push_back(captured[index(n)] - expected[index(n)]);
@@ -151,10 +154,10 @@ struct Whitened {
       return lost > 1.0 - kReplaced && lost * std::sqrt(expects) > kReplacedCertain * rest;
     };
     for (auto n = from; n < to; ++n)
-      if (missing(n) && n - from >= 32) return true;
+      if (missing(n) && n - from >= least) return true;
     expects = finds = 0.0;
     for (auto n = to; n-- > from;)
-      if (missing(n) && to - n >= 32) return true;
+      if (missing(n) && to - n >= least) return true;
     return false;
   }
 };

@@ -118,6 +118,23 @@ TEST_CASE("analysis: frames lost or repeated before the first sweep and in its b
   CHECK(verdict(analysis) == "LOST_FRAMES");
 }
 
+TEST_CASE("analysis: frames lost before the first sweep are reported behind a path that is not quite flat",
+          "[latency]") {
+  const auto second = GENERATE(0.1, 0.3, 0.45);
+  const auto frames = GENERATE(-64, 16);
+  auto recording = recorded(1234.37, 1e-4);
+  auto& captured = recording.captured[0];
+  // Sixteen reflections: 0.002 of the power.
+  const auto direct = captured;
+  for (std::size_t n = 200; n < captured.size(); ++n)
+    for (std::size_t k = 0; k < 16; ++k)
+      captured[n] += (k % 3 == 0 ? -0.0112 : 0.0112) * direct[n - 7 * k - 20];
+  CAPTURE(second, frames);
+  CHECK(verdict(analysis_of(recording)) == "ok");
+  move(captured, 1234 + std::lround(second * 48000.0), frames);
+  CHECK(verdict(analysis_of(recording)) == "LOST_FRAMES");
+}
+
 TEST_CASE("analysis: frames that are lost and come back within a sweep are reported", "[latency]") {
   // Lost in the silence before a sweep and repeated in it: every other sweep is in its place.
   const auto frames = GENERATE(16, 64);

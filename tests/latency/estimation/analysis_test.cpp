@@ -9,6 +9,7 @@
 #include <numbers>
 #include <random>
 
+#include "engine/core/index.h"
 #include "engine/dsp/delays/resample.h"
 #include "latency/estimation/delay_trend.h"
 #include "latency/probe/probe.h"
@@ -398,6 +399,20 @@ TEST_CASE("analysis: a second path is captured as one behind a coupling capacito
   CHECK(verdict(analysis) == "DIRECT_MONITORING");
   CHECK(analysis.finding.what.find(fmt::format("{:.1f} dB below the first, +{} frames", -level_db, kLater)) !=
         std::string::npos);
+}
+
+TEST_CASE("analysis: a second path is captured as one at low rates, too", "[latency]") {
+  const auto [rate, later, level_db] = GENERATE(table<double, int, double>(
+      {{8000, 2040, -3.0}, {8000, 1000, -24.0}, {16000, 1700, -22.0}, {22050, 2000, -26.0}}));
+  CAPTURE(rate, later, level_db);
+  auto recording = SimulatedLoop{.delay_frames = 100.3, .gain = 0.3, .noise = 1e-5}.record(
+      stimulus(Hertz{rate}, kLevel), Hertz{rate}, 9000);
+  auto& captured = recording.captured[0];
+  for (std::size_t n = captured.size(); n-- > index(later);)
+    captured[n] += std::pow(10.0, level_db / 20.0) * captured[n - index(later)];
+  const auto analysis = analysis_of(recording);
+  CHECK(verdict(analysis) == "DIRECT_MONITORING");
+  CHECK(analysis.finding.what.find(fmt::format("+{} frames", later)) != std::string::npos);
 }
 
 TEST_CASE("analysis: more frames lost than a sweep is searched for are no second path", "[latency]") {
