@@ -11,8 +11,13 @@
 #include <thread>
 #include <vector>
 #ifdef __unix__
+#include <fcntl.h>
+#include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#endif
+#ifdef __linux__
+#include <sys/sysmacros.h>
 #endif
 
 #include "engine/graph/file/quantity.h"
@@ -27,6 +32,20 @@ using ErrorCode = boost::system::error_code;
 constexpr std::chrono::milliseconds kReopen{500};
 constexpr std::size_t kMostNames = 16;  // unknown ones that are reported
 
+#ifdef TIOCGDEV
+/// The device that "/dev/tty" stands for, by whatever name it was opened, and also where the standard streams
+/// lead elsewhere. 0: there is none.
+dev_t controlling_terminal() {
+  const int file = ::open("/dev/tty", O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+  if (file < 0) return 0;
+  unsigned number = 0;
+  const bool known = ::ioctl(file, TIOCGDEV, &number) == 0;
+  ::close(file);
+  // The kernel's numbers are of 32 bits, those of the library of 64.
+  return known ? makedev((number & 0xfff00) >> 8, (number & 0xff) | ((number >> 12) & 0xfff00)) : 0;
+}
+#endif
+
 /// The terminal of this program: whoever reads it takes the keys that stop the drives.
 bool is_own_terminal([[maybe_unused]] const std::string& device_name) {
 #ifdef __unix__
@@ -36,6 +55,9 @@ bool is_own_terminal([[maybe_unused]] const std::string& device_name) {
   if (stat("/dev/tty", &own) == 0 && own.st_rdev == device.st_rdev) return true;
   for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     if (isatty(standard) == 1 && fstat(standard, &own) == 0 && own.st_rdev == device.st_rdev) return true;
+#endif
+#ifdef TIOCGDEV
+  if (device.st_rdev != 0 && device.st_rdev == controlling_terminal()) return true;
 #endif
   return false;
 }

@@ -6,6 +6,7 @@
 #include "remote/stream_clock.h"
 #include "tests/remote/fake_remote_target.h"
 #include "tests/remote/serial/serial_device.h"
+#include "tests/support/desk.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/terminal_process.h"
 #include "tests/support/wait_until.h"
@@ -63,6 +64,17 @@ TEST_CASE("serial sensors: the terminal that has the stop keys is none", "[remot
       {TACTUS_PROGRAM, "play", wire.string(), "--backend", "loop", "--serial", terminal}};
   CHECK(play.shows("the terminal of this program is no sensor"));
   CHECK(play.wait() == 4);
+}
+
+TEST_CASE("serial sensors: nor is it one where the standard streams lead elsewhere", "[remote][serial]") {
+  const test::TemporaryFolder folder;
+  const auto wire = folder.write("wire.toml", "format = 1\n[outputs]\nout = { from = \"0.1\" }\n");
+  const auto said = folder.path() / "said.txt";
+  const auto command = std::string{TACTUS_PROGRAM} + " play " + wire.string() +
+                       " --backend loop --serial $(tty) </dev/null >/dev/null 2>" + said.string();
+  test::TerminalProcess play{{"/bin/sh", "-c", command}};
+  CHECK(play.wait() == 4);
+  CHECK(test::text_of(said).find("the terminal of this program is no sensor") != std::string::npos);
 }
 
 TEST_CASE("serial sensors: lines set controls in their unit and range, one bundle each", "[remote][serial]") {
