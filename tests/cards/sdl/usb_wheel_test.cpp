@@ -194,7 +194,12 @@ TEST_CASE("sdl: a USB wheel that is unplugged while it plays is lost, and comes 
   REQUIRE(stream);
   REQUIRE((*stream)->start());
   std::fill_n(levels.levels.begin(), kEffects + 1, 0.5);
+  // Its port and model, which stay the same whatever number the system gives it.
+  const auto hardware = (*stream)->granted().output.hardware;
+  CHECK(hardware.starts_with("usb-dummy_hcd"));
+  CHECK((*stream)->granted().input.hardware == hardware);
   for (int turn = 0; turn < 3; ++turn) {
+    CHECK((*stream)->granted().output.hardware == hardware);
     REQUIRE(waits([&] { return wheel.effects().size() == kEffects && all_play(wheel, true); }));
     wheel.unplug();
     REQUIRE(waits([&] { return (*stream)->tick(), (*stream)->state() == StreamState::Lost; }));
