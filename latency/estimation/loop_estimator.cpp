@@ -130,6 +130,12 @@ std::int64_t reach(const CoarseDelay& coarse) { return coarse.clear() ? kLoopEst
 
 }  // namespace
 
+std::vector<double> LoopEstimate::without_dc() const {
+  auto all = samples;
+  for (auto& sample : all) sample -= floor.mean;
+  return all;
+}
+
 LoopEstimator::LoopEstimator(const LoopRecording& recorded, const AnalysisSettings& asked,
                              const PlayedBursts& bursts)
     : recording(recorded),
@@ -331,7 +337,7 @@ void LoopEstimator::add_mark_steps(LoopEstimate& loop, const Burst& mark,
                                    const std::vector<TrackedProbe>& whole) const {
   const auto at = loop.at + (loop.steps.empty() ? 0 : std::llround(whole.front().delay_frames));
   const auto silence = loop.bursts.repeated.front().at - mark.end();
-  const auto track = track_mark(single(loop, mark, at), loop.samples, silence);
+  const auto track = track_mark(single(loop, mark, at), loop.without_dc(), silence);
   loop.ends_hidden = loop.fit.misfit < kFitsWell && track.recorded && !track.judged;
   loop.steps.insert(loop.steps.begin(), track.steps.begin(), track.steps.end());
 }
@@ -340,7 +346,7 @@ void LoopEstimator::add_mark_steps(LoopEstimate& loop, const Burst& mark,
 void LoopEstimator::add_pilot_steps(LoopEstimate& loop, const Burst& pilot,
                                     const std::vector<TrackedProbe>& whole) const {
   const auto burst = single(loop, pilot, loop.at);
-  const auto track = track_pilot(burst, loop.samples, loop.noise, loop.unsteady);
+  const auto track = track_pilot(burst, loop.without_dc(), loop.noise, loop.unsteady);
   std::vector<DelayPoint> points{points_of(whole, loop.constant()).back()};
   if (loop.steps.empty())
     points[0].delay_frames = loop.constant() + usual(&TrackedProbe::delay_frames, whole);

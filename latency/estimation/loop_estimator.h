@@ -54,6 +54,8 @@ struct LoopEstimate {
   double constant() const { return static_cast<double>(at) + fit.model.delay_frames; }
   /// The delay of what was played at `frame`, where it is `constant` at constant clock speed.
   double captured_delay(double constant, double frame) const { return (frame + constant) * speed - frame; }
+  /// [control] `samples` less the mean of the silence.
+  std::vector<double> without_dc() const;
 };
 
 /// Estimates the path in a recording. Each step adds its part to the estimate.

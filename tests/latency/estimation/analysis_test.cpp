@@ -51,6 +51,18 @@ double noise_for(double snr_db, double gain = 1.0) {
   return std::abs(gain) * std::sqrt(sweep_power() * std::pow(10.0, -snr_db / 10.0));
 }
 
+/// Behind a coupling capacitor: y' = x' - y / tau by the trapezoidal rule.
+std::vector<double> high_passed(std::vector<double> samples, double corner_hz) {
+  const double k = std::tan(std::numbers::pi * corner_hz / 48000.0);
+  double before = 0.0, state = 0.0;
+  for (auto& sample : samples) {
+    state = ((1.0 - k) * state + sample - before) / (1.0 + k);
+    before = sample;
+    sample = state;
+  }
+  return samples;
+}
+
 /// `samples` with white, normal noise of that rms.
 std::vector<double> noisy(std::vector<double> samples, double noise) {
   std::mt19937_64 random{7};
@@ -142,6 +154,18 @@ TEST_CASE("analysis: DC and hum are distinguished from what was played", "[laten
   CHECK(analysis.dc == Approx(0.05).epsilon(0).margin(1e-4));
   CHECK(analysis.noise_floor_dbfs == Approx(20 * std::log10(0.1) - 3.01).epsilon(0).margin(0.05));
   CHECK(analysis.delay_frames == Approx(960.25).epsilon(0).margin(0.0005));
+}
+
+TEST_CASE("analysis: DC that is far louder than the probe is no lost frame", "[latency]") {
+  const double gain = GENERATE(0.2, 0.05, 0.02), corner = GENERATE(10.0, 30.0);
+  auto recording = SimulatedLoop{.delay_frames = 960.25, .gain = gain}.record(probe(), 48_kHz);
+  auto& captured = recording.captured[0];
+  captured = noisy(high_passed(std::move(captured), corner), gain * 1e-3);
+  for (auto& x : captured) x += 0.1;
+  const auto analysis = analysis_of(recording);
+  CAPTURE(gain, corner, analysis.finding.what);
+  CHECK(verdict(analysis) == "ok");
+  CHECK(analysis.dc == Approx(0.1).epsilon(1e-3));
 }
 
 TEST_CASE("analysis: 50 ppm of drift are found within 1 ppm, and the delay in the middle is right",
@@ -386,15 +410,7 @@ TEST_CASE("analysis: a second path is captured as one behind a coupling capacito
   auto& captured = recording.captured[0];
   for (std::size_t n = captured.size(); n-- > kLater;)
     captured[n] += std::pow(10.0, level_db / 20.0) * captured[n - kLater];
-  // y' = x' - y / tau by the trapezoidal rule
-  const double k = std::tan(std::numbers::pi * corner / 48000.0);
-  double before = 0.0, state = 0.0;
-  for (std::size_t n = 0; n < captured.size(); ++n) {
-    state = ((1.0 - k) * state + captured[n] - before) / (1.0 + k);
-    before = captured[n];
-    captured[n] = state;
-  }
-  captured = noisy(std::move(captured), 1e-4);
+  captured = noisy(high_passed(std::move(captured), corner), 1e-4);
   const auto analysis = analysis_of(recording);
   CHECK(verdict(analysis) == "DIRECT_MONITORING");
   CHECK(analysis.finding.what.find(fmt::format("{:.1f} dB below the first, +{} frames", -level_db, kLater)) !=
