@@ -138,6 +138,16 @@ TACTUS_EVERY_BLOCK void CardCallback::block(const float* const* in, float* const
   busy_.store(false);
 }
 
+void CardCallback::restart_from_zero() noexcept {
+  busy_.store(true);
+  const BlockIo io{in_.data(), out_.data(), format_.max_frames};
+  // Twice what the guards need, should one never say that it is at zero.
+  auto left = 2 * static_cast<std::int64_t>(frames_in(processor_.closing_time(), format_.sample_rate));
+  bool at_zero = stage_.load() != Stage::Playing;
+  for (; !at_zero && left >= 0; left -= format_.max_frames) at_zero = processor_.finish(io);
+  busy_.store(false);
+}
+
 /// Frames do not run at their rate, so the clock finds none missing.
 void CardCallback::skip(Clock::time_point now) noexcept {
   clock_ = FrameWatch{format_.sample_rate.value};

@@ -92,6 +92,10 @@ class CardCallback {
   /// `in` may be nullptr, as may any plane: silence. `device_outputs`: how many planes to fill.
   void block(const float* const* in, float* const* out, int device_outputs, int frames) noexcept;
 
+  /// [realtime] Between two blocks: every output of the device was brought to zero meanwhile. The guards come
+  /// to zero unheard, and start softly.
+  void restart_from_zero() noexcept;
+
   /// [realtime, any thread] A gap that the library reported.
   void gap(Gap gap) noexcept;
   /// [realtime, any thread] The flags of a library. With JACK they do not report where: both are always

@@ -52,6 +52,14 @@ struct Converter {
   std::vector<ConverterRange> ranges;
   std::vector<unsigned> specs;  ///< number of channel and range
   int channels() const { return static_cast<int>(names.size()); }
+  /// By which the same channels are known when the card returns: "output 0 (-5 to 5 V) in 4096 steps".
+  std::vector<std::string> ports(const std::vector<int>& chosen) const {
+    std::vector<std::string> known;
+    for (const int c : chosen)
+      known.push_back(
+          fmt::format("{} in {} steps", names[index(c)], std::int64_t{ranges[index(c)].most} + 1));
+    return known;
+  }
 };
 
 /// The open file of a card.
@@ -249,12 +257,21 @@ Result<FoundCard> open_card(const ComediSettings& settings) {
   return FoundCard{std::move(*card), std::move(*inputs), std::move(*outputs)};
 }
 
+/// The port or the bus address of the card, its driver and its board. Empty: the system does not say where it
+/// is.
+std::string hardware_of(const std::string& file, const Card& card) {
+  std::error_code missing;
+  const auto node = std::filesystem::path{file}.filename();
+  const auto device = std::filesystem::canonical("/sys/class/comedi" / node / "device", missing);
+  return missing ? "" : fmt::format("{} {} {}", device.filename().string(), card.driver(), card.board());
+}
+
 Device described(const std::string& id, const ComediSettings& settings, const FoundCard& found) {
   Device device;
   device.id = id;
   const auto short_name = "comedi:" + settings.file.substr(settings.file.find_last_not_of("0123456789") + 1);
   device.name = fmt::format("{} ({}, driver {})", found.card->board(), short_name, found.card->driver());
-  device.hardware = found.card->driver() + " " + found.card->board();
+  device.hardware = hardware_of(settings.file, *found.card);
   device.api = "comedi";
   device.library_name = settings.file;
   device.default_rate = kUsualRate;
@@ -326,7 +343,7 @@ class ComediBackend final : public Backend, public DescribedDevices {
   Result<std::unique_ptr<Stream>> open(const StreamRequest& request, GuardedBlocks& processor) override {
     const auto listed = devices();
     if (!listed) return tl::unexpected(listed.error());
-    const auto choice = choose(*listed, request);
+    auto choice = choose(*listed, request);
     if (!choice) return tl::unexpected(choice.error());
     if (choice->input.id != choice->output.id)
       return fail(Errc::BadArgument, "", "inputs and outputs are of two cards", "name one");
@@ -334,10 +351,12 @@ class ComediBackend final : public Backend, public DescribedDevices {
     if (!settings) return tl::unexpected(settings.error());
     auto found = open_card(*settings);
     if (!found) return tl::unexpected(found.error());
+    const auto inputs = channels_of(request.in_map, request.in_channels),
+               outputs = channels_of(request.out_map, request.out_channels);
+    choice->granted.input.ports = found->inputs.ports(inputs);
+    choice->granted.output.ports = found->outputs.ports(outputs);
     auto frames = std::make_unique<ComediFrames>(found->card, std::pair{found->inputs, found->outputs},
-                                                 channels_of(request.in_map, request.in_channels),
-                                                 channels_of(request.out_map, request.out_channels),
-                                                 reference_of(settings->reference));
+                                                 inputs, outputs, reference_of(settings->reference));
     if (auto status = frames->take_outputs(found->outputs.subdevice, settings->file); !status)
       return tl::unexpected(status.error());
     return PacedStream::open(std::move(frames), choice->granted, settings->pace, processor);

@@ -34,6 +34,12 @@ class FrameDevice {
   virtual bool lost() const { return false; }
 };
 
+/// How a frame comes about.
+struct PacedFrame {
+  std::int64_t skipped = 0;  ///< frames that were left out before it
+  bool from_zero = false;    ///< before it every output was brought to zero
+};
+
 /// A loop that reads, processes and writes one frame in each period. Every output is brought to zero at the
 /// end, when the device fails, and when a frame is late by `kLongest` or more, before it is processed.
 class PacedLoop {
@@ -47,8 +53,7 @@ class PacedLoop {
         in_(index(device.in_channels())),
         out_(index(device.out_channels())) {}
 
-  /// [realtime] Until `stops`, or the device is gone. process(in, out, skipped): one frame; `skipped` before
-  /// it were left out.
+  /// [realtime] Until `stops`, or the device is gone. process(in, out, PacedFrame): one frame.
   template <class Process>
   void run(FrameTimer& timer, const std::atomic<bool>& stops, Process process) noexcept {
     const NoDenormals no_denormals;
@@ -62,9 +67,10 @@ class PacedLoop {
         add(overruns_, 1);
         add(skipped_, turn.skipped);
       }
-      if (turn.late >= kLongest) device_.to_zero();
+      const bool from_zero = turn.late >= kLongest;
+      if (from_zero) device_.to_zero();
       bool works = device_.read(turn.frame, in_.data());
-      if (works) process(in_.data(), out_.data(), turn.skipped);
+      if (works) process(in_.data(), out_.data(), PacedFrame{turn.skipped, from_zero});
       works = works && device_.write(turn.frame, out_.data());
       if (!works) lost_ = true;
       add(frames_, 1);

@@ -17,13 +17,14 @@ void run(PacedLine& line) {
   std::vector<const float*> in(index(line.device->in_channels()));
   std::vector<float*> out(index(line.device->out_channels()));
   line.device->expect_frames(true);
-  line.loop.run(timer, line.stops, [&](const float* inputs, float* outputs, std::int64_t skipped) {
+  line.loop.run(timer, line.stops, [&](const float* inputs, float* outputs, const PacedFrame& frame) {
     for (std::size_t c = 0; c < in.size(); ++c) in[c] = inputs + c;
     for (std::size_t c = 0; c < out.size(); ++c) out[c] = outputs + c;
-    if (skipped > 0) {
+    if (frame.skipped > 0) {
       line.card->gap(Gap::Output);
-      line.card->lost(skipped);
+      line.card->lost(frame.skipped);
     }
+    if (frame.from_zero) line.card->restart_from_zero();
     line.card->block(in.data(), out.data(), static_cast<int>(out.size()), 1);
   });
   line.device->expect_frames(false);

@@ -82,6 +82,25 @@ TEST_CASE("card callback: gives zeros and leaves the processor alone until it pl
   CHECK(card.block({plane(8, 0.5)}, 2, 8) == std::vector<Plane>{plane(8, 0.625), plane(8, 0)});
 }
 
+TEST_CASE("card callback: what begins again at zero rises from there as fast as the slew limit, no faster",
+          "[backends]") {
+  DriveLimits limits;
+  limits.slew_per_second = 480.0;  // 0.01 a frame
+  Card card{1, 1, 1, {}, {DriveGuard::Kind::Drive, limits}};
+  card.callback->play();
+  const auto next = [&] { return card.block({plane(1, 0.2)}, 1, 1)[0][0]; };
+  for (int n = 0; n < 48000; ++n) next();
+  REQUIRE(next() == Approx(0.325).epsilon(1e-6));
+  card.callback->restart_from_zero();
+  double before = 0.0;
+  for (int n = 0; n < 48000; ++n) {
+    const double now = next();
+    REQUIRE(now - before <= 0.01 + 1e-7);  // samples of the card are floats
+    before = now;
+  }
+  CHECK(before == Approx(0.325).epsilon(1e-6));
+}
+
 TEST_CASE("card callback: channels go where the maps say, and other outputs are silent", "[backends]") {
   StreamRequest request;
   request.in_map = {4, 1};

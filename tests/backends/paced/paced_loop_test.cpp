@@ -52,14 +52,15 @@ struct Run {
   GivenTimer timer;
   Recorder device;
   std::atomic<bool> stops{false};
-  std::vector<std::int64_t> skipped;
+  std::vector<std::int64_t> skipped, from_zero;  ///< frames left out before each frame; of those from zero
 
   /// `frames`: after which it stops. `takes`: how long the frame of this number does.
   void run(
       PacedLoop& loop, int frames, const std::function<Time(int)>& takes = [](int) { return 0ns; }) {
-    loop.run(timer, stops, [&](const float* in, float* out, std::int64_t left_out) {
+    loop.run(timer, stops, [&](const float* in, float* out, const PacedFrame& frame) {
       *out = 2 * *in;
-      skipped.push_back(left_out);
+      skipped.push_back(frame.skipped);
+      if (frame.from_zero) from_zero.push_back(frame.skipped);
       const int n = static_cast<int>(skipped.size()) - 1;
       timer.time += takes(n);
       stops = n + 1 == frames;
@@ -129,6 +130,7 @@ TEST_CASE("paced loop: before a frame that is late by 500 ms the output is at ze
   const std::vector<std::size_t> at_end{10}, with_stall{7, 10};
   CHECK(run.device.zeros == (late < 500ms ? at_end : with_stall));
   CHECK(loop.skipped() == (late < 500ms ? 499 : 500));
+  CHECK(run.from_zero == (late < 500ms ? std::vector<std::int64_t>{} : std::vector<std::int64_t>{500}));
 }
 
 namespace {
@@ -179,7 +181,7 @@ TEST_CASE("paced loop: the phase of a closed loop shows the time from input to o
   PacedLoop loop{plant, 1000};
   std::atomic<bool> stops{false};
   int n = 0;
-  loop.run(timer, stops, [&](const float* in, float* out, std::int64_t) {
+  loop.run(timer, stops, [&](const float* in, float* out, const PacedFrame&) {
     *out = static_cast<float>(kGain * (std::cos(w * n) - static_cast<double>(*in)));
     stops = ++n == kFrames;
     timer.time += takes;

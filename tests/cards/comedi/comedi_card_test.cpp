@@ -173,6 +173,8 @@ TEST_CASE("comedi: each input is what the output had one frame before, within ha
   Guarded guarded{staircase, open_guards(1)};
   const auto stream = comedi()->open(request(1, 1, GENERATE(1e3, 3e3)), guarded);
   REQUIRE(stream);
+  CHECK((*stream)->granted().output.ports ==
+        std::vector<std::string>{"output 0 (-10 to 10 V) in 65536 steps"});
   REQUIRE((*stream)->start());
   REQUIRE(test::wait_until([&] { return staircase.frames > 5000; }, kPatience));
   REQUIRE((*stream)->stop());

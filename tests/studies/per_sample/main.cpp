@@ -134,7 +134,7 @@ double fastest_hz(const std::string& file, int seconds) {
   std::atomic<bool> stops{false};
   const auto start = Clock::now();
   std::int64_t frames = 0;
-  loop.run(timer, stops, [&](const float* in, float* out, std::int64_t) {
+  loop.run(timer, stops, [&](const float* in, float* out, const PacedFrame&) {
     const double input = static_cast<double>(*in);
     double output = 0.0;
     const double* from[] = {&input};
@@ -225,7 +225,7 @@ void phase(int rate_hz, int seconds, std::chrono::microseconds work) {
   std::thread{[&] {
     (void)become_realtime(80);
     use_stack();
-    loop.run(timer, stops, [&](const float* in, float* out, std::int64_t) {
+    loop.run(timer, stops, [&](const float* in, float* out, const PacedFrame&) {
       const auto start = Clock::now();
       *out = static_cast<float>(gain *
                                 (std::cos(w * static_cast<double>(plant.now)) - static_cast<double>(*in)));
