@@ -17,7 +17,8 @@ inline constexpr const char* kAgainstGaps =
 
 /// Another way by which what was played comes back, too far from the first one for the same window.
 struct SecondPath {
-  /// Nearer ones are left to Response::echo, which sees as much as the pauses between probes leave. [frames]
+  /// [any] Nearer ones are left to Response::echo, which sees as much as the pauses between probes leave.
+  /// [frames]
   static std::int64_t near(Hertz rate) {
     constexpr double kLongest = 2048.0;
     constexpr Seconds kTime{0.04};

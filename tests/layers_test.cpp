@@ -84,10 +84,10 @@ const std::vector<ThirdParty> kThirdParty = {
 /// Vector intrinsics exist wherever the compiler's macros say so; the system's own headers only at the rim.
 const std::set<std::string> kIntrinsics = {"xmmintrin.h", "immintrin.h", "arm_neon.h"};
 const std::set<std::string> kSystem = {
-    "unistd.h",   "io.h",           "pthread.h",  "sched.h",       "dlfcn.h",      "windows.h",
-    "sys/mman.h", "sys/resource.h", "sys/time.h", "sys/utsname.h", "sys/sysctl.h", "sys/ioctl.h",
-    "fcntl.h",    "poll.h",         "termios.h",  "conio.h",       "cpuid.h",      "sys/socket.h",
-    "sys/stat.h", "sys/wait.h",     "spawn.h",    "shellapi.h"};
+    "unistd.h",   "io.h",           "pthread.h",       "sched.h",       "dlfcn.h",      "windows.h",
+    "sys/mman.h", "sys/resource.h", "sys/time.h",      "sys/utsname.h", "sys/sysctl.h", "sys/ioctl.h",
+    "fcntl.h",    "poll.h",         "termios.h",       "conio.h",       "cpuid.h",      "sys/socket.h",
+    "sys/stat.h", "sys/wait.h",     "sys/sysmacros.h", "spawn.h",       "shellapi.h"};
 
 struct Include {
   std::string path;

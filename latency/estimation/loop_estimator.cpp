@@ -102,7 +102,9 @@ bool is_displaced(const TrackedProbe& probe, const std::vector<TrackedProbe>& pr
 /// probes nothing, or something at another place in every second one?
 bool are_knocks(const LoopEstimate& loop) {
   if (loop.fit.misfit < kHum || loop.probes.empty()) return false;
-  if (2 * loop.steps.size() >= loop.probes.size()) return true;
+  // Where frames are lost again and again, most probes are still probes.
+  if (2 * loop.steps.size() >= loop.probes.size() && usual(&TrackedProbe::misfit, loop.probes) > kHum)
+    return true;
   const auto louder = [](const TrackedProbe& a, const TrackedProbe& b) { return a.log_gain < b.log_gain; };
   const auto loudest = std::max_element(loop.probes.begin(), loop.probes.end(), louder);
   return loudest->log_gain > usual(&TrackedProbe::log_gain, loop.probes) + kKnock;
