@@ -407,7 +407,7 @@ class Analysis {
 
   /// Loops on which no event has to wait.
   void doubt_unlimited_events(LinearGraph graph) {
-    std::erase_if(graph.edges, &LinearEdge::limited);
+    std::erase_if(graph.edges, [](const LinearEdge& edge) { return edge.limited; });
     for (const auto& event : verdict_.events)
       if (event_loop_through(graph, event.path))
         add_doubt(verdict_.doubts, {"the loop through " + event.type + " '" + event.path +

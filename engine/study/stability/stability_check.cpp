@@ -66,7 +66,7 @@ Checked<std::vector<ExtremeRun>> run_all(const StabilitySubject& subject, const 
 void settle(StabilityReport& report) {
   auto& verdict = report.verdict;
   if (!std::ranges::all_of(report.runs, &ExtremeRun::as_expected)) return;
-  std::erase_if(verdict.doubts, &Doubt::until_played);
+  std::erase_if(verdict.doubts, [](const Doubt& doubt) { return doubt.until_played; });
   const bool undecided = !verdict.doubts.empty() || verdict.has_undecided_part();
   if (verdict.stability == Stability::Undecided && !undecided) verdict.stability = Stability::Stable;
 }
