@@ -5,6 +5,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "engine/core/parse_double.h"
+
 namespace tactus {
 namespace {
 
@@ -19,7 +21,7 @@ std::optional<Number> number_of(std::string_view text, int base) {
 
 std::optional<double> value_of(std::string_view text) {
   double number = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const auto [end, error] = parse_double(text.data(), text.data() + text.size(), number);
   const bool whole = error == std::errc{} && end == text.data() + text.size();
   return whole && std::isfinite(number) ? std::optional{number} : std::nullopt;
 }
