@@ -12,11 +12,11 @@ struct OscPeer {
   std::uint16_t port = 0;
   bool local = false;  ///< the loopback address of this computer
 
-  bool operator==(const OscPeer&) const = default;
-  // libc++ 16 has no three-way comparison of arrays.
+  /// [any] libc++ 16 has no three-way comparison of arrays.
   bool operator<(const OscPeer& other) const {
     return std::tie(address, port, local) < std::tie(other.address, other.port, other.local);
   }
+  bool operator==(const OscPeer&) const = default;
 };
 
 }  // namespace tactus
