@@ -88,7 +88,7 @@ TEST_CASE("card callback: what begins again at zero rises from there as fast as 
   limits.slew_per_second = 480.0;  // 0.01 a frame
   Card card{1, 1, 1, {}, {DriveGuard::Kind::Drive, limits}};
   card.callback->play();
-  const auto next = [&] { return card.block({plane(1, 0.2)}, 1, 1)[0][0]; };
+  const auto next = [&] { return static_cast<double>(card.block({plane(1, 0.2)}, 1, 1)[0][0]); };
   for (int n = 0; n < 48000; ++n) next();
   REQUIRE(next() == Approx(0.325).epsilon(1e-6));
   card.callback->restart_from_zero();
