@@ -77,7 +77,9 @@ inline std::from_chars_result parse_double(const char* first, const char* last, 
   std::istringstream stream{std::string{first, end}};
   stream.imbue(std::locale::classic());
   double read = 0;
-  if (!(stream >> read)) return {end, std::errc::result_out_of_range};
+  // The stream takes a number below the smallest normal one for an error, and reads it.
+  const bool tiny = !(stream >> read) && read != 0 && std::abs(read) < std::numeric_limits<double>::min();
+  if (!stream && !tiny) return {end, std::errc::result_out_of_range};
   value = read;
   return {end, {}};
 }
