@@ -107,8 +107,7 @@ std::string error_text(const WorkPrecision& result) {
   for (const auto& network : point.networks) text += "  " + describe(network) + "\n";
   text += "\n" + error_table(result).text() +
           "\nErrors are relative. The bound is that of each resonance, decay and contact, and of the force "
-          "of what "
-          "slips; the error of a path adds them up over its duration.\n";
+          "of what slips; the error of a path adds them up over its duration.\n";
   bool trusted = true;
   for (std::size_t a = 0; a < point.errors.size(); ++a) trusted = trusted && point.trusted(a);
   return text + (trusted ? "" : "?: less than ten times the reference's own error, so in doubt.\n");

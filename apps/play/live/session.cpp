@@ -215,14 +215,12 @@ Status Session::begin_take() {
   performer_.describe(header);
   if (std::exchange(first_take_, record_) != record_) takes_of_name_ = 0;
   auto file = record_;
-  const auto number = [&] {
+  // A take that failed may have left its file.
+  for (std::error_code none; takes_of_name_ > 0; ++takes_of_name_) {
     file.replace_filename(
         fmt::format("{}-{}{}", record_.stem().string(), takes_of_name_ + 1, record_.extension().string()));
-  };
-  if (takes_of_name_ > 0) number();
-  // A take that failed may have left its file.
-  for (std::error_code none; takes_of_name_ > 0 && std::filesystem::exists(file, none); number())
-    ++takes_of_name_;
+    if (!std::filesystem::exists(file, none)) break;
+  }
   auto begun = TakeRecorder::start(file, std::move(header));
   if (!begun) return tl::unexpected(begun.error());
   recorder_ = std::move(*begun);
