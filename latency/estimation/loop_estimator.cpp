@@ -55,12 +55,6 @@ double power(std::span<const double> samples, double mean) {
   return samples.empty() ? 0.0 : sum / static_cast<double>(samples.size());
 }
 
-double usual(double TrackedProbe::*of, const std::vector<TrackedProbe>& probes) {
-  std::vector<double> all;
-  for (const auto& probe : probes) all.push_back(probe.*of);
-  return median(std::move(all));
-}
-
 /// What a sweep in which nothing is broken leaves unexplained: about as much as the others.
 double most_misfit(const std::vector<TrackedProbe>& probes) {
   return kMoreDamaged * usual(&TrackedProbe::misfit, probes) + kDamaged;

@@ -5,7 +5,6 @@
 #include <cstdint>
 
 #include "engine/core/index.h"
-#include "engine/core/median.h"
 #include "latency/estimation/loop_recording.h"
 #include "latency/estimation/pilot_track.h"
 
@@ -86,18 +85,12 @@ bool by_mean(const std::vector<ProbeInTime>& probes, const Run& run) {
                      [&](const ProbeInTime& probe) { return power(probe) > kFarMore * here; });
 }
 
-double usual_value(double TrackedProbe::*of, const std::vector<TrackedProbe>& probes) {
-  std::vector<double> all;
-  for (const auto& probe : probes) all.push_back(probe.*of);
-  return median(std::move(all));
-}
-
 }  // namespace
 
 ProbeDamage ProbeDamage::of(const std::vector<ProbeInTime>& probes, const std::vector<TrackedProbe>& tracked,
                             double variance, std::int64_t longest, bool ends) {
-  const double misfit = usual_value(&TrackedProbe::misfit, tracked) + kTouched;
-  const double chi_squared = kNoisier * usual_value(&TrackedProbe::chi_squared, tracked);
+  const double misfit = usual(&TrackedProbe::misfit, tracked) + kTouched;
+  const double chi_squared = kNoisier * usual(&TrackedProbe::chi_squared, tracked);
   ProbeDamage damage;
   std::vector<Run> runs;
   for (std::size_t n = 0; n < probes.size(); ++n) {

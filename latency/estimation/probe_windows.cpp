@@ -99,6 +99,12 @@ std::vector<double> NoiseFloor::in_bins(std::size_t size, double frames) const {
   return bins;
 }
 
+double usual(double TrackedProbe::*of, const std::vector<TrackedProbe>& probes) {
+  std::vector<double> all;
+  for (const auto& probe : probes) all.push_back(probe.*of);
+  return median(std::move(all));
+}
+
 double total_power(std::span<const TrackedProbe> probes) {
   double sum = 0.0;
   for (const auto& probe : probes) sum += probe.burst.gain * probe.burst.gain;

@@ -43,6 +43,9 @@ struct ProbeInTime {
   std::vector<double> captured, expected;
 };
 
+/// [control] The median of one of their values.
+double usual(double TrackedProbe::*of, const std::vector<TrackedProbe>& probes);
+
 /// [any] Of all of them together, where one at full level has 1.
 double total_power(std::span<const TrackedProbe> probes);
 

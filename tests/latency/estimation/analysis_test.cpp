@@ -51,18 +51,6 @@ double noise_for(double snr_db, double gain = 1.0) {
   return std::abs(gain) * std::sqrt(sweep_power() * std::pow(10.0, -snr_db / 10.0));
 }
 
-/// Behind a coupling capacitor: y' = x' - y / tau by the trapezoidal rule.
-std::vector<double> high_passed(std::vector<double> samples, double corner_hz) {
-  const double k = std::tan(std::numbers::pi * corner_hz / 48000.0);
-  double before = 0.0, state = 0.0;
-  for (auto& sample : samples) {
-    state = ((1.0 - k) * state + sample - before) / (1.0 + k);
-    before = sample;
-    sample = state;
-  }
-  return samples;
-}
-
 /// `samples` with white, normal noise of that rms.
 std::vector<double> noisy(std::vector<double> samples, double noise) {
   std::mt19937_64 random{7};
@@ -158,10 +146,10 @@ TEST_CASE("analysis: DC and hum are distinguished from what was played", "[laten
 
 TEST_CASE("analysis: DC that is far louder than the probe is no lost frame", "[latency]") {
   const double gain = GENERATE(0.2, 0.05, 0.02), corner = GENERATE(10.0, 30.0);
-  auto recording = SimulatedLoop{.delay_frames = 960.25, .gain = gain}.record(probe(), 48_kHz);
-  auto& captured = recording.captured[0];
-  captured = noisy(high_passed(std::move(captured), corner), gain * 1e-3);
-  for (auto& x : captured) x += 0.1;
+  auto recording =
+      SimulatedLoop{.delay_frames = 960.25, .gain = gain, .high_pass_hz = {corner}, .noise = gain * 1e-3}
+          .record(probe(), 48_kHz);
+  for (auto& x : recording.captured[0]) x += 0.1;
   const auto analysis = analysis_of(recording);
   CAPTURE(gain, corner, analysis.finding.what);
   CHECK(verdict(analysis) == "ok");
@@ -406,11 +394,12 @@ TEST_CASE("analysis: a second path is captured as one behind a coupling capacito
   const double corner = GENERATE(10.0, 30.0, 60.0);
   CAPTURE(level_db, corner);
   constexpr int kLater = 13719;
-  auto recording = SimulatedLoop{.delay_frames = 54.74, .gain = 0.6}.record(probe(), 48_kHz, kLater + 8000);
+  auto recording = SimulatedLoop{.delay_frames = 54.74, .gain = 0.6, .high_pass_hz = {corner}}.record(
+      probe(), 48_kHz, kLater + 8000);
   auto& captured = recording.captured[0];
   for (std::size_t n = captured.size(); n-- > kLater;)
     captured[n] += std::pow(10.0, level_db / 20.0) * captured[n - kLater];
-  captured = noisy(high_passed(std::move(captured), corner), 1e-4);
+  captured = noisy(std::move(captured), 1e-4);
   const auto analysis = analysis_of(recording);
   CHECK(verdict(analysis) == "DIRECT_MONITORING");
   CHECK(analysis.finding.what.find(fmt::format("{:.1f} dB below the first, +{} frames", -level_db, kLater)) !=
