@@ -55,7 +55,7 @@ void FeedbackProbe::begin(const Reach& reach) noexcept {
   group_ = slot_ = run_ = 0;
   left_ = kRuns.front();
   wanted_ = allowed_ = out_ = 0.0;
-  for (auto& levels : levels_) levels.lags.fill({});
+  for (auto& levels : levels_) levels.lags.fill({}), levels.fits.fill(0);
   gain_.move_to(1.0);
 }
 
@@ -101,7 +101,10 @@ bool FeedbackProbe::advance(Levels& levels, const Smoothing& smoothing) noexcept
     if (a < silent && levels.u[from] < silent) continue;
     auto& lag = levels.lags[index(m)];
     lag.add(levels.x[from], a - levels.u[from]);
-    found = found || (runs_[from] >= kLeastRuns && is_feedback(lag, smoothing.wanted, reach_));
+    auto& fits = levels.fits[index(m)];
+    const bool fit = runs_[from] >= kLeastRuns && is_feedback(lag, smoothing.wanted, reach_);
+    fits = fit ? static_cast<unsigned char>(std::min(fits + 1, reach_.least_fits)) : 0;
+    found = found || fits == reach_.least_fits;
   }
   return found;
 }

@@ -30,17 +30,18 @@ namespace tactus {
 /// goes round in a loop is, say nothing and do not count.
 ///
 ///           slot (at 48 kHz)     pattern             lags         β
-///   short   64 frames, 1.3 ms    4 to 39 ms, 0.25 s  up to 48 ms  0.5 to 1.7
-///   long    256 frames, 5.3 ms   16 to 155 ms, 1 s   up to 0.5 s  0.7 to 1.4: of more lags more fit by
-///   chance
+///   short   64 frames, 1.3 ms    4 to 39 ms, 0.25 s  up to 48 ms  0.6 to 1.7
+///   long    256 frames, 5.3 ms   16 to 155 ms, 1 s   up to 0.5 s  0.7 to 1.4, for a third of a second: of
+///   more lags more fit by chance
 class FeedbackProbe {
  public:
   struct Reach {
     double slots_per_second;
     int lags;
     double least_response, most_response;  ///< of a loop
+    int least_fits;                        ///< slots in a row in which one lag fits
   };
-  static constexpr Reach kShort{750.0, 37, 0.5, 1.7}, kLong{187.5, 95, 0.7, 1.4};
+  static constexpr Reach kShort{750.0, 37, 0.6, 1.7, 1}, kLong{187.5, 95, 0.7, 1.4, 64};
 
   /// [control]
   FeedbackProbe(Hertz sample_rate, double ceiling);
@@ -77,6 +78,7 @@ class FeedbackProbe {
     double wanted = 0.0, allowed = 0.0, out = 0.0;  ///< smoothed powers
     std::array<double, kLags> u{}, x{};             ///< of the last slots
     std::array<FeedbackRegression, kLags> lags{};
+    std::array<unsigned char, kLags> fits{};  ///< slots in a row in which each lag fits
   };
 
   bool end_slot() noexcept;

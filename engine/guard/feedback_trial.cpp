@@ -13,6 +13,8 @@ constexpr double kSwinging = 0.3;                                   ///< of the 
 constexpr double kRise = 1.2, kRiseShare = 0.03;  ///< of the lowest level, and of the level before
 constexpr int kSteadySteps = 20, kLongestFall = 47, kSilentSteps = 30, kSilentFalls = 2;
 constexpr int kLongestRise = 940, kRiseFalls = 30, kLeastPlaying = 18;
+constexpr int kSecond = 94;       ///< in steps
+constexpr double kRisesBy = 1.1;  ///< each second, a loop that is slow to be limited again
 constexpr double kPlayingFalls = 1.5;
 
 }  // namespace
@@ -24,7 +26,7 @@ void FeedbackTrial::begin() noexcept {
 
 void FeedbackTrial::mute() noexcept {
   go(State::Falling);
-  reference_ = level();
+  reference_ = highest_ = level();
   swing_ = swing();
 }
 
@@ -48,8 +50,9 @@ FeedbackTrial::Verdict FeedbackTrial::step(double level, bool limited) noexcept 
 
 FeedbackTrial::Verdict FeedbackTrial::falling(double level) noexcept {
   if (level > kFallen * reference_) {
+    highest_ = std::max(highest_, level);
     const bool steady =
-        steps_ >= kSteadySteps && level > kSteady * reference_ && last_swing() > kSwinging * swing_;
+        steps_ >= kSteadySteps && level > kSteady * highest_ && last_swing() > kSwinging * swing_;
     return steady || steps_ > kLongestFall ? outside() : Verdict::None;
   }
   fall_ = steps_;
@@ -67,19 +70,28 @@ FeedbackTrial::Verdict FeedbackTrial::silent(double level) noexcept {
   last_fall_ = fall_;
   wait_ = kLeastPlaying + static_cast<int>(kPlayingFalls * fall_);
   limited_again_ = false;
-  highest_ = 0.0;
+  highest_ = risen_ = 0.0;
   go(State::Playing);
   return Verdict::None;
 }
 
 FeedbackTrial::Verdict FeedbackTrial::playing(double level, bool limited) noexcept {
   if (limited && level > kBack * reference_) limited_again_ = true;
-  if (!limited_again_) return steps_ > kLongestRise + kRiseFalls * fall_ ? outside() : Verdict::None;
+  if (!limited_again_) return is_waiting(level) ? Verdict::None : outside();
   highest_ = std::max(highest_, level);
   if (level < kFallenPlaying * highest_) return outside();
   if (--wait_ > 0 || last_swing() <= kSwinging * swing()) return Verdict::None;
   mute();
   return Verdict::None;
+}
+
+/// Whether the drive may still be limited again.
+bool FeedbackTrial::is_waiting(double level) noexcept {
+  if (steps_ % kSecond == 0) {
+    rises_ = level > kRisesBy * risen_;
+    risen_ = level;
+  }
+  return rises_ || steps_ <= kLongestRise + kRiseFalls * fall_;
 }
 
 FeedbackTrial::Verdict FeedbackTrial::outside() noexcept {

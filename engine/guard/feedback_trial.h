@@ -24,10 +24,11 @@ namespace tactus {
 ///            both silences
 ///   loop     it fell twice, in times that are equal within a step and an eighth, or three times, the last
 ///            two in times that agree within a factor of 2; or it fell in two trials
-///   outside  after 0.21 s of silence or more the level is above 95 % and one of the last two steps swings as
-///            before (by 30 %), or the level has not fallen after 0.5 s, or it rises again during the silence
-///            or is not below 55 % after it, or it falls by 6 dB while the drive plays, or the drive is not
-///            limited again within 10 s and 30 times the time of the fall
+///   outside  after 0.21 s of silence or more the level is above 95 % of the highest since, and one of the
+///            last two steps swings as before (by 30 %), or the level has not fallen after 0.5 s, or it rises
+///            again during the silence or is not below 55 % after it, or it falls by 6 dB while the drive
+///            plays, or the drive is not limited again within 10 s and 30 times the time of the fall, nor
+///            does the level still rise by a tenth each second
 class FeedbackTrial {
  public:
   enum class Verdict { None, Feedback, Outside };
@@ -79,6 +80,7 @@ class FeedbackTrial {
   Verdict silent(double level) noexcept;
   Verdict playing(double level, bool limited) noexcept;
   void mute() noexcept;
+  bool is_waiting(double level) noexcept;
   Verdict outside() noexcept;
   Verdict judge() noexcept;
   void go(State state) noexcept { state_ = state, steps_ = 0; }
@@ -87,7 +89,8 @@ class FeedbackTrial {
   State state_ = State::Idle;
   int group_ = 0, steps_ = 0, wait_ = 0, disagreements_ = 0;
   int falls_ = 0, last_fall_ = 0, fall_ = 0;  ///< how many; of the one before and of this one, in steps
-  bool limited_again_ = false;
+  bool limited_again_ = false, rises_ = false;
+  double risen_ = 0.0;                    ///< the level a second ago
   double reference_ = 0.0, swing_ = 0.0;  ///< level and swing before the silence
   double highest_ = 0.0, lowest_ = 0.0;
   Range now_;                       ///< of this step

@@ -89,7 +89,7 @@ struct Caught {
   double slowest_s = 0.0;
 };
 
-/// Random unstable loops, each for 60 s at most.
+/// Random unstable loops, each for 100 s at most.
 Caught catch_loops(unsigned seed, int loops, const LoopDelays& delays = {}) {
   std::mt19937 random{seed};
   Caught result{loops};
@@ -98,7 +98,7 @@ Caught catch_loops(unsigned seed, int loops, const LoopDelays& delays = {}) {
     const auto limits = random_limits(random);
     Loop loop{shape, static_cast<unsigned>(turn)};
     double limited_s = 0.0;
-    const auto at = faded_at(loop, limits, shape.internal ? kInternal : kThroughInput, 60.0, &limited_s);
+    const auto at = faded_at(loop, limits, shape.internal ? kInternal : kThroughInput, 100.0, &limited_s);
     result.caught += at ? 1 : 0;
     if (at) result.slowest_s = std::max(result.slowest_s, *at - limited_s);
     if (at) continue;
@@ -148,7 +148,7 @@ TEST_CASE("feedback: 1,000 random unstable loops", "[.soak]") {
   const auto result = catch_loops(11, 1000);
   std::printf("%d of %d caught, the slowest %.2f s after its first limited frame\n", result.caught,
               result.loops, result.slowest_s);
-  CHECK(result.caught >= 999);  // one that reached its limit after 40 s needs longer
+  CHECK(result.caught == result.loops);
 }
 
 TEST_CASE("feedback: random unstable loops with delays of 40 to 80 ms are faded", "[core]") {
@@ -162,6 +162,15 @@ TEST_CASE("feedback: random unstable loops with longer delays", "[.soak]") {
     std::printf("delays of %g to %g ms: %d of %d caught, the slowest after %.2f s\n", delays.least / 48.0,
                 delays.most / 48.0, result.caught, result.loops, result.slowest_s);
   }
+}
+
+TEST_CASE("feedback: a resonance that has not grown to its end is no outside signal in a trial", "[core]") {
+  // It rings on by more than it was when it was silenced; such loops stayed at the limit before.
+  Loop loop{{.gain = 39.0, .delay = 665, .modes = {Mode::of(24.6, 30)}, .noise = 0.02}, 1};
+  double limited_s = 0.0;
+  const auto at = faded_at(loop, {.ceiling = 0.59}, kThroughInput, 30.0, &limited_s);
+  REQUIRE(at);
+  CHECK(*at - limited_s < 20.0);
 }
 
 TEST_CASE("feedback: a loop with a delay of 100 to 160 ms is faded within 20 s of its first limited frame",
@@ -223,7 +232,7 @@ TEST_CASE("feedback: only a loop of the graph is found by its growth", "[core]")
 TEST_CASE("feedback: 1,000 loud stable instruments", "[.soak]") {
   const int fades = count_false_fades(11, 1000, 20.0);
   std::printf("%d false fades\n", fades);
-  CHECK(fades <= 5);  // crescendos, again and again
+  CHECK(fades <= 2);
 }
 
 TEST_CASE("feedback: a loop through an input is faded within 0.12 s of its first limited frame", "[core]") {
