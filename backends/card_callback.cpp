@@ -14,6 +14,7 @@ namespace tactus {
 namespace {
 
 constexpr std::chrono::milliseconds kStall{500};
+constexpr std::int64_t kUnknownGap = std::int64_t{1} << 32;  ///< in frames: longer than any mass remembers
 
 double seconds(std::chrono::steady_clock::duration time) {
   return std::chrono::duration<double>(time).count();
@@ -112,6 +113,7 @@ TACTUS_EVERY_BLOCK void CardCallback::block(const float* const* in, float* const
   const bool late = pause > patience_;
   const bool suspended = stage == Stage::Playing && suspended_.load();
   if (late && stage == Stage::Playing && !suspended) processor_.note_pause(Seconds{seconds(pause)});
+  if (late) gap_frames_.store(kUnknownGap, std::memory_order_relaxed);
   if (suspended) skip(begin);
   const bool wanted = stage != Stage::Silent && frames > 0;
   if (stage == Stage::Silent) zeros_.fetch_add(std::max(0, frames), std::memory_order_relaxed);
@@ -125,6 +127,8 @@ TACTUS_EVERY_BLOCK void CardCallback::block(const float* const* in, float* const
     if (stage == Stage::Playing && first_block_ == Clock::time_point{}) first_block_ = begin;
     resumes_ = stage == Stage::Playing && (resumes_ || pauses || late);
     if (stage == Stage::Playing) meter_.clock(seconds(begin - first_block_));
+    if (gap_frames_.load(std::memory_order_relaxed) > 0 && stage == Stage::Playing)
+      processor_.note_gap(gap_frames_.exchange(0, std::memory_order_relaxed));
     bool at_zero = true;
     for (int offset = 0; offset < frames; offset += format_.max_frames)
       at_zero = process(in, out, offset, std::min(format_.max_frames, frames - offset),
@@ -210,11 +214,13 @@ TACTUS_EVERY_BLOCK void CardCallback::watch_buffer(Clock::time_point now) noexce
 void CardCallback::lost(std::int64_t frames) noexcept {
   meter_.lost(frames);
   frames_ += frames;  // so that the clock does not count them again
+  gap_frames_.fetch_add(frames, std::memory_order_relaxed);
 }
 
-void CardCallback::gap(Gap gap) noexcept {
+void CardCallback::gap(Gap gap, bool counted) noexcept {
   meter_.gap(gap);
   last_gap_.store(Clock::now(), std::memory_order_relaxed);
+  if (!counted) gap_frames_.fetch_add(kUnknownGap, std::memory_order_relaxed);
 }
 
 bool CardCallback::stalled(std::chrono::milliseconds silence) const noexcept {

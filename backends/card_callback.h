@@ -96,8 +96,8 @@ class CardCallback {
   /// to zero unheard, and start softly.
   void restart_from_zero() noexcept;
 
-  /// [realtime, any thread] A gap that the library reported.
-  void gap(Gap gap) noexcept;
+  /// [realtime, any thread] A gap that the library reported; of unknown length, unless `lost` says it.
+  void gap(Gap gap, bool counted = false) noexcept;
   /// [realtime, any thread] The flags of a library. With JACK they do not report where: both are always
   /// there.
   void gaps(bool jack, bool input, bool output) noexcept {
@@ -143,7 +143,8 @@ class CardCallback {
   std::atomic<bool> busy_{false}, suspended_{false};
   std::atomic<Clock::time_point> last_block_;  ///< when `play` began, until the first
   std::atomic<Clock::time_point> last_gap_;
-  std::atomic<std::int64_t> zeros_{0};  ///< frames since `abandon`
+  std::atomic<std::int64_t> zeros_{0};       ///< frames since `abandon`
+  std::atomic<std::int64_t> gap_frames_{0};  ///< lost since the last block
   Clock::time_point first_block_;
   std::int64_t frames_ = 0;  ///< since `play`, with those that the library reported lost
   FrameWatch clock_;

@@ -155,7 +155,8 @@ std::vector<OtherWriter> Client::other_writers() const {
     for (auto& from : connections_of(assigned))
       if (from != ours) found.push_back({output, std::move(from), assigned});
     for (auto& to : connections_of(ours))
-      if (to != assigned && is_hardware(to)) found.push_back({output, ours, std::move(to)});
+      if (to != assigned && is_of_device(jack_port_by_name(handle, to.c_str())))
+        found.push_back({output, ours, std::move(to)});
   }
   return found;
 }
@@ -172,7 +173,9 @@ void Client::note_connection(std::uint32_t from, std::uint32_t to) {
   if (writes == nullptr || reads == nullptr) return;
   const std::string source = jack_port_name(writes), target = jack_port_name(reads);
   for (std::size_t c = 0; c < outputs_.size(); ++c) {
-    if (target != wires[inputs_.size() + c].to || source == jack_port_name(outputs_[c])) continue;
+    const bool ours = source == jack_port_name(outputs_[c]),
+               assigned = target == wires[inputs_.size() + c].to;
+    if (ours == assigned || (ours && !is_of_device(reads))) continue;
     const std::lock_guard lock{passing_mutex_};
     passing_writers_.push_back({static_cast<int>(c), source, target});
   }
@@ -192,9 +195,14 @@ Names Client::connections_of(const std::string& port) const {
   return found == nullptr ? Names{} : names_of(jack_port_get_all_connections(handle, found));
 }
 
-bool Client::is_hardware(const std::string& port) const {
-  const auto* found = jack_port_by_name(handle, port.c_str());
-  return found != nullptr && (jack_port_flags(found) & JackPortIsPhysical) != 0;
+/// Anything may be behind a port of hardware, and behind each one of the client that is the device.
+bool Client::is_of_device(const _jack_port* port) const {
+  if (port == nullptr) return false;
+  if ((jack_port_flags(port) & JackPortIsPhysical) != 0) return true;
+  const auto client_of = [](const std::string& name) { return name.substr(0, name.find(':') + 1); };
+  const auto client = client_of(jack_port_name(port));
+  return std::any_of(wires.begin() + static_cast<std::ptrdiff_t>(inputs_.size()), wires.end(),
+                     [&](const auto& wire) { return client_of(wire.to) == client; });
 }
 
 Names Client::midi_sources() const {
@@ -235,7 +243,7 @@ void Client::note_rate(int rate) noexcept {
 }
 
 void Client::note_xrun() noexcept {
-  if (card && card->playing()) card->gap(Gap::Server);
+  if (card && card->playing()) card->gap(Gap::Server, true);
 }
 
 /// A client that closes removes its ports after this notification, one that dies before.

@@ -95,7 +95,7 @@ class Client {
   static Client& client(void* self) { return *static_cast<Client*>(self); }
   void set_callbacks();
   Names connections_of(const std::string& port) const;
-  bool is_hardware(const std::string& port) const;
+  bool is_of_device(const _jack_port* port) const;
   void note_rate(int rate) noexcept;
   void note_xrun() noexcept;
   void note_connection(std::uint32_t from, std::uint32_t to);

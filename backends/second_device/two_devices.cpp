@@ -92,6 +92,7 @@ class FirstPart final : public GuardedPart {
     return at_zero;
   }
   void note_pause(Seconds pause) noexcept override { processor_.note_pause(pause); }
+  void note_gap(std::int64_t frames) noexcept override { processor_.note_gap(frames); }
   Seconds closing_time() const noexcept override { return processor_.closing_time(); }
   void disable_dead_mans_switch() noexcept override { processor_.disable_dead_mans_switch(); }
 
@@ -164,6 +165,7 @@ class SecondPart final : public GuardedPart {
     return true;
   }
   void note_pause(Seconds) noexcept override {}
+  void note_gap(std::int64_t) noexcept override {}
   Seconds closing_time() const noexcept override { return 0_s; }
   void disable_dead_mans_switch() noexcept override {}
 

@@ -92,6 +92,10 @@ class DriveGuard {
   double excursion() const noexcept { return excursion_ ? excursion_->excursion() : 0.0; }
   /// [any] How far the mass may be from where the model has it, as a share of its limit.
   double displacement() const noexcept { return excursion_ ? excursion_->displacement() : 0.0; }
+  /// [any] The same after a gap of so many frames, in which a card may play what it likes within the ceiling.
+  double displacement_after(std::int64_t gap_frames) const noexcept {
+    return excursion_ ? excursion_->displacement_after(gap_frames, ceiling_) : 0.0;
+  }
   /// [realtime] At least so far.
   void displace(double share) noexcept {
     if (excursion_) excursion_->displace(share);

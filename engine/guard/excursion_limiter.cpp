@@ -27,6 +27,7 @@ double returned(double y, double step) noexcept {
 ExcursionLimiter::ExcursionLimiter(const ExcursionLimits& limits, double largest_step, Hertz sample_rate)
     : static_(limits.metres_at_full_scale / limits.metres), largest_step_(largest_step) {
   const double turn = 2.0 * std::numbers::pi * limits.resonance.value / sample_rate.value;
+  drift_ = (1.0 + 1.0 / limits.q) * turn;
   free_ = exponential({0.0, 1.0, -1.0, -1.0 / limits.q}, turn);
   const Vector2 rest{static_, 0.0};
   held_ = rest - free_ * rest;
@@ -97,6 +98,11 @@ void ExcursionLimiter::end_group() noexcept {
   const double left = norm(since_);
   displacement_.store(left < kForgotten ? 0.0 : left, std::memory_order_relaxed);
   room_ = std::max(0.0, limit_ - displacement());
+}
+
+double ExcursionLimiter::displacement_after(std::int64_t gap_frames, double ceiling) const noexcept {
+  const double moved = (drift_ + push_ * ceiling) * static_cast<double>(gap_frames);
+  return std::min(displacement() + moved, 2.0 + static_ * ceiling);
 }
 
 void ExcursionLimiter::displace(double share) noexcept {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <atomic>
+#include <cstdint>
 
 #include "engine/core/matrix2.h"
 #include "engine/guard/drive_limits.h"
@@ -26,7 +27,13 @@ namespace tactus {
 /// the chord between the two ends never promises too much.
 ///
 /// Where the mass was before is known for one that starts at rest. Otherwise it may be anywhere with r <= u,
-/// and what is left of that, u times the norm of the free motion since, is taken off the 1. The model is that
+/// and what is left of that, u times the norm of the free motion since, is taken off the 1. So it is after a
+/// gap of t: a card plays silence or an old block meanwhile, |y| <= c, and the model stood still, so it is
+/// off by what it would have moved and what was pushed,
+///
+///   u <= ω0 t (1 + 1/Q + k c)  and at most 2 + k c
+///
+/// Where the mass is thrown beyond its limit by such a gap, the drive comes to 0 behind it. The model is that
 /// of drive alone, without inductance (which would weaken the push); a hand or a stick can move the mass
 /// further.
 class ExcursionLimiter {
@@ -50,6 +57,8 @@ class ExcursionLimiter {
 
   /// [realtime] The mass may be at any place and speed with r <= `share` of the limit, besides what is known.
   void displace(double share) noexcept;
+  /// [any] The displacement after a gap of so many frames in which something up to `ceiling` was played.
+  double displacement_after(std::int64_t gap_frames, double ceiling) const noexcept;
   /// [any] What is left of that, at most.
   double displacement() const noexcept { return displacement_.load(std::memory_order_relaxed); }
   /// [any] At most how far the mass was from rest where the last whole group ended, as a share of the limit:
@@ -67,6 +76,7 @@ class ExcursionLimiter {
   double steady(Vector2 state, double y) const noexcept;
   void catch_up(int position) noexcept;
 
+  double drift_;        ///< (1 + 1/Q) ω0 T
   Matrix2 free_;        ///< over a frame
   Vector2 held_;        ///< what a frame of y = 1 adds
   Matrix2 group_free_;  ///< over a group

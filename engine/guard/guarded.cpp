@@ -195,6 +195,14 @@ void Guarded::note_pause(Seconds pause) noexcept {
   (void)events_.push({frame_.load(std::memory_order_relaxed), GuardEvent::Kind::DeadManDisarmed, 0});
 }
 
+void Guarded::note_gap(std::int64_t frames) noexcept {
+  const auto now = frame_.load(std::memory_order_relaxed);
+  for (int c = 0; c < static_cast<int>(channels_.size()); ++c) {
+    const double share = channels_[index(c)].guard.displacement_after(frames);
+    if (share > 0.0) apply({now, JournalEntry::Kind::Displacement, c, share}, now);
+  }
+}
+
 TACTUS_EVERY_BLOCK void Guarded::act_on_dead_man(DeadMansWatch::Action action, std::int64_t frame) noexcept {
   using Action = DeadMansWatch::Action;
   if (action == Action::None) return;

@@ -88,6 +88,8 @@ class GuardedBlocks : public BlockProcessor {
   /// refreshed meanwhile either, as in a program that was stopped, and this is five seconds or more, the
   /// drives are disarmed.
   virtual void note_pause(Seconds pause) noexcept = 0;
+  /// [realtime & prepared] Before `process`: up to so many frames were lost, and something else was played.
+  virtual void note_gap(std::int64_t frames) noexcept = 0;
   /// [any] The longest time that fading out takes, of all channels.
   virtual Seconds closing_time() const noexcept = 0;
   /// [control & stopped] Frames do not run at their rate: the dead man's switch has no meaning.
@@ -131,6 +133,7 @@ class Guarded final : public GuardedBlocks {
   void suppose_worst() noexcept { on_device_ = true; }
 
   void note_pause(Seconds pause) noexcept override;
+  void note_gap(std::int64_t frames) noexcept override;
 
   /// [control & stopped] The sensors are recordings, which may hold silence: none is ever found at fault.
   void disable_sensor_watch() noexcept { watch_sensors_ = false; }

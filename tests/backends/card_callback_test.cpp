@@ -264,6 +264,26 @@ TEST_CASE("card callback: gaps are counted by cause, and lost frames once", "[ba
   CHECK(health.lost_frames == 512);
 }
 
+// In a gap the mass is pushed by something else: after a counted one by so much at most, after another
+// anywhere.
+TEST_CASE("card callback: after a gap it is unknown where the mass is", "[backends]") {
+  const ExcursionLimits travel{.metres = 5e-3, .metres_at_full_scale = 10e-3, .resonance = 30_Hz, .q = 0.5};
+  Card card{1, 1, 64, {}, {DriveGuard::Kind::Drive, {.ceiling = 0.5, .excursion = travel}}};
+  card.callback->play();
+  const auto displacement_after = [&](auto gap) {
+    gap(*card.callback);
+    card.guarded.arm(true);
+    (void)card.block({plane(1, 0)}, 1, 1);
+    return card.guarded.excursion(0);
+  };
+  const double frame = 2 * kPi * 30.0 / 48'000.0;
+  CHECK(displacement_after([](CardCallback&) {}) == 0.0);
+  CHECK(displacement_after([](CardCallback& callback) { callback.gap(Gap::Server, true); }) == 0.0);
+  CHECK(displacement_after([](CardCallback& callback) { callback.lost(64); }) ==
+        Approx(64 * frame * (1 + 1 / 0.5 + 2 * 0.5)).epsilon(1e-9));
+  CHECK(displacement_after([](CardCallback& callback) { callback.gap(Gap::Output); }) == Approx(2 + 2 * 0.5));
+}
+
 TEST_CASE("card callback: while frames do not run at their rate zeros go out and no time passes",
           "[backends]") {
   Card card{1, 1, 16};
