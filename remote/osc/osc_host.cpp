@@ -16,6 +16,7 @@ constexpr std::string_view kControl = "/control/", kTrigger = "/trigger/", kGest
 /// By RemoteEvent::Kind; behind the last one is the name of the event.
 constexpr std::array kEvents = {"/event/message", "/event/guard", "/event/armed", "/event/muted",
                                 "/event/trigger/"};
+constexpr std::string_view kDisarm = "/disarm", kMute = "/mute";
 constexpr double kLeastRate_hz = 1.0, kMostRate_hz = 100.0, kDefaultRate_hz = 10.0;
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double kRounding = 1e-6;  // of a limit, that float32 may be beyond it
@@ -105,6 +106,8 @@ void OscHost::receive(const OscPeer& from, std::span<const char> packet, Clock::
   const auto bundles = parse_osc(packet, now_s);
   if (!bundles) {
     ++counts_.refused_packets;
+    if (contains_text(packet, kDisarm)) target_.disarm();
+    if (contains_text(packet, kMute)) target_.mute(true);
     return error(context, to_string(bundles.error()));
   }
   (void)find_client(from, now);
@@ -145,8 +148,8 @@ void OscHost::obey(const OscMessage& message, Context& context) {
 
 /// Whatever the time tag of the bundle and the state of the control thread.
 bool OscHost::obey_at_once(const OscMessage& message, Context& context) {
-  if (message.address == "/disarm") return target_.disarm(), true;
-  if (message.address == "/mute") return obey_mute(message.values, context), true;
+  if (message.address == kDisarm) return target_.disarm(), true;
+  if (message.address == kMute) return obey_mute(message.values, context), true;
   if (message.address != "/alive") return false;
   if (owner_ == context.from) target_.keep_alive(arming_);
   return true;

@@ -234,6 +234,14 @@ Result<std::vector<OscBundle>> parse_osc(std::span<const char> packet, double no
   }
 }
 
+bool contains_text(std::span<const char> packet, std::string_view text) {
+  constexpr std::size_t kStep = 4;
+  const std::string_view all{packet.data(), packet.size()};
+  for (std::size_t at = 0; at + text.size() < all.size(); at += kStep)
+    if (all.substr(at).starts_with(text) && all[at + text.size()] == 0) return true;
+  return false;
+}
+
 std::vector<std::string> build_osc(std::span<const OscMessage> messages, double time_s) {
   constexpr std::size_t kHeader = 16;
   std::vector<std::string> packets;

@@ -36,6 +36,9 @@ inline constexpr std::size_t kLongestOscText = 256;
 /// clock; a time tag is the time next to it. Errors: Syntax, for the whole packet; also for one
 /// with a blob.
 Result<std::vector<OscBundle>> parse_osc(std::span<const char> packet, double now_s);
+/// [any] Whether this text stands anywhere in a packet where a text may begin, in one that is no valid OSC,
+/// too.
+bool contains_text(std::span<const char> packet, std::string_view text);
 
 /// Packets of at most 1400 bytes, so that none is split on its way: bundles with the time tag `time_s`, or
 /// one message alone where that is kNow and there is no other. Doubles are sent as float32, integers as

@@ -226,6 +226,19 @@ TEST_CASE_METHOD(OnServer, "play: a program that writes to a drive's port disarm
   CHECK(play->report()["highest_output"]["tone"].get<double>() > 0.1);
 }
 
+TEST_CASE_METHOD(OnServer, "play: a drive that is connected to another port of its device is disarmed",
+                 "[cards]") {
+  const test::DelayClient card{{.channels = 2}}, other{{.name = "other"}};
+  Playing play{{tone, "--device", card.name(), "--outputs", "1", "--arm", "--json"}};
+  REQUIRE(play.says("delay "));
+  server->connect("tactus:out_1", other.name() + ":playback_1");  // it is no part of the device
+  server->connect("tactus:out_1", card.name() + ":playback_2");
+  CHECK(play.says("'tactus:out_1' also writes to '" + card.name() + ":playback_2'"));
+  CHECK(play.says("drives disarmed"));
+  play.press("q");
+  CHECK(play.ends() == 0);
+}
+
 TEST_CASE_METHOD(OnServer,
                  "play: where other writers cannot be seen, drives are armed with --shared-port alone",
                  "[cards]") {
