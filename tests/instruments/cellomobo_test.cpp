@@ -214,7 +214,7 @@ TEST_CASE("cellomobo: a bow is too heavy for its speed where the mount loses its
   CHECK((above.partial != 1 || std::abs(above.cents) > 25));
 }
 
-TEST_CASE("cellomobo: on a flat plant the fundamental wins at every note and delay", "[instruments]") {
+TEST_CASE("cellomobo: on a flat plant the fundamental wins at every note and delay", "[instruments][slow]") {
   const double hertz = GENERATE(55.0, 110.0, 440.0, 880.0), g = GENERATE(0.9, 0.99);
   for (const double delay_ms : {0.0, 1.22, 7.0, 20.0, 40.0}) {
     INFO(hertz << " Hz, g " << g << ", " << delay_ms << " ms");

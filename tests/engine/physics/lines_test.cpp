@@ -208,7 +208,8 @@ TEST_CASE("lines: free bodies keep energy, momentum and angular momentum", "[phy
   CHECK(worst < 1e-7);
 }
 
-TEST_CASE("lines: energy stays over a million steps, and explicit steps keep it on average", "[physics]") {
+TEST_CASE("lines: energy stays over a million steps, and explicit steps keep it on average",
+          "[physics][slow]") {
   const auto solver = GENERATE(Solver::Passive, Solver::Implicit, Solver::Exact, Solver::Explicit);
   NetworkElements elements;
   const int body = add_particle(elements, 1e-3, {0, 0.01, 0}, {0, 0, 0.7});

@@ -208,7 +208,7 @@ TEST_CASE("analysis: the standard error holds in tones, swelling noise and knock
   CHECK(std::sqrt(squares / kept) > 0.45);
 }
 
-TEST_CASE("analysis: what sounds beside the probe is no lost frame and no clipping", "[latency]") {
+TEST_CASE("analysis: what sounds beside the probe is no lost frame and no clipping", "[latency][slow]") {
   const auto sound = GENERATE(Sound::Drone, Sound::Swelling, Sound::Knocks);
   const double below_db = GENERATE(-5.0, 5.0, 15.0, 30.0, 45.0);
   const auto analysis = analysis_of(beside(sound, 960.25, below_db, GENERATE(1u, 2u)));

@@ -77,7 +77,7 @@ TEST_CASE("analysis: a flat path's delay, gain and polarity are what they are", 
 }
 
 TEST_CASE("analysis: the error is that of the Cramér-Rao bound, and the standard error says so",
-          "[latency]") {
+          "[latency][slow]") {
   const double snr = GENERATE(0.0, 20.0);
   constexpr int kTrials = 16;
   double squares = 0.0, stated = 0.0, bound = 0.0;
@@ -369,7 +369,7 @@ TEST_CASE("analysis: a second path is captured as one", "[latency]") {
 
 TEST_CASE("analysis: a second path is captured as one at any distance, before the first one or behind it",
           "[latency]") {
-  const auto distance = GENERATE(-25000, -9000, 2500, 5000, 8500, 20000, 60000);
+  const auto distance = GENERATE(-25000, -9000, 2500, 8500, 60000);
   const auto level = GENERATE(0.5, 0.02);
   CAPTURE(distance, level);
   auto recording =
