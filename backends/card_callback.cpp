@@ -217,10 +217,10 @@ void CardCallback::lost(std::int64_t frames) noexcept {
   gap_frames_.fetch_add(frames, std::memory_order_relaxed);
 }
 
-void CardCallback::gap(Gap gap, bool counted) noexcept {
+void CardCallback::gap(Gap gap, GapLength length) noexcept {
   meter_.gap(gap);
   last_gap_.store(Clock::now(), std::memory_order_relaxed);
-  if (!counted) gap_frames_.fetch_add(kUnknownGap, std::memory_order_relaxed);
+  if (length == GapLength::Unknown) gap_frames_.fetch_add(kUnknownGap, std::memory_order_relaxed);
 }
 
 bool CardCallback::stalled(std::chrono::milliseconds silence) const noexcept {

@@ -96,8 +96,9 @@ class CardCallback {
   /// to zero unheard, and start softly.
   void restart_from_zero() noexcept;
 
-  /// [realtime, any thread] A gap that the library reported; of unknown length, unless `lost` says it.
-  void gap(Gap gap, bool counted = false) noexcept;
+  enum class GapLength { Unknown, Counted };  ///< counted: `lost` says it
+  /// [realtime, any thread] A gap that the library reported.
+  void gap(Gap gap, GapLength length = GapLength::Unknown) noexcept;
   /// [realtime, any thread] The flags of a library. With JACK they do not report where: both are always
   /// there.
   void gaps(bool jack, bool input, bool output) noexcept {

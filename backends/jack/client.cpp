@@ -199,7 +199,6 @@ Names Client::connections_of(const std::string& port) const {
 bool Client::is_of_device(const _jack_port* port) const {
   if (port == nullptr) return false;
   if ((jack_port_flags(port) & JackPortIsPhysical) != 0) return true;
-  const auto client_of = [](const std::string& name) { return name.substr(0, name.find(':') + 1); };
   const auto client = client_of(jack_port_name(port));
   return std::any_of(wires.begin() + static_cast<std::ptrdiff_t>(inputs_.size()), wires.end(),
                      [&](const auto& wire) { return client_of(wire.to) == client; });
@@ -243,7 +242,7 @@ void Client::note_rate(int rate) noexcept {
 }
 
 void Client::note_xrun() noexcept {
-  if (card && card->playing()) card->gap(Gap::Server, true);
+  if (card && card->playing()) card->gap(Gap::Server, CardCallback::GapLength::Counted);
 }
 
 /// A client that closes removes its ports after this notification, one that dies before.
@@ -262,7 +261,7 @@ void Client::note_rename(std::uint32_t port, const std::string& before) {
   const auto* renamed = jack_port_by_id(handle, port);
   if (renamed == nullptr || renames == nullptr) return;
   const std::string now = jack_port_name(renamed);
-  const auto client_name = now.substr(0, now.find(':') + 1);
+  const auto client_name = client_of(now) + ":";
   const auto was = before.starts_with(client_name) ? before : client_name + before;
   if (!any_end(wires, [&](const std::string& name) { return name == was || name == now; })) return;
   ++*renames;

@@ -26,6 +26,9 @@ struct Wire {
   std::string from, to;
 };
 
+/// [any] "card" of the port "card:playback_1".
+inline std::string client_of(const std::string& port) { return port.substr(0, port.find(':')); }
+
 /// [control] Those that a function of JACK's listed, which is freed; nullptr: none.
 Names names_of(const char** listed);
 

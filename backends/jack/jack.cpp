@@ -80,7 +80,7 @@ std::string hardware_of(const Client& client, const Names& ports) {
 std::vector<Card> cards(const Client& client) {
   std::vector<Card> found;
   const auto card = [&](const std::string& port) -> Card& {
-    const auto name = port.substr(0, port.find(':'));
+    const auto name = jack::client_of(port);
     const auto same = [&](const Card& c) { return c.client == name; };
     const auto known = std::find_if(found.begin(), found.end(), same);
     return known != found.end() ? *known : found.emplace_back(Card{name, {}, {}});
@@ -118,8 +118,7 @@ std::vector<Device> devices_of(const Client& client, const std::vector<Card>& ca
 Result<std::string> connection_of(Client& client, const StreamGranted& granted) {
   std::string ids;
   for (const auto* ports : {&granted.input.ports, &granted.output.ports})
-    if (!ports->empty())
-      ids += (ids.empty() ? "" : " ") + client.id_of(ports->front().substr(0, ports->front().find(':')));
+    if (!ports->empty()) ids += (ids.empty() ? "" : " ") + client.id_of(jack::client_of(ports->front()));
   return ids;
 }
 

@@ -21,7 +21,7 @@ void run(PacedLine& line) {
     for (std::size_t c = 0; c < in.size(); ++c) in[c] = inputs + c;
     for (std::size_t c = 0; c < out.size(); ++c) out[c] = outputs + c;
     if (frame.skipped > 0) {
-      line.card->gap(Gap::Output, true);
+      line.card->gap(Gap::Output, CardCallback::GapLength::Counted);
       line.card->lost(frame.skipped);
     }
     if (frame.from_zero) line.card->restart_from_zero();

@@ -77,7 +77,7 @@ FeedbackTrial::Verdict FeedbackTrial::silent(double level) noexcept {
 
 FeedbackTrial::Verdict FeedbackTrial::playing(double level, bool limited) noexcept {
   if (limited && level > kBack * reference_) limited_again_ = true;
-  if (!limited_again_) return is_waiting(level) ? Verdict::None : outside();
+  if (!limited_again_) return waits_on(level) ? Verdict::None : outside();
   highest_ = std::max(highest_, level);
   if (level < kFallenPlaying * highest_) return outside();
   if (--wait_ > 0 || last_swing() <= kSwinging * swing()) return Verdict::None;
@@ -85,8 +85,8 @@ FeedbackTrial::Verdict FeedbackTrial::playing(double level, bool limited) noexce
   return Verdict::None;
 }
 
-/// Whether the drive may still be limited again.
-bool FeedbackTrial::is_waiting(double level) noexcept {
+/// Whether the drive may still be limited again; notes how the level rises.
+bool FeedbackTrial::waits_on(double level) noexcept {
   if (steps_ % kSecond == 0) {
     rises_ = level > kRisesBy * risen_;
     risen_ = level;

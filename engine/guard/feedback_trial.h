@@ -80,7 +80,7 @@ class FeedbackTrial {
   Verdict silent(double level) noexcept;
   Verdict playing(double level, bool limited) noexcept;
   void mute() noexcept;
-  bool is_waiting(double level) noexcept;
+  bool waits_on(double level) noexcept;
   Verdict outside() noexcept;
   Verdict judge() noexcept;
   void go(State state) noexcept { state_ = state, steps_ = 0; }

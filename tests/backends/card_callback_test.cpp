@@ -278,7 +278,9 @@ TEST_CASE("card callback: after a gap it is unknown where the mass is", "[backen
   };
   const double frame = 2 * kPi * 30.0 / 48'000.0;
   CHECK(displacement_after([](CardCallback&) {}) == 0.0);
-  CHECK(displacement_after([](CardCallback& callback) { callback.gap(Gap::Server, true); }) == 0.0);
+  CHECK(displacement_after([](CardCallback& callback) {
+          callback.gap(Gap::Server, CardCallback::GapLength::Counted);
+        }) == 0.0);
   CHECK(displacement_after([](CardCallback& callback) { callback.lost(64); }) ==
         Approx(64 * frame * (1 + 1 / 0.5 + 2 * 0.5)).epsilon(1e-9));
   CHECK(displacement_after([](CardCallback& callback) { callback.gap(Gap::Output); }) == Approx(2 + 2 * 0.5));
