@@ -10,10 +10,13 @@
 
 #include "remote/osc/osc_query.h"
 #include "tests/remote/fake_remote_target.h"
+#include "tests/remote/osc/osc_bytes.h"
 
 using namespace tactus;
 using namespace std::chrono_literals;
 using Kind = RemoteOrder::Kind;
+using test::bundle_of;
+using test::bytes;
 
 namespace {
 
@@ -235,29 +238,25 @@ TEST_CASE("osc host: disarm and mute work from anywhere, and unmuting where armi
 
 TEST_CASE("osc host: disarm and mute work in a packet that is refused", "[remote][osc]") {
   Stage stage;
-  const auto nested = [](std::string packet, int depth) {
-    for (; depth > 0; --depth) {
-      const auto size = static_cast<unsigned>(packet.size());
-      const std::string bytes{static_cast<char>(size >> 24), static_cast<char>(size >> 16),
-                              static_cast<char>(size >> 8), static_cast<char>(size)};
-      packet = std::string{"#bundle\0\0\0\0\0\0\0\0\1", 16} + bytes + packet;
-    }
+  const auto now = bytes("\0\0\0\0\0\0\0\1");
+  const auto nested = [&](std::string packet) {
+    for (int depth = 0; depth < 12; ++depth) packet = bundle_of(now, {packet});
     return packet;
   };
-  const std::string disarm{"/disarm\0,\0\0\0", 12}, mute{"/mute\0\0\0,\0\0\0", 12};
+  const auto disarm = bytes("/disarm\0,\0\0\0"), mute = bytes("/mute\0\0\0,\0\0\0");
   const auto refused = [&](const std::string& packet) {
     const auto before = stage.host.counts().refused_packets;
     stage.target.is_armed = true, stage.target.is_muted = false;
     stage.host.receive(peer(1), packet, stage.now, stage.now_s());
     return stage.host.counts().refused_packets == before + 1;
   };
-  CHECK(refused(nested(disarm, 12)));
+  CHECK(refused(nested(disarm)));
   CHECK_FALSE(stage.target.is_armed);
-  CHECK(refused(nested(mute, 12)));
+  CHECK(refused(nested(mute)));
   CHECK(stage.target.is_muted);
-  CHECK(refused(nested(disarm, 1) + std::string{"\0\0\0\x0c/x\0\0,b\0\0\1\0\0\0", 16}));
+  CHECK(refused(bundle_of(now, {disarm, bytes("/x\0\0,b\0\0\1\0\0\0")})));
   CHECK_FALSE(stage.target.is_armed);
-  CHECK(refused(nested(std::string{"/unmute\0,\0\0\0", 12}, 12)));
+  CHECK(refused(nested(bytes("/unmute\0,\0\0\0"))));
   CHECK((stage.target.is_armed && !stage.target.is_muted));
 }
 

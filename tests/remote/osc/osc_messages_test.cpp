@@ -4,28 +4,17 @@
 #include <cstring>
 #include <string>
 
+#include "tests/remote/osc/osc_bytes.h"
+
 using namespace tactus;
+using test::bundle_of;
+using test::bytes;
 
 namespace {
 
 constexpr double kNow_s = 1.8e9;
 
 Result<std::vector<OscBundle>> parse(const std::string& packet) { return parse_osc(packet, kNow_s); }
-
-/// A literal with zeros in it.
-template <std::size_t N>
-std::string bytes(const char (&text)[N]) {
-  return {text, N - 1};
-}
-
-std::string bundle_of(const std::string& tag, const std::vector<std::string>& elements) {
-  std::string bundle = bytes("#bundle\0") + tag;
-  for (const auto& element : elements) {
-    for (int shift = 24; shift >= 0; shift -= 8) bundle += static_cast<char>(element.size() >> shift);
-    bundle += element;
-  }
-  return bundle;
-}
 
 }  // namespace
 
