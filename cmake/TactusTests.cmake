@@ -1,12 +1,16 @@
 # tactus_batch_tests(target SIZE file...): compiles SIZE test files as one, which reads Catch2's and the standard
 # headers once for all of them. Each file lies in a namespace of its own, so names of helpers may repeat; all headers that
-# the files include come before, outside of these namespaces. Files with conditional includes or with declarations for
-# other namespaces are compiled alone.
+# the files include come before, outside of these namespaces. Files with conditional includes, with macros or with
+# declarations for other namespaces are compiled alone.
 function(tactus_batch_tests target size)
   set(batch "")
   set(number 0)
   foreach(file IN LISTS ARGN)
-    file(STRINGS ${file} special REGEX "^(#if|#undef|#define|namespace (Catch|tactus|std)|extern|int main)")
+    file(STRINGS ${file} special REGEX "^(#undef|#define|namespace (Catch|tactus|std)|extern|int main|.*operator new)")
+    file(READ ${file} text)
+    if(text MATCHES "(^|\n)#if[^\n]*\n(([^#\n][^\n]*)?\n)*#include ")
+      set(special conditional)
+    endif()
     if(special OR size LESS_EQUAL 1 OR file MATCHES "/tests/conformance/|/taps_at_rate_test")  # conformance: headers of tests and nodes share names
       target_sources(${target} PRIVATE ${file})
       continue()

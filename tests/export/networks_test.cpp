@@ -306,7 +306,8 @@ TEST_CASE("export: every element of networks gives the bits of the engine with e
   check_bits(texts, kNetworkFrames);
 }
 
-TEST_CASE("export: networks of several steps a frame give the bits of the engine", "[export][physics]") {
+TEST_CASE("export: networks of several steps a frame give the bits of the engine",
+          "[export][physics][slow]") {
   std::map<std::string, std::string> texts;
   for (const auto& one : kElementCases) {
     NetworkGraph graph;

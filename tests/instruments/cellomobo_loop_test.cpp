@@ -165,7 +165,7 @@ TEST_CASE("cellomobo loop: aligned it starts at its fundamental, with the least 
   CHECK(std::abs(cents(border.hertz, row.f0)) < 0.1);
 }
 
-TEST_CASE("cellomobo loop: it grows above its border and dies below", "[instruments]") {
+TEST_CASE("cellomobo loop: it grows above its border and dies below", "[instruments][slow]") {
   const auto row = GENERATE(from_range(kRows));
   for (const bool aligned : {false, true}) {
     Loop loop{.f0 = row.f0, .g = row.g, .delay = row.delay, .aligned = aligned};
@@ -255,7 +255,7 @@ TEST_CASE("cellomobo loop: aligned, the fundamental wins at every delay and ever
 // turn by 55 degrees at 55 Hz make 1.9 cents at g = 0.9. Through the band-passes they are 0.02, and as little
 // is left.
 TEST_CASE("cellomobo loop: what is leaner into the clip is in tune at every note and delay",
-          "[instruments]") {
+          "[instruments][slow]") {
   const double f0 = GENERATE(55.0, 110.0, 440.0, 880.0), delay_ms = GENERATE(0.0, 7.0, 20.0, 40.0);
   INFO(f0 << " Hz, " << delay_ms << " ms");
   const double g = 0.9;

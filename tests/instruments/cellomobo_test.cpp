@@ -128,7 +128,7 @@ TEST_CASE("cellomobo: the open string does what it promises with every gain of t
   check_expectations_hold(play("cellomobo/open_string.toml", options));
 }
 
-TEST_CASE("cellomobo: from A2 to B5 all levels are within 6 dB", "[instruments]") {
+TEST_CASE("cellomobo: from A2 to B5 all levels are within 6 dB", "[instruments][slow]") {
   SceneOptions options;
   options.delay = Seconds{GENERATE(0.0, 20.0, 40.0) * 1e-3};
   std::vector<double> levels;

@@ -44,7 +44,8 @@ double spearman(const std::array<double, 6>& best_first) {
 
 }  // namespace
 
-TEST_CASE("playability: the score ranks scenes of graded quality, and tells them apart", "[instruments]") {
+TEST_CASE("playability: the score ranks scenes of graded quality, and tells them apart",
+          "[instruments][slow]") {
   const std::string kind = GENERATE("drum", "string");
   const auto scores = scores_of(kind);
   INFO(kind << ": " << scores[0] << " " << scores[1] << " " << scores[2] << " " << scores[3] << " "

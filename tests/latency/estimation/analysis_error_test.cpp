@@ -106,7 +106,7 @@ LoopRecording beside(Sound sound, double delay, double below_db, unsigned seed) 
 }  // namespace
 
 TEST_CASE("analysis: frames lost or repeated before the first sweep and in its bass are reported",
-          "[latency]") {
+          "[latency][slow]") {
   // Of the probe: within the mark, behind it, in the silence, and in the first sweep, which begins at 0.5 s.
   const auto second = GENERATE(0.002, 0.02, 0.1, 0.45, 0.505, 0.54);
   const auto [frames, noise] =
@@ -167,7 +167,7 @@ TEST_CASE("analysis: a recording that begins after the mark is no lost frame", "
   CHECK(std::abs(analysis.delay_frames - (1234.37 - late)) < 5 * analysis.standard_error_frames);
 }
 
-TEST_CASE("analysis: in what is recorded behind the mark no mark is found by chance", "[latency]") {
+TEST_CASE("analysis: in what is recorded behind the mark no mark is found by chance", "[latency][slow]") {
   const auto rate = 96_kHz;
   const auto noise = GENERATE(0.03, 1e-4);
   auto recording = SimulatedLoop{.delay_frames = 50.0, .noise = noise}.record(stimulus(rate, kLevel), rate);
