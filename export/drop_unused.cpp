@@ -25,7 +25,6 @@ void drop_unused(CProgram& program) {
     for_each_identifier(text, [&](std::string_view name) { ++mentions[std::string{name}]; });
   };
   for (const auto& statement : program.frame) count(statement.text);
-  for (const auto& output : program.outputs) count(output.value);
   for (const auto& value : program.checked) count(value);
   for (auto& statement : program.frame)
     if (const auto name = declared_variable(statement.text); !name.empty() && mentions[name] < 2)

@@ -25,7 +25,6 @@ enum class Pace { Constant, Control, Frame };
 
 struct ProgramPort {
   std::string name, unit, about;
-  std::string value = {};  ///< of an output: the expression
   bool audio = false;
   std::optional<GuardedChannel> limits = {};
 };
@@ -50,6 +49,10 @@ struct ProgramMember {
 struct Statement {
   std::string text;
   int divisor = 1;  ///< runs in one of so many frames
+  int lanes = 0;    ///< more than 0: runs for each `lane` below it
+
+  /// With the loop.
+  std::string with_loop() const;
 };
 
 /// A graph as C text that still knows no target: kernels have the names that they have in the engine, and

@@ -9,6 +9,7 @@
 #include "export/c_names.h"
 #include "export/drop_unused.h"
 #include "export/kernel_texts.h"
+#include "export/merge_loops.h"
 #include "export/nodes/table.h"
 #include "export/operators.h"
 #include "export/roll_lanes.h"
@@ -40,7 +41,6 @@ class PlanReader {
     read_inputs();
     for (const auto& step : plan_.steps) read_step(step);
     read_outputs();
-    check_outputs();
     keep_checks();
     if (!errors_.empty()) return tl::unexpected(std::move(errors_));
     return std::move(program_);
@@ -108,14 +108,27 @@ class PlanReader {
     }
   }
 
+  /// Outputs are checked unless they are finite while all nodes are.
   void read_outputs() {
+    std::vector<Check> checks;
     for (const auto& channel : plan_.channels) {
       if (channel.use == OutputUse::Tap) continue;
+      auto value = value_of(channel.from).text;
+      if (const Port port{channel.from.vertex, channel.from.port}; !is_finite(port)) {
+        if (!is_one_word(value)) {
+          const auto name = unique(channel.name, variables_);
+          program_.frame.push_back({"const tactus_real " + name + " = " + value + ";"});
+          value = name;
+        }
+        checks.push_back({port, value});
+      }
+      program_.frame.push_back({fmt::format("out[{}] = {};", program_.outputs.size(), value)});
       ProgramPort port{channel.name, {}, {}};
-      port.value = value_of(channel.from).text;
       port.audio = channel.use == OutputUse::Audio;
       program_.outputs.push_back(std::move(port));
     }
+    std::ranges::move(checks, std::back_inserter(checks_));
+    stays_finite_.clear();
   }
 
   // What changes when.
@@ -285,8 +298,7 @@ class PlanReader {
     if (has_domain(vertex.op)) value = {"tactus_finite(" + value.text + ")"};
     const bool once = readers_[index(v)] == 1 && value.text.size() < kLongestInline;
     const bool of_controls = paces_[index(v)] == Pace::Control;
-    const bool short_copy =
-        vertex.op == Expression::Op::Signal && value.text.find_first_of(" (") == std::string::npos;
+    const bool short_copy = vertex.op == Expression::Op::Signal && is_one_word(value.text);
     if (short_copy || (once && !(of_controls && fast_readers_[index(v)] > 0))) {
       values_[{v, 0}] = value;
       return;
@@ -319,6 +331,7 @@ class PlanReader {
             ports_[index(step.vertex)],
             step.kind == Step::Kind::Emit,
             vertex.divisor,
+            program_.recurrence,
             make_name(),
             plan_.nodes[index(step.node)].get()};
   }
@@ -430,19 +443,6 @@ class PlanReader {
              return is_finite({wire.vertex, wire.port});
            });
   }
-  /// Outputs are checked unless they are finite while all nodes are.
-  void check_outputs() {
-    std::vector<Check> checks;
-    int output = 0;
-    for (const auto& channel : plan_.channels) {
-      if (channel.use == OutputUse::Tap) continue;
-      const auto text = fmt::format("out[{}]", output++);
-      if (const Port port{channel.from.vertex, channel.from.port}; !is_finite(port))
-        checks.push_back({port, text});
-    }
-    std::ranges::move(checks, std::back_inserter(checks_));
-    stays_finite_.clear();
-  }
   bool reaches_check(const Port& port) const {
     return found_once(reaches_check_, port, [&] { return find_reaches_check(port); });
   }
@@ -487,7 +487,7 @@ class PlanReader {
   std::string late_value(int v, const Wire& wire, std::vector<std::string>& statements) {
     auto text = value_of(wire).text;
     if (paces_[index(wire.vertex)] != Pace::Frame) return text;
-    if (text.find_first_of(" (") != text.npos) {
+    if (!is_one_word(text)) {
       const auto name = unique(at(v).path + "_in", variables_);
       declare(v, name, text, statements);
       text = name;
@@ -525,6 +525,7 @@ class PlanReader {
                       {true},
                       false,
                       vertex.divisor,
+                      program_.recurrence,
                       make_name()};
     const auto phase = writer.state<double>("tactus_real", "");
     writer.when_changed(all, [&](const std::vector<std::string>& values) {
@@ -594,7 +595,15 @@ Checked<CProgram> read_plan(CProgram program, const Plan& plan, const RecordedNo
   if (!read) return read;
   drop_unused(*read);
   roll_lanes(*read);
+  merge_loops(*read);
   return read;
+}
+
+std::string Statement::with_loop() const {
+  if (lanes == 0) return text;
+  auto loop = fmt::format("for (int lane = 0; lane < {}; ++lane) {{\n  ", lanes);
+  for (const char c : text) loop += c == '\n' ? std::string{"\n  "} : std::string{c};
+  return loop + "\n}";
 }
 
 bool CProgram::needs_frame_number() const {

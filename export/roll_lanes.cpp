@@ -18,9 +18,9 @@
 namespace tactus {
 namespace {
 
-// Fewer lanes are faster one by one: compilers keep them in registers, while a loop leaves its results in
-// memory for the next one. A lane of more statements than this is no pattern.
-constexpr std::size_t kFewestLanes = 12, kLongestLane = 24;
+// Fewer lanes fill no vector of numbers and are faster one by one: compilers keep them in registers, while a
+// loop leaves its results in memory for the next one. A lane of more statements than this is no pattern.
+constexpr std::size_t kFewestLanes = 8, kLongestLane = 24;
 
 struct Token {
   enum class Kind { Name, Number, Other } kind;
@@ -137,7 +137,6 @@ class LaneRoller {
     for (const auto* list : {&program_.variables, &program_.start, &program_.follow, &program_.designs})
       for (const auto& text : *list) taken_.merge(identifiers_of(text));
     for (const auto& statement : program_.frame) taken_.merge(identifiers_of(statement.text));
-    for (const auto& output : program_.outputs) taken_.merge(identifiers_of(output.value));
     for (auto* names : {&taken_, &taken_members_}) names->insert(program_.name);
   }
 
@@ -151,7 +150,7 @@ class LaneRoller {
       for (auto& text : *list) statements.push_back({std::move(text)});
       list->clear();
       roll(statements);
-      for (auto& statement : statements) list->push_back(std::move(statement.text));
+      for (const auto& statement : statements) list->push_back(statement.with_loop());
     }
     drop_gaps();
   }
@@ -179,7 +178,7 @@ class LaneRoller {
     shapes_.clear();
     for (const auto& statement : statements) {
       list_.push_back(tokens_of(statement.text));
-      shapes_.push_back(fmt::format("{} {}", statement.divisor, shape_of(list_.back())));
+      shapes_.push_back(fmt::format("{} {} {}", statement.divisor, statement.lanes, shape_of(list_.back())));
     }
   }
 
@@ -209,7 +208,11 @@ class LaneRoller {
          ++period) {
       std::size_t lanes = 1;
       while (at + (lanes + 1) * period <= list_.size() && alike(at, at + lanes * period, period)) ++lanes;
-      if (lanes < kFewestLanes || statements[at].divisor != 1) continue;
+      const bool once =
+          std::all_of(statements.begin() + static_cast<std::ptrdiff_t>(at),
+                      statements.begin() + static_cast<std::ptrdiff_t>(at + period),
+                      [](const Statement& each) { return each.divisor == 1 && each.lanes == 0; });
+      if (lanes < kFewestLanes || !once) continue;
       auto found = with_slots({at, period, lanes, {}});
       if (found && (!best || found->saved() > best->saved())) best = std::move(found);
     }
@@ -339,8 +342,7 @@ class LaneRoller {
   bool only_within(const Pattern& pattern, const std::string& name) const {
     for (std::size_t s = 0; s < list_.size(); ++s)
       if ((s < pattern.first || s >= pattern.end()) && mentions(list_[s], name)) return false;
-    return std::ranges::none_of(
-        program_.outputs, [&](const ProgramPort& output) { return mentions(tokens_of(output.value), name); });
+    return true;
   }
   /// As a variable.
   static bool mentions(const Tokens& tokens, const std::string& name) {
@@ -359,6 +361,20 @@ class LaneRoller {
 
   // Rolling.
 
+  /// Its lanes come in falling order. They do not depend on each other, and in the order of all other loops
+  /// they may join one of these.
+  static bool counts_down(const Pattern& pattern) {
+    const auto number = [](const std::string& name) {
+      const auto digits = name.find_last_not_of("0123456789") + 1;
+      return whole_number(name.substr(digits));
+    };
+    for (const auto& slot : pattern.slots) {
+      const auto first = number(slot.texts[0]), second = number(slot.texts[1]);
+      if (is_identifier_start(slot.texts[0][0]) && first && second) return *first > *second;
+    }
+    return false;
+  }
+
   struct Loop {
     std::vector<std::string> before, body, after;
   };
@@ -368,6 +384,8 @@ class LaneRoller {
   std::vector<Statement> roll_one(Pattern pattern) {
     const std::size_t variables = add_variables(pattern);
     find_slots(pattern);
+    if (counts_down(pattern))
+      for (auto& slot : pattern.slots) std::ranges::reverse(slot.texts);
     Loop loop;
     Replaced replaced;
     std::vector<Tokens> lane(list_.begin() + static_cast<std::ptrdiff_t>(pattern.first),
@@ -408,13 +426,9 @@ class LaneRoller {
   static std::vector<Statement> written(const Loop& loop, std::size_t lanes) {
     std::vector<Statement> statements;
     for (const auto& text : loop.before) statements.push_back({text});
-    std::string text = fmt::format("for (int lane = 0; lane < {}; ++lane) {{\n", lanes);
-    for (const auto& line : loop.body) {
-      text += "  ";
-      for (const char c : line) text += c == '\n' ? std::string{"\n  "} : std::string{c};
-      text += "\n";
-    }
-    statements.push_back({text + "}"});
+    std::string text;
+    for (const auto& line : loop.body) text += (text.empty() ? "" : "\n") + line;
+    statements.push_back({text, 1, static_cast<int>(lanes)});
     return statements;
   }
 
@@ -559,7 +573,6 @@ class LaneRoller {
       for (auto& text : *list) text = renamed(text);
     for (auto& [name, text] : variables_) text = renamed(text);
     for (auto& statement : program_.frame) statement.text = renamed(statement.text);
-    for (auto& output : program_.outputs) output.value = renamed(output.value);
   }
   std::string renamed(const std::string& text) const {
     if (renames_.empty() && member_renames_.empty()) return text;

@@ -1,5 +1,9 @@
 #include <fmt/format.h>
 
+#include <functional>
+#include <numeric>
+#include <optional>
+
 #include "engine/dsp/delays/resample.h"
 #include "engine/dsp/delays/taps_kernel.h"
 #include "engine/dsp/filters/filter_kernel.h"
@@ -17,42 +21,79 @@ std::string design_text(const tactus_filter_design& design) {
                      text(design.b[2]), text(design.a[0]), text(design.a[1]));
 }
 
-/// Of a filter whose parameters are all its inputs but the first: as constants, or worked out whenever they
-/// change. Returns the order.
-int write_coefficients(NodeWriter& node, const std::string& filter) {
+/// Of a filter whose parameters are all its inputs but the first.
+struct Coefficients {
+  int order = 1;
+  std::optional<tactus_filter_design> constant;
+};
+
+Coefficients coefficients_of(const NodeWriter& node) {
   const auto& entry = *find_node_export(node.setup().type->name);
   const double rate = node.setup().sample_rate.value;
-  const auto coefficients = [&](double cutoff, double q) {
+  const auto design = [&](double cutoff, double q) {
     return entry.coefficients(node.setup(), tactus_filter_radians(cutoff, rate), tactus_filter_q(q), rate);
   };
-  std::vector<int> parameters;
-  bool constant = true;
-  for (int i = 1; i < static_cast<int>(node.setup().inputs.size()); ++i) {
-    parameters.push_back(i);
-    constant = constant && node.constant(i);
-  }
-  if (constant) {
-    const auto design = coefficients(*node.constant(1), parameters.size() > 1 ? *node.constant(2) : 1);
-    node.start(
-        "tactus_filter_set(&" + filter + ", " +
-        node.table("tactus_filter_design", "design", design_text(design), sizeof(tactus_filter_design)) +
-        ");");
-    return design.order;
-  }
+  const int inputs = static_cast<int>(node.setup().inputs.size());
+  for (int i = 1; i < inputs; ++i)
+    if (!node.constant(i)) return {design(rate / 8, 1).order, {}};
+  const auto constant = design(*node.constant(1), inputs > 2 ? *node.constant(2) : 1);
+  return {constant.order, constant};
+}
+
+/// Works them out whenever the parameters change: `set` is given the C text of the design.
+void follow_parameters(NodeWriter& node, const std::function<std::string(const std::string&)>& set) {
+  std::vector<int> parameters(node.setup().inputs.size() - 1);
+  std::iota(parameters.begin(), parameters.end(), 1);
   node.design(parameters, [&](const std::vector<std::string>& values) {
-    return "tactus_filter_set(&" + filter + ", " + filter_design(node.kernel(), values, node.rate()) + ");";
+    return set(filter_design(node.kernel(), values, node.rate()));
   });
-  return coefficients(rate / 8, 1).order;
+}
+
+/// A step on the grid of eight frames.
+std::string filter_on_grid(NodeWriter& node, const Coefficients& coefficients, const std::string& in) {
+  const auto filter = node.state<tactus_filter>("tactus_filter");
+  const auto set = [&](const std::string& design) {
+    return "tactus_filter_set(&" + filter + ", " + design + ");";
+  };
+  if (coefficients.constant)
+    node.start(set(node.table("tactus_filter_design", "design", design_text(*coefficients.constant),
+                              sizeof(tactus_filter_design))));
+  else
+    follow_parameters(node, set);
+  return "tactus_filter_step(&" + filter + ", " + std::to_string(coefficients.order) + ", " + in + ", " +
+         node.position() + ")";
+}
+
+/// A step frame by frame: with the numbers themselves where they are constant, and no more state than needed.
+std::string plain_filter(NodeWriter& node, const Coefficients& coefficients, const std::string& in) {
+  const auto before = [&](const char* name) { return "&" + node.state<double>("tactus_real", name); };
+  std::string b[3], a[2];
+  if (const auto& design = coefficients.constant) {
+    for (int k = 0; k < 3; ++k) b[k] = NodeWriter::number(design->b[k]);
+    for (int k = 0; k < 2; ++k) a[k] = NodeWriter::number(design->a[k]);
+    if (design->order == 1 && design->b[1] == 0)
+      return fmt::format("tactus_recurrence_pole({}, {}, {}, {})", b[0], a[0], in, before("y1"));
+  } else {
+    const auto member = node.state<tactus_filter_design>("tactus_filter_design", "design");
+    follow_parameters(node, [&](const std::string& text) { return member + " = " + text + ";"; });
+    for (int k = 0; k < 3; ++k) b[k] = fmt::format("{}.b[{}]", member, k);
+    for (int k = 0; k < 2; ++k) a[k] = fmt::format("{}.a[{}]", member, k);
+  }
+  const auto x1 = before("x1");
+  if (coefficients.order == 1)
+    return fmt::format("tactus_recurrence_1({}, {}, {}, {}, {}, {})", b[0], b[1], a[0], in, x1, before("y1"));
+  const auto x2 = before("x2"), y1 = before("y1"), y2 = before("y2");
+  return fmt::format("tactus_recurrence_2({}, {}, {}, {}, {}, {}, {}, {}, {}, {})", b[0], b[1], b[2], a[0],
+                     a[1], in, x1, x2, y1, y2);
 }
 
 /// A recursive filter. Its kernel is the design, with $1 and $2 for its parameters and $rate.
 void write_filter(NodeWriter& node) {
-  const auto filter = node.state<tactus_filter>("tactus_filter");
-  const int order = write_coefficients(node, filter);
+  const auto coefficients = coefficients_of(node);
   const bool remainder = node.setup().type->outputs.size() > 1 && node.reads(1);
   const auto in = remainder ? node.variable(0) : node.in(0);
-  const auto step = "tactus_filter_step(&" + filter + ", " + std::to_string(order) + ", " + in + ", " +
-                    node.position() + ")";
+  const auto step =
+      node.plain() ? plain_filter(node, coefficients, in) : filter_on_grid(node, coefficients, in);
   if (!remainder) return node.give(0, step);
   if (!node.reads(0)) return node.give(1, in + " - " + step);
   const auto filtered = node.local("low", step);

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "export/c_names.h"
+
 namespace tactus {
 namespace {
-
-bool is_name(const std::string& text) { return text.find_first_of(" (") == std::string::npos; }
 
 std::string named(const std::string& name, const std::string& suffix) {
   return suffix.empty() ? name : name + "_" + suffix;
@@ -15,7 +15,7 @@ std::string named(const std::string& name, const std::string& suffix) {
 
 std::string NodeWriter::variable(int input) {
   auto& value = inputs_[index(input)].value;
-  if (is_name(value.text) || inputs_[index(input)].constant) return operand(input);
+  if (is_one_word(value.text) || inputs_[index(input)].constant) return operand(input);
   value = {local("in", value.text)};
   return value.text;
 }

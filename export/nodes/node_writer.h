@@ -55,7 +55,7 @@ class NodeWriter {
 
   NodeWriter(const NodeSetup& setup, std::string kernel, std::string state, std::string name,
              std::vector<WrittenInput> inputs, std::vector<bool> read, bool halves, int divisor,
-             MakeName make_name, const Node* running = nullptr)
+             RecurrenceForm recurrence, MakeName make_name, const Node* running = nullptr)
       : setup_(setup),
         kernel_(std::move(kernel)),
         state_(std::move(state)),
@@ -64,6 +64,7 @@ class NodeWriter {
         read_(std::move(read)),
         halves_(halves),
         divisor_(divisor),
+        recurrence_(recurrence),
         make_name_(std::move(make_name)),
         running_(running) {
     node_.values.resize(read_.size());
@@ -79,6 +80,8 @@ class NodeWriter {
   const std::string& setting(std::string_view name) const { return setup_.setting(name).text; }
   /// It lies on a loop: what it gives must not depend on late inputs of the same frame, which `late` takes.
   bool halves() const { return halves_; }
+  /// Recurrences run frame by frame.
+  bool plain() const { return recurrence_ == RecurrenceForm::Plain; }
   bool reads(int output) const { return read_[index(output)]; }
 
   static std::string number(double value) { return c_number(value, *find_number_type("double")); }
@@ -169,6 +172,7 @@ class NodeWriter {
   std::vector<bool> read_;
   bool halves_;
   int divisor_;
+  RecurrenceForm recurrence_;
   MakeName make_name_;
   const Node* running_;
   WrittenNode node_;

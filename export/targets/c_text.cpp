@@ -223,16 +223,9 @@ std::string frame_statements(const CProgram& program) {
       if (statement.divisor > 1) text += fmt::format("  if (frame_number % {} == 0) {{\n", statement.divisor);
       divisor = statement.divisor;
     }
-    text += indented({statement.text}, divisor > 1 ? 4 : 2);
+    text += indented({statement.with_loop()}, divisor > 1 ? 4 : 2);
   }
   return text + (divisor > 1 ? "  }\n" : "");
-}
-
-std::string statements_of_frame(const CProgram& program) {
-  auto body = frame_statements(program);
-  for (std::size_t i = 0; i < program.outputs.size(); ++i)
-    body += indented({fmt::format("out[{}] = {};", i, program.outputs[i].value)}, 2);
-  return body;
 }
 
 /// In pairs, so that no addition waits for all those before it.
@@ -262,7 +255,7 @@ std::string finite_check(const CProgram& program) {
 }
 
 std::string frame_function(const CProgram& program) {
-  const auto body = statements_of_frame(program), variables = indented(program.variables, 2);
+  const auto body = frame_statements(program), variables = indented(program.variables, 2);
   const auto names = identifiers_of(body + variables);
   std::string text =
       "/* One frame of all nodes. 0: something is not finite. */\n"

@@ -230,7 +230,7 @@ TEST_CASE("export: only values that no other check covers are tested for being f
         ->checked;
   };
   const std::string low = "u = { type = \"low_pass\", in = \"x\", cutoff = \"1 kHz\" }\n";
-  CHECK(checked(low, "0.5 * u + x") == std::vector<std::string>{"out[0]"});
+  CHECK(checked(low, "0.5 * u + x") == std::vector<std::string>{"y"});
   // The clip ends what is not finite, and gives nothing that is not.
   CHECK(checked(low + "c = { type = \"clip\", in = \"u\", low = -1, high = 1 }\n", "c") ==
         std::vector<std::string>{"u"});
@@ -324,6 +324,30 @@ out = { from = "sum / 8" }
   CHECK(std::ranges::any_of(program->members, [](const ProgramMember& member) {
     return member.declaration.find(" u[24]") != std::string::npos;
   }));
+}
+
+TEST_CASE("export: eight lanes are one loop, from inputs to outputs, and give the bits of the engine",
+          "[export]") {
+  constexpr int kFrames = 4800;
+  const std::string walls = R"toml(format = 1
+name = "walls"
+[inputs]
+x = { unit = "m", lanes = 8 }
+[nodes]
+v = { type = "velocity", in = "x", cutoff = "200 Hz" }
+force = { type = "wall", position = "x", velocity = "v", stiffness = "800 N/m", damping = "2 N s/m" }
+[outputs]
+out = { from = "max(force, -10 N)", unit = "N" }
+)toml";
+  CompiledPrograms programs;
+  REQUIRE(programs.add(walls, exact_options()) == "");
+  programs.compile("-O3");
+  auto engine = engine_for(parse_graph_leniently(walls, "walls.toml"), exact_options());
+  const auto in = hits(8, kFrames);
+  CHECK(first_difference(programs.run("walls", in, kFrames), run(engine, in, kFrames, {64})) == "");
+  const auto& frame = programs.program("walls").frame;
+  CHECK(std::ranges::count(frame, 8, &Statement::lanes) == 1);
+  CHECK(std::ranges::count(frame, 0, &Statement::lanes) == 1);  // whether all lanes are finite
 }
 
 TEST_CASE("export: lanes whose common name means something else in the program get another one", "[export]") {
