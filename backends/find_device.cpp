@@ -18,6 +18,9 @@ namespace {
 
 constexpr int kMaxBlock = 8192;
 
+/// The id of a JACK client as RtAudio or PortAudio lists it: "rtaudio:jack:card".
+bool is_client_of_library(const std::string& id) { return id.find(":jack:") != std::string::npos; }
+
 std::string lower_case(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -139,15 +142,17 @@ Result<Device> device_with_id(const std::vector<Device>& devices, const std::str
             "' that can be opened here: RtAudio and PortAudio take a JACK client's name for a regular "
             "expression, and would open the ports of another client",
         "use --backend jack");
-  return fail(Errc::UnknownName, "",
-              id.empty() ? "there is no default device" : "there is no device '" + id + "'", remedy);
+  return fail(
+      Errc::UnknownName, "", id.empty() ? "there is no default device" : "there is no device '" + id + "'",
+      // It may be there, and its name in that of another client's port.
+      is_client_of_library(id) ? remedy + "; or use --backend jack, which opens every client" : remedy);
 }
 
 Result<Device> find_device(const std::vector<Device>& devices, const std::string& text) {
   auto exact = device_with_id(devices, text);
   if (exact || text.empty()) return exact;
   // The whole id of a JACK client that was left out is no part of the name of the one that it matches.
-  if (text.find(":jack:") != std::string::npos && is_left_out(text, devices)) return exact;
+  if (is_client_of_library(text) && is_left_out(text, devices)) return exact;
   std::vector<Device> meant;
   std::copy_if(devices.begin(), devices.end(), std::back_inserter(meant), [&](const Device& device) {
     return lower_case(device.id + "\n" + device.name).find(lower_case(text)) != std::string::npos;

@@ -133,11 +133,12 @@ std::string judge_own(const std::string& file, const std::string& include) {
 }
 
 /// The library of a backend: in its folder's .cpp files, so that no user of a backend needs its headers; and
-/// in one file about what is common to all clients of the process.
+/// in one file about what is common to all clients of the process, and one that asks JACK's server what other
+/// libraries would find there.
 std::string judge_in_backend(const std::string& file, const std::string& include) {
   if (include.find_first_of("./") == std::string::npos) return "";
   if (!file.ends_with(".cpp")) return "only a .cpp may include it";
-  if (file == "backends/library_calls.cpp") return "";
+  if (file == "backends/library_calls.cpp" || file == "backends/jack_names.cpp") return "";
   if (backend_of(file).empty()) return "only the folder of its backend may include it";
   std::string name = include;
   std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });

@@ -148,7 +148,11 @@ class Session {
     std::vector<Device> devices;
     for (int index = 0; index < Pa_GetDeviceCount(); ++index) devices.push_back(described(index));
     distinguish_same_ids(devices);
-    devices = own_ports_only(std::move(devices), JackSearch::AtEndOfName);
+    if (jack_device_ >= 0) {
+      const auto ports = result_with_timeout([] { return jack_ports(); }, kPatience);
+      devices = own_ports_only(std::move(devices), JackSearch::AtEndOfName,
+                               ports.value_or(std::vector<JackPort>{}));
+    }
     const auto output = Pa_GetDefaultOutputDevice();
     const auto wanted = output != paNoDevice ? output : Pa_GetDefaultInputDevice();
     for (auto& one : devices) one.is_default = one.index == wanted;

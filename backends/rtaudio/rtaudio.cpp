@@ -291,7 +291,7 @@ Devices probe(RtAudio::Api api) {
   } catch (const std::exception&) {  // a device went away while it was asked: those before it are there
   }
   if (alsa) add_hardware(found, static_cast<int>(count), pcms);
-  return found;
+  return jack ? own_ports_only(std::move(found), JackSearch::Anywhere, jack_ports()) : found;
 }
 
 /// The outputs' default of the first API that has one, or else the first device with inputs.
@@ -322,8 +322,7 @@ Result<Devices> rtaudio_devices(const std::string& text) {
       silent = RtAudio::getApiDisplayName(api);
       continue;
     }
-    const auto usable = own_ports_only(*found, JackSearch::Anywhere);
-    devices.insert(devices.end(), usable.begin(), usable.end());
+    devices.insert(devices.end(), found->begin(), found->end());
   }
   if (devices.empty() && !silent.empty())
     return fail(Errc::Device, "", silent + " does not respond", "restart its server");

@@ -33,7 +33,7 @@ std::vector<Device> listed(const std::vector<Client>& clients) {
 /// Those that are left, as "NAME INPUTS/OUTPUTS".
 std::string usable(const std::vector<Client>& clients, JackSearch search = JackSearch::Anywhere) {
   std::string text;
-  for (const auto& device : own_ports_only(listed(clients), search))
+  for (const auto& device : own_ports_only(listed(clients), search, {}))
     text += (text.empty() ? "" : ", ") + device.library_name + " " + std::to_string(device.in_channels) +
             "/" + std::to_string(device.out_channels);
   return text;
@@ -89,10 +89,56 @@ TEST_CASE("jack names: a client is left out whose name is in that of one whose p
     }
 }
 
+namespace {
+
+constexpr auto kAnywhere = JackSearch::Anywhere, kAtEnd = JackSearch::AtEndOfName;
+
+/// What is left of a client "card" that a library lists with so many channels, beside these ports of all
+/// clients; those that begin with "<" give sound.
+std::string card_beside(int in_channels, int out_channels, JackSearch search,
+                        const std::vector<std::string>& names) {
+  std::vector<JackPort> ports;
+  for (const auto& name : names) {
+    const bool gives = name.starts_with('<');
+    ports.push_back({gives ? name.substr(1) : name, !gives});
+  }
+  std::string text;
+  for (const auto& device : own_ports_only(listed({{"card", in_channels, out_channels}}), search, ports))
+    text += std::to_string(device.in_channels) + "/" + std::to_string(device.out_channels);
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("jack names: a client is left out when a port of another one would be opened for one of its own",
+          "[backends]") {
+  for (const auto search : {kAnywhere, kAtEnd}) {
+    CHECK(card_beside(0, 2, search, {"card:out_1", "card:out_2"}) == "0/2");
+    CHECK(card_beside(1, 2, search, {"<card:in", "card:out_1", "card:out_2"}) == "1/2");
+    CHECK(card_beside(0, 3, search, {"foo:card:p_1", "card:out_1", "card:out_2"}) == "");
+    CHECK(card_beside(1, 2, search, {"<foo:card:p_1", "<card:in", "card:out_1", "card:out_2"}) == "");
+    // Ports that only give sound are no output, and the card has no input.
+    CHECK(card_beside(1, 2, search, {"<foo:card:p_1", "card:out_1", "card:out_2"}) == "0/2");
+    CHECK(card_beside(0, 2, search, {}) == "");
+  }
+}
+
+TEST_CASE("jack names: RtAudio finds a name anywhere in a port's, and opens the first ports", "[backends]") {
+  CHECK(card_beside(0, 3, kAnywhere, {"foo:card_1", "card:out_1", "card:out_2"}) == "");
+  CHECK(card_beside(0, 3, kAnywhere, {"foo:to_card", "card:out_1", "card:out_2"}) == "");
+  CHECK(card_beside(0, 3, kAnywhere, {"card:out_1", "card:out_2", "foo:card_1"}) == "0/2");
+  CHECK(card_beside(0, 3, kAnywhere, {"card:out_1", "foo:card_1", "card:out_2"}) == "");
+}
+
+TEST_CASE("jack names: PortAudio finds a name before a colon alone, and may open any of them", "[backends]") {
+  CHECK(card_beside(0, 2, kAtEnd, {"foo:card_1", "card:out_1", "card:out_2"}) == "0/2");
+  CHECK(card_beside(0, 3, kAtEnd, {"card:out_1", "card:out_2", "foo:card:p_1"}) == "");
+}
+
 TEST_CASE("jack names: devices over other APIs stay as they are", "[backends]") {
   auto devices = listed({{"card (hw:0,0)"}, {"card"}, {"my-card"}});
   devices[0].api = "alsa";
-  const auto usable = own_ports_only(devices, JackSearch::AtEndOfName);
+  const auto usable = own_ports_only(devices, JackSearch::AtEndOfName, {});
   REQUIRE(usable.size() == 2);
   CHECK(usable[0].library_name == "card (hw:0,0)");
   CHECK(usable[1].library_name == "my-card");
@@ -101,7 +147,7 @@ TEST_CASE("jack names: devices over other APIs stay as they are", "[backends]") 
 TEST_CASE("jack names: the error for a client that was left out names the backend that lists it",
           "[backends]") {
   const auto devices =
-      own_ports_only(listed({{"system"}, {"abc"}, {"a.c"}, {"my-card"}, {"card"}}), JackSearch::Anywhere);
+      own_ports_only(listed({{"system"}, {"abc"}, {"a.c"}, {"my-card"}, {"card"}}), JackSearch::Anywhere, {});
   const auto answer = [&](const std::string& id) { return test::summary(device_with_id(devices, id)); };
   CHECK(answer("rtaudio:jack:abc").empty());
   CHECK(answer("rtaudio:jack:a.c") == "UnknownName 'rtaudio:jack:a.c' --backend");
@@ -110,7 +156,7 @@ TEST_CASE("jack names: the error for a client that was left out names the backen
   CHECK(test::summary(find_device(devices, "rtaudio:jack:card")) == answer("rtaudio:jack:card"));
   CHECK(find_device(devices, "card")->library_name == "my-card");
   const std::string all = "'rtaudio:jack:system' 'rtaudio:jack:abc' 'rtaudio:jack:my-card'";
-  CHECK(answer("rtaudio:jack:other") == "UnknownName 'rtaudio:jack:other' " + all);
+  CHECK(answer("rtaudio:jack:other") == "UnknownName 'rtaudio:jack:other' " + all + " --backend");
   CHECK(answer("rtaudio:alsa:hw:USB (1)") == "UnknownName 'rtaudio:alsa:hw:USB (1)' " + all);
   CHECK_FALSE(is_left_out("a.c", {}));
   auto of_jack_itself = devices;

@@ -1,8 +1,10 @@
 // Libraries that take the name of a JACK client for a regular expression, on a real server.
+#include <jack/jack.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <memory>
 
 #include "tests/cards/ways.h"
 #include "tests/support/error_summary.h"
@@ -44,4 +46,40 @@ TEST_CASE(
   const auto stream = jack->open(request, probe.guarded);
   REQUIRE(stream);
   CHECK((*stream)->granted().output.ports == std::vector<std::string>{card.name() + ":playback_1"});
+}
+
+TEST_CASE("jack names: a client is left out while a port of another one would be opened in its place",
+          "[cards]") {
+  const auto server = test::start_sound_server();
+  const auto name = "other-" + std::to_string(::getpid());
+  const std::unique_ptr<jack_client_t, int (*)(jack_client_t*)> other{
+      jack_client_open(name.c_str(), JackNoStartServer, nullptr), jack_client_close};
+  REQUIRE(other);
+  // It is registered before the card's, and called like these later.
+  auto* const port = jack_port_register(other.get(), "in", JACK_DEFAULT_AUDIO_TYPE, JackPortIsInput, 0);
+  REQUIRE(port);
+  const DelayClient card;
+  for (const std::string library : {"rtaudio", "portaudio"}) {
+    if (!test::has_backend(library)) continue;
+    CAPTURE(library);
+    const auto backend = test::backend_named(library);
+    const auto out_channels = [&] {
+      const auto devices = backend->devices();
+      REQUIRE(devices);
+      const auto found = std::ranges::find(*devices, library + ":jack:" + card.name(), &Device::id);
+      return found == devices->end() ? 0 : found->out_channels;
+    };
+    REQUIRE(jack_port_rename(other.get(), port, "in") == 0);
+    CHECK(out_channels() == 2);
+    REQUIRE(jack_port_rename(other.get(), port, (card.name() + ":in").c_str()) == 0);
+    CHECK(out_channels() == 0);
+    StreamRequest request;
+    request.device = library + ":jack:" + card.name();
+    request.out_channels = 1;
+    request.client_name = "tactus-" + std::to_string(::getpid());
+    test::GuardedProbe probe{1};
+    const auto refused = test::summary(backend->open(request, probe.guarded));
+    CHECK_THAT(refused,
+               Catch::StartsWith("UnknownName '" + request.device + "'") && Catch::EndsWith(" --backend"));
+  }
 }
