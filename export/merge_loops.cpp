@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::string_view kIndex = "[lane]";
 
-/// The name of the array that a statement declares, or of the number: "tactus_real x[8];", "int fault = 0;".
+/// The name of the array that a statement declares and does no more: "tactus_real x[8];".
 std::optional<std::string> declared_array(const Statement& statement) {
   static const std::regex form{R"(tactus_real (\w+)\[\d+\];)"};
   std::smatch match;
@@ -28,7 +28,8 @@ bool is_declaration(const Statement& statement) {
   return declared_array(statement) || (statement.lanes == 0 && std::regex_match(statement.text, fault));
 }
 
-/// How a loop mentions what outlives its lane: arrays, the state of nodes, inputs and outputs.
+/// How a loop mentions what may outlive its lane: arrays, the state of nodes, inputs and outputs, and what is
+/// handed on by its address.
 struct Mentions {
   std::set<std::string> by_lane, otherwise;
 
@@ -53,7 +54,9 @@ Mentions mentions_of(const std::string& text) {
   for_each_word(text, [&](const std::string& word, std::size_t begin, bool field) {
     const auto end = begin + word.size();
     const bool of_state = begin >= 3 && has(text, begin - 3, "s->");
-    if (!of_state && (field || !has(text, end, "[") || word.starts_with("tactus_data_"))) return;
+    const bool by_address = begin > 0 && text[begin - 1] == '&';
+    if (!of_state && (field || !(by_address || has(text, end, "[")) || word.starts_with("tactus_data_")))
+      return;
     const bool port = !of_state && (word == "in" || word == "out");
     auto& names = has(text, end, kIndex) ? found.by_lane : found.otherwise;
     names.insert(of_state ? "s->" + word : port ? "in or out" : word);

@@ -361,9 +361,10 @@ class LaneRoller {
 
   // Rolling.
 
-  /// Its lanes come in falling order. They do not depend on each other, and in the order of all other loops
-  /// they may join one of these.
-  static bool counts_down(const Pattern& pattern) {
+  /// Its lanes come in falling order, and in the order of all other loops they may join one of these. That is
+  /// their choice as long as they have no state in common.
+  bool may_be_reversed(const Pattern& pattern) const {
+    if (has_common_state(pattern)) return false;
     const auto number = [](const std::string& name) {
       const auto digits = name.find_last_not_of("0123456789") + 1;
       return whole_number(name.substr(digits));
@@ -371,6 +372,17 @@ class LaneRoller {
     for (const auto& slot : pattern.slots) {
       const auto first = number(slot.texts[0]), second = number(slot.texts[1]);
       if (is_identifier_start(slot.texts[0][0]) && first && second) return *first > *second;
+    }
+    return false;
+  }
+  bool has_common_state(const Pattern& pattern) const {
+    for (std::size_t s = 0; s < pattern.period; ++s) {
+      const auto& tokens = list_[pattern.first + s];
+      for (std::size_t t = 0; t < tokens.size(); ++t)
+        if (is_member(tokens, t) && std::ranges::none_of(pattern.slots, [&](const Slot& slot) {
+              return slot.statement == s && slot.token == t;
+            }))
+          return true;
     }
     return false;
   }
@@ -384,7 +396,7 @@ class LaneRoller {
   std::vector<Statement> roll_one(Pattern pattern) {
     const std::size_t variables = add_variables(pattern);
     find_slots(pattern);
-    if (counts_down(pattern))
+    if (may_be_reversed(pattern))
       for (auto& slot : pattern.slots) std::ranges::reverse(slot.texts);
     Loop loop;
     Replaced replaced;

@@ -55,6 +55,7 @@ TEST_CASE("merge loops: members of the state keep their places", "[export]") {
 TEST_CASE("merge loops: a lane that needs another one waits for all of them", "[export]") {
   CHECK(merged("x[lane] = in[lane];", "y[lane] = x[7 - lane];").size() == 2);
   CHECK(merged("x[lane] = s->held[lane];", "s->held[7 - lane] = in[lane]; y[lane] = 0.0;").size() == 2);
+  CHECK(merged("x[lane] = tactus_next(&noise);", "y[lane] = tactus_next(&noise);").size() == 2);
   CHECK(merged("x[lane] = in[lane]; s->sum += x[lane];", "y[lane] = s->sum;").size() == 2);
 }
 
