@@ -18,9 +18,6 @@ namespace {
 
 constexpr int kMaxBlock = 8192;
 
-/// The id of a JACK client as RtAudio or PortAudio lists it: "rtaudio:jack:card".
-bool is_client_of_library(const std::string& id) { return id.find(":jack:") != std::string::npos; }
-
 std::string lower_case(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -145,14 +142,14 @@ Result<Device> device_with_id(const std::vector<Device>& devices, const std::str
   return fail(
       Errc::UnknownName, "", id.empty() ? "there is no default device" : "there is no device '" + id + "'",
       // It may be there, and its name in that of another client's port.
-      is_client_of_library(id) ? remedy + "; or use --backend jack, which opens every client" : remedy);
+      is_jack_client_of_library(id) ? remedy + "; or use --backend jack, which opens every client" : remedy);
 }
 
 Result<Device> find_device(const std::vector<Device>& devices, const std::string& text) {
   auto exact = device_with_id(devices, text);
   if (exact || text.empty()) return exact;
   // The whole id of a JACK client that was left out is no part of the name of the one that it matches.
-  if (is_client_of_library(text) && is_left_out(text, devices)) return exact;
+  if (is_jack_client_of_library(text) && is_left_out(text, devices)) return exact;
   std::vector<Device> meant;
   std::copy_if(devices.begin(), devices.end(), std::back_inserter(meant), [&](const Device& device) {
     return lower_case(device.id + "\n" + device.name).find(lower_case(text)) != std::string::npos;

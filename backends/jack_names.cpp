@@ -5,6 +5,7 @@
 #endif
 
 #include <algorithm>
+#include <string_view>
 
 #include "backends/library_calls.h"
 
@@ -12,6 +13,7 @@ namespace tactus {
 namespace {
 
 constexpr const char* kApi = "jack";
+constexpr std::string_view kMark = ":jack:";  ///< in the id, before the client's name
 
 bool finds(JackSearch search, const std::string& client, const std::string& other) {
   return search == JackSearch::Anywhere ? other.find(client) != std::string::npos : other.ends_with(client);
@@ -97,13 +99,13 @@ std::vector<Device> own_ports_only(std::vector<Device> devices, JackSearch searc
   return usable;
 }
 
+bool is_jack_client_of_library(const std::string& id) { return id.find(kMark) != std::string::npos; }
+
 bool is_left_out(const std::string& id, const std::vector<Device>& listed) {
   // JACK's own backend lists every client.
   if (std::any_of(listed.begin(), listed.end(), [](const Device& one) { return one.api.empty(); }))
     return false;
-  const std::string mark = std::string{":"} + kApi + ":";
-  const auto at = id.find(mark);
-  const auto client = at == std::string::npos ? id : id.substr(at + mark.size());
+  const auto client = is_jack_client_of_library(id) ? id.substr(id.find(kMark) + kMark.size()) : id;
   const bool is_name = !client.empty() && client.find(':') == std::string::npos;
   return is_name && std::any_of(listed.begin(), listed.end(), [&](const Device& one) {
            return one.api == kApi &&

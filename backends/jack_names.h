@@ -38,6 +38,9 @@ std::optional<std::vector<JackPort>> jack_ports();
 std::vector<Device> own_ports_only(std::vector<Device> devices, JackSearch search,
                                    const std::optional<std::vector<JackPort>>& ports);
 
+/// [any] Whether this is the id of a JACK client as RtAudio or PortAudio lists it: "rtaudio:jack:card".
+bool is_jack_client_of_library(const std::string& id);
+
 /// [any] Whether the device that a person or a file calls `id` ("rtaudio:jack:a.c", or the name of a client)
 /// is one that `own_ports_only` would have left out of `listed`, the list of such a library.
 bool is_left_out(const std::string& id, const std::vector<Device>& listed);
