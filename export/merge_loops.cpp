@@ -6,15 +6,12 @@
 #include <optional>
 #include <regex>
 #include <set>
-#include <string_view>
 #include <vector>
 
-#include "export/number.h"
+#include "export/c_tokens.h"
 
 namespace tactus {
 namespace {
-
-constexpr std::string_view kIndex = "[lane]";
 
 /// The name of the array that a statement declares and does no more: "tactus_real x[8];".
 std::optional<std::string> declared_array(const Statement& statement) {
@@ -36,31 +33,25 @@ struct Mentions {
   bool contains(const std::string& name) const { return by_lane.contains(name) || otherwise.contains(name); }
 };
 
-/// Calls `with` with each word of a text, the place where it begins, and whether it is a field of a struct.
-template <class With>
-void for_each_word(const std::string& text, With with) {
-  for_each_identifier(text, [&](std::string_view word) {
-    const auto begin = static_cast<std::size_t>(word.data() - text.data());
-    with(std::string{word}, begin, begin > 0 && (text[begin - 1] == '.' || text[begin - 1] == '>'));
-  });
-}
-
-bool has(const std::string& text, std::size_t at, std::string_view what) {
-  return text.compare(at, what.size(), what) == 0;
+bool is_followed_by_lane(const CTokens& tokens, std::size_t token) {
+  return token + 3 < tokens.size() && tokens[token + 1].text == "[" && tokens[token + 2].text == "lane" &&
+         tokens[token + 3].text == "]";
 }
 
 Mentions mentions_of(const std::string& text) {
   Mentions found;
-  for_each_word(text, [&](const std::string& word, std::size_t begin, bool field) {
-    const auto end = begin + word.size();
-    const bool of_state = begin >= 3 && has(text, begin - 3, "s->");
-    const bool by_address = begin > 0 && text[begin - 1] == '&';
-    if (!of_state && (field || !(by_address || has(text, end, "[")) || word.starts_with("tactus_data_")))
-      return;
-    const bool port = !of_state && (word == "in" || word == "out");
-    auto& names = has(text, end, kIndex) ? found.by_lane : found.otherwise;
-    names.insert(of_state ? "s->" + word : port ? "in or out" : word);
-  });
+  const auto tokens = tokens_of(text);
+  for (std::size_t t = 0; t < tokens.size(); ++t) {
+    if (tokens[t].kind != CToken::Kind::Name) continue;
+    const auto& word = tokens[t].text;
+    const bool of_state = is_member(tokens, t), of_struct = !of_state && is_field(tokens, t);
+    const bool is_array = t + 1 < tokens.size() && tokens[t + 1].text == "[",
+               by_address = t > 0 && tokens[t - 1].text == "&";
+    if (of_struct || !(of_state || is_array || by_address) || word.starts_with("tactus_data_")) continue;
+    const bool is_port = !of_state && (word == "in" || word == "out");
+    auto& names = is_followed_by_lane(tokens, t) ? found.by_lane : found.otherwise;
+    names.insert(of_state ? "s->" + word : is_port ? "in or out" : word);
+  }
   return found;
 }
 
@@ -88,48 +79,44 @@ void merge(std::vector<Statement>& frame) {
   }
 }
 
-std::size_t count_mentions(const std::string& text, const std::string& name) {
-  std::size_t count = 0;
-  for_each_word(text,
-                [&](const std::string& word, std::size_t, bool field) { count += !field && word == name; });
-  return count;
+/// Text in which each element `name[lane]` of an array is `name`.
+std::string without_index(const std::string& text, const std::string& name) {
+  auto tokens = tokens_of(text);
+  for (std::size_t t = 0; t < tokens.size(); ++t)
+    if (tokens[t].text == name && !is_field(tokens, t) && is_followed_by_lane(tokens, t))
+      tokens.erase(tokens.begin() + static_cast<std::ptrdiff_t>(t + 1),
+                   tokens.begin() + static_cast<std::ptrdiff_t>(t + 4));
+  return text_of(tokens);
 }
 
-/// Text in which each element `name[lane]` is `name`.
-std::string without_index(std::string text, const std::string& name) {
-  std::vector<std::size_t> places;
-  for_each_word(text, [&](const std::string& word, std::size_t begin, bool field) {
-    if (!field && word == name) places.push_back(begin + word.size());
-  });
-  for (auto at = places.rbegin(); at != places.rend(); ++at) text.erase(*at, kIndex.size());
-  return text;
+/// The loop that alone mentions an array, lane by lane; nullptr: there is none.
+Statement* only_loop_with(const std::string& name, const Statement& declaration, CProgram& program) {
+  Statement* loop = nullptr;
+  for (auto& statement : program.frame) {
+    if (&statement == &declaration || !mentions_variable(tokens_of(statement.text), name)) continue;
+    if (loop != nullptr || statement.lanes == 0) return nullptr;
+    loop = &statement;
+  }
+  const bool checked = std::ranges::any_of(
+      program.checked, [&](const std::string& value) { return mentions_variable(tokens_of(value), name); });
+  const bool alone = loop != nullptr && !checked && !mentions_of(loop->text).otherwise.contains(name);
+  return alone ? loop : nullptr;
 }
 
 /// An array that a single loop mentions, lane by lane, is a number of that lane.
 void drop_arrays(CProgram& program) {
-  auto& frame = program.frame;
-  for (auto& declaration : frame) {
+  for (auto& declaration : program.frame) {
     const auto name = declared_array(declaration);
-    if (!name) continue;
-    std::size_t elsewhere = 0;
-    Statement* loop = nullptr;
-    for (auto& statement : frame) {
-      if (&statement == &declaration || count_mentions(statement.text, *name) == 0) continue;
-      if (loop != nullptr || statement.lanes == 0) ++elsewhere;
-      loop = &statement;
-    }
-    for (const auto& value : program.checked) elsewhere += count_mentions(value, *name);
-    if (loop == nullptr || elsewhere > 0 || mentions_of(loop->text).otherwise.contains(*name)) continue;
-    const auto definition = *name + std::string{kIndex} + " = ";
-    auto at = loop->text.find(definition);
-    while (at != std::string::npos && at > 0 && loop->text[at - 1] != '\n')
-      at = loop->text.find(definition, at + 1);
+    auto* const loop = name ? only_loop_with(*name, declaration, program) : nullptr;
+    if (loop == nullptr) continue;
+    const auto definition = "\n" + *name + "[lane] = ";
+    const auto at = ("\n" + loop->text).find(definition);  // at the start of a line
     if (at == std::string::npos) continue;
     loop->text.insert(at, "const tactus_real ");
     loop->text = without_index(loop->text, *name);
     declaration.text.clear();
   }
-  std::erase_if(frame, [](const Statement& statement) { return statement.text.empty(); });
+  std::erase_if(program.frame, [](const Statement& statement) { return statement.text.empty(); });
 }
 
 /// Of several values that a lane checks, the sum is: x - x is 0 while x is finite.

@@ -12,6 +12,7 @@
 
 #include "engine/core/index.h"
 #include "export/c_names.h"
+#include "export/c_tokens.h"
 #include "export/kernel_texts.h"
 #include "export/number.h"
 
@@ -22,49 +23,8 @@ namespace {
 // loop leaves its results in memory for the next one. A lane of more statements than this is no pattern.
 constexpr std::size_t kFewestLanes = 8, kLongestLane = 24;
 
-struct Token {
-  enum class Kind { Name, Number, Other } kind;
-  std::string text;
-
-  bool operator==(const Token&) const = default;
-};
-using Tokens = std::vector<Token>;
-
-Tokens tokens_of(std::string_view text) {
-  Tokens tokens;
-  for (std::size_t at = 0; at < text.size();) {
-    std::size_t end = at + 1;
-    auto kind = Token::Kind::Other;
-    if (std::isdigit(static_cast<unsigned char>(text[at])) != 0) {
-      kind = Token::Kind::Number;
-      while (end < text.size() && (is_identifier_part(text[end]) || text[end] == '.' ||
-                                   ((text[end] == '-' || text[end] == '+') && text[end - 1] == 'e')))
-        ++end;
-    } else if (is_identifier_part(text[at])) {
-      kind = Token::Kind::Name;
-      while (end < text.size() && is_identifier_part(text[end])) ++end;
-    }
-    tokens.push_back({kind, std::string{text.substr(at, end - at)}});
-    at = end;
-  }
-  return tokens;
-}
-
-std::string text_of(const Tokens& tokens) {
-  std::string text;
-  for (const auto& token : tokens) text += token.text;
-  return text;
-}
-
-/// Of a struct: it is no variable, whatever its name.
-bool is_field(const Tokens& tokens, std::size_t token) {
-  return token > 0 && (tokens[token - 1].text == "." ||
-                       (token > 1 && tokens[token - 1].text == ">" && tokens[token - 2].text == "-"));
-}
-/// Of the state: "s->".
-bool is_member(const Tokens& tokens, std::size_t token) {
-  return token > 2 && is_field(tokens, token) && tokens[token - 3].text == "s";
-}
+using Token = CToken;
+using Tokens = CTokens;
 
 /// What two statements have to have in common to be the same for two lanes.
 std::string shape_of(const Tokens& tokens) {
@@ -208,15 +168,16 @@ class LaneRoller {
          ++period) {
       std::size_t lanes = 1;
       while (at + (lanes + 1) * period <= list_.size() && alike(at, at + lanes * period, period)) ++lanes;
-      const bool once =
-          std::all_of(statements.begin() + static_cast<std::ptrdiff_t>(at),
-                      statements.begin() + static_cast<std::ptrdiff_t>(at + period),
-                      [](const Statement& each) { return each.divisor == 1 && each.lanes == 0; });
-      if (lanes < kFewestLanes || !once) continue;
+      if (lanes < kFewestLanes || !run_once_a_frame(statements, at, period)) continue;
       auto found = with_slots({at, period, lanes, {}});
       if (found && (!best || found->saved() > best->saved())) best = std::move(found);
     }
     return best;
+  }
+  static bool run_once_a_frame(const std::vector<Statement>& statements, std::size_t at, std::size_t count) {
+    const auto first = statements.begin() + static_cast<std::ptrdiff_t>(at);
+    return std::all_of(first, first + static_cast<std::ptrdiff_t>(count),
+                       [](const Statement& each) { return each.divisor == 1 && each.lanes == 0; });
   }
   bool alike(std::size_t one, std::size_t other, std::size_t period) const {
     return std::equal(shapes_.begin() + static_cast<std::ptrdiff_t>(one),
@@ -341,14 +302,8 @@ class LaneRoller {
   }
   bool only_within(const Pattern& pattern, const std::string& name) const {
     for (std::size_t s = 0; s < list_.size(); ++s)
-      if ((s < pattern.first || s >= pattern.end()) && mentions(list_[s], name)) return false;
+      if ((s < pattern.first || s >= pattern.end()) && mentions_variable(list_[s], name)) return false;
     return true;
-  }
-  /// As a variable.
-  static bool mentions(const Tokens& tokens, const std::string& name) {
-    for (std::size_t t = 0; t < tokens.size(); ++t)
-      if (tokens[t].kind == Token::Kind::Name && tokens[t].text == name && !is_field(tokens, t)) return true;
-    return false;
   }
   static bool mentions_member(const Tokens& tokens, const std::string& name) {
     for (std::size_t t = 0; t < tokens.size(); ++t)
@@ -363,7 +318,7 @@ class LaneRoller {
 
   /// Its lanes come in falling order, and in the order of all other loops they may join one of these. That is
   /// their choice as long as they have no state in common.
-  bool may_be_reversed(const Pattern& pattern) const {
+  bool is_to_be_reversed(const Pattern& pattern) const {
     if (has_common_state(pattern)) return false;
     const auto number = [](const std::string& name) {
       const auto digits = name.find_last_not_of("0123456789") + 1;
@@ -396,7 +351,7 @@ class LaneRoller {
   std::vector<Statement> roll_one(Pattern pattern) {
     const std::size_t variables = add_variables(pattern);
     find_slots(pattern);
-    if (may_be_reversed(pattern))
+    if (is_to_be_reversed(pattern))
       for (auto& slot : pattern.slots) std::ranges::reverse(slot.texts);
     Loop loop;
     Replaced replaced;
