@@ -21,15 +21,11 @@ constexpr double kLeastT = 8.0;
 /// Standard deviation that x must have, of the depth of the pattern: what smoothing leaves of it.
 constexpr double kLeastShare = 0.2;
 
-bool is_feedback(const FeedbackRegression& regression, int smoothing,
-                 const FeedbackProbe::Reach& reach) noexcept {
-  const auto fit = regression.fit();
-  if (!(fit.response > reach.least_response && fit.response < reach.most_response)) return false;
-  const double share = kLeastShare * std::log(kDip);
-  if (!(fit.variance > share * share)) return false;
-  const double ratio = regression.mean_r() - regression.mean_x();
-  if (!(std::log(fit.response) + ratio > std::log(kLeastGain))) return false;
-  return fit.t > kLeastT * (1.0 + 0.5 * std::log2(smoothing));
+/// [0] is new, the rest moves up, and the last is forgotten.
+template <class T, std::size_t kCount>
+void push_front(std::array<T, kCount>& history, T value) {
+  std::move_backward(history.begin(), history.end() - 1, history.end());
+  history.front() = value;
 }
 
 }  // namespace
@@ -55,7 +51,7 @@ void FeedbackProbe::begin(const Reach& reach) noexcept {
   group_ = slot_ = run_ = 0;
   left_ = kRuns.front();
   wanted_ = allowed_ = out_ = 0.0;
-  for (auto& levels : levels_) levels.lags.fill({}), levels.fits.fill(0);
+  for (auto& levels : levels_) levels.regressions = {}, levels.fits.fill(0);
   gain_.move_to(1.0);
 }
 
@@ -72,7 +68,7 @@ bool FeedbackProbe::end_group() noexcept {
 }
 
 bool FeedbackProbe::end_slot() noexcept {
-  runs_[index(slot_ % kLags)] = run_;
+  push_front(runs_, run_);
   bool found = false;
   for (std::size_t s = 0; s < levels_.size(); ++s) found = advance(levels_[s], kSmoothings[s]) || found;
   wanted_ = allowed_ = out_ = 0.0;
@@ -90,23 +86,40 @@ bool FeedbackProbe::advance(Levels& levels, const Smoothing& smoothing) noexcept
   smooth(levels.wanted, wanted_, smoothing.wanted);
   smooth(levels.allowed, allowed_, smoothing.out);
   smooth(levels.out, out_, smoothing.out);
-  const auto place = index(slot_ % kLags);
-  levels.u[place] = 0.5 * std::log(levels.allowed);
-  levels.x[place] = 0.5 * std::log(levels.out / levels.allowed);
+  push_front(levels.u, 0.5 * std::log(levels.allowed));
+  push_front(levels.x, 0.5 * std::log(levels.out / levels.allowed));
   const double a = 0.5 * std::log(levels.wanted);
   const double silent = 0.5 * std::log(floor_) + (reach_.lags > kShort.lags ? kNearlySilent : -1.0);
+  const int lags = std::min(reach_.lags, slot_ + 1);
+  Regressions::Values r, counts;
+  for (std::size_t m = 0; m < index(lags); ++m) {
+    r[m] = a - levels.u[m];
+    counts[m] = a < silent && levels.u[m] < silent ? 0.0 : 1.0;
+  }
+  levels.regressions.add(levels.x, r, counts, lags);
+  Regressions::Estimate estimate;
+  levels.regressions.estimate(lags, estimate);
   bool found = false;
-  for (int m = 0; m < reach_.lags && m <= slot_; ++m) {
-    const auto from = index((slot_ - m) % kLags);
-    if (a < silent && levels.u[from] < silent) continue;
-    auto& lag = levels.lags[index(m)];
-    lag.add(levels.x[from], a - levels.u[from]);
-    auto& fits = levels.fits[index(m)];
-    const bool fit = runs_[from] >= kLeastRuns && is_feedback(lag, smoothing.wanted, reach_);
+  for (std::size_t m = 0; m < index(lags); ++m) {
+    if (counts[m] == 0.0) continue;
+    const bool fit = is_feedback(levels.regressions, estimate, m, smoothing.wanted);
+    auto& fits = levels.fits[m];
     fits = fit ? static_cast<unsigned char>(std::min(fits + 1, reach_.least_fits)) : 0;
     found = found || fits == reach_.least_fits;
   }
   return found;
+}
+
+bool FeedbackProbe::is_feedback(const Regressions& regressions, const Regressions::Estimate& estimate,
+                                std::size_t lag, int smoothing) const noexcept {
+  const double response = estimate.response[lag];
+  if (!(response > reach_.least_response && response < reach_.most_response)) return false;
+  if (runs_[lag] < kLeastRuns) return false;
+  const double share = kLeastShare * std::log(kDip);
+  if (!(estimate.variance[lag] > share * share)) return false;
+  const double ratio = regressions.mean_r(lag) - regressions.mean_x(lag);
+  if (!(std::log(response) + ratio > std::log(kLeastGain))) return false;
+  return regressions.t(lag) > kLeastT * (1.0 + 0.5 * std::log2(smoothing));
 }
 
 void FeedbackProbe::next_run() noexcept {

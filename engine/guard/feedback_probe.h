@@ -69,6 +69,7 @@ class FeedbackProbe {
 
  private:
   static constexpr int kLags = kLong.lags;
+  using Regressions = FeedbackRegressions<kLags>;
   /// Smoothing of the wanted signal and of the output, in slots. They differ where a resonance smooths.
   struct Smoothing {
     int wanted, out;
@@ -76,13 +77,15 @@ class FeedbackProbe {
   static constexpr std::array<Smoothing, 5> kSmoothings{{{1, 1}, {4, 4}, {4, 16}, {8, 8}, {16, 16}}};
   struct Levels {
     double wanted = 0.0, allowed = 0.0, out = 0.0;  ///< smoothed powers
-    std::array<double, kLags> u{}, x{};             ///< of the last slots
-    std::array<FeedbackRegression, kLags> lags{};
-    std::array<unsigned char, kLags> fits{};  ///< slots in a row in which each lag fits
+    Regressions::Values u{}, x{};                   ///< [lag] of the slot so many before this one
+    Regressions regressions;                        ///< [lag]
+    std::array<unsigned char, kLags> fits{};        ///< slots in a row in which each lag fits
   };
 
   bool end_slot() noexcept;
   bool advance(Levels& levels, const Smoothing& smoothing) noexcept;
+  bool is_feedback(const Regressions& regressions, const Regressions::Estimate& estimate, std::size_t lag,
+                   int smoothing) const noexcept;
   void next_run() noexcept;
 
   int groups_in(const Reach& reach) const noexcept;
@@ -95,7 +98,7 @@ class FeedbackProbe {
   GroupGain gain_;
   bool running_ = false, muted_ = false;
   int group_ = 0, slot_ = 0, run_ = 0, left_ = 0;
-  std::array<int, kLags> runs_{};                    ///< of the last slots
+  std::array<int, kLags> runs_{};                    ///< [lag] of the slot so many before this one
   double wanted_ = 0.0, allowed_ = 0.0, out_ = 0.0;  ///< sums of squares of this slot
   std::vector<Levels> levels_;
 };
