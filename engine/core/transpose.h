@@ -5,23 +5,34 @@
 
 namespace tactus {
 
-/// Rows of samples to frames of lanes and back, eight by eight in the vector registers. No arithmetic: bits
-/// stay as they are.
+/// Rows of samples to frames of lanes and back, eight by eight in the vector registers. Bits stay as they
+/// are.
 class Transpose {
  public:
   static constexpr int kCount = 8;
+  using Row = double __attribute__((vector_size(kCount * sizeof(double))));
 
   /// [realtime] out[n * kCount + k] = in[k][n]
   static void pack(const std::array<const double*, kCount>& in, double* out, int frames) noexcept {
+    pack(in, out, frames, [](auto samples) { return samples; });
+  }
+  /// [realtime] out[n * kCount + k] = change(in[k][n]). `change` takes and returns a double, or a Row of
+  /// them.
+  template <class Change>
+  static void pack(const std::array<const double*, kCount>& in, double* out, int frames,
+                   const Change& change) noexcept {
     int n = 0;
     for (; n + kCount <= frames; n += kCount, out += kCount * kCount) {
       Square square;
-      for (std::size_t k = 0; k < kCount; ++k) std::memcpy(&square[k], in[k] + n, sizeof(Row));
+      for (std::size_t k = 0; k < kCount; ++k) {
+        std::memcpy(&square[k], in[k] + n, sizeof(Row));
+        square[k] = change(square[k]);
+      }
       turn(square);
       std::memcpy(out, square.data(), sizeof square);
     }
     for (; n < frames; ++n)
-      for (const double* lane : in) *out++ = lane[n];
+      for (const double* lane : in) *out++ = change(lane[n]);
   }
 
   /// [realtime] out[k][n] = in[n * kCount + k]
@@ -38,7 +49,6 @@ class Transpose {
   }
 
  private:
-  using Row = double __attribute__((vector_size(kCount * sizeof(double))));
   using Square = std::array<Row, kCount>;
 
   /// In three rounds, each of which exchanges quarters of squares of 2, 4 and 8.

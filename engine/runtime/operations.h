@@ -2,6 +2,11 @@
 
 // Thread: [realtime].
 
+#include <array>
+#include <cstring>
+#include <type_traits>
+
+#include "engine/core/transpose.h"
 #include "engine/dsp/simd/lanes.h"
 #include "engine/graph/node.h"
 #include "engine/graph/semantics/flat_graph.h"
@@ -63,6 +68,23 @@ inline bool copy_finite(const double* from, int frames, double* to) noexcept {
     *to++ = *from++ + 0.0;
   }
   return sum.finite();
+}
+
+/// [realtime] The same for kVectorWidth rows that become lanes: to[n * kVectorWidth + k] = from[k][n].
+inline bool pack_finite(const std::array<const double*, kVectorWidth>& from, int frames,
+                        double* to) noexcept {
+  Transpose::Row sum{};
+  double rest = 0;
+  Transpose::pack(from, to, frames, [&](auto samples) {
+    if constexpr (std::is_same_v<decltype(samples), double>)
+      rest += samples * 0;
+    else
+      sum += samples * 0.0;
+    return samples + 0.0;
+  });
+  double sums[Transpose::kCount];
+  std::memcpy(sums, &sum, sizeof sums);
+  return Lanes::load(sums).all_zero() && rest == 0;
 }
 
 /// [realtime] `frames` if there is none.

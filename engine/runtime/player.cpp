@@ -11,6 +11,11 @@
 #include "engine/runtime/signal_reader.h"
 
 namespace tactus {
+namespace {
+
+constexpr double kSilence[kMaxSubBlock] = {};
+
+}  // namespace
 
 Player::Player(std::unique_ptr<Plan> plan) : versions_(std::move(plan)), steps_(*this) {
   use(versions_.restart());
@@ -128,6 +133,10 @@ inline void Player::load_inputs(int frames) noexcept {
       load_input(io_->in[input.channel] + offset_, frames, input.to);
     else
       std::fill_n(input.to, frames, 0.0);
+  for (const auto& lanes : running_->plan->input_lanes)
+    load_lanes(lanes, frames, lanes.to, [this](int channel) {
+      return channel < format_.in_channels ? io_->in[channel] + offset_ : kSilence;
+    });
 }
 
 /// Nodes see neither what is not finite nor denormals, which are 0 to arithmetic, but not to what only copies
@@ -135,6 +144,16 @@ inline void Player::load_inputs(int frames) noexcept {
 inline void Player::load_input(const double* from, int frames, double* to) noexcept {
   if (!copy_finite(from, frames, to)) [[unlikely]]
     clear_input(to, frames);
+}
+
+/// The same for channels that become lanes.
+template <class Samples>
+inline void Player::load_lanes(const InputLanes& lanes, int frames, double* to,
+                               const Samples& samples_of) noexcept {
+  std::array<const double*, kVectorWidth> from;
+  std::transform(lanes.channels.begin(), lanes.channels.end(), from.begin(), samples_of);
+  if (!pack_finite(from, frames, to)) [[unlikely]]
+    clear_input(to, frames * kVectorWidth);
 }
 
 void Player::clear_input(double* samples, int frames) noexcept {
@@ -182,6 +201,9 @@ void Player::answer(int offset, int frames) noexcept {
   outside_->process({outside_in_.data(), outside_out_.data(), frames});
   for (const auto& input : running_->loaded_inputs)
     load_input(outside_out_[input.channel], frames, input.to + offset);
+  for (const auto& lanes : running_->plan->input_lanes)
+    load_lanes(lanes, frames, lanes.to + offset * kVectorWidth,
+               [this](int channel) { return outside_out_[channel]; });
 }
 
 }  // namespace tactus

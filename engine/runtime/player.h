@@ -103,6 +103,8 @@ class Player final : public BlockProcessor, private Outside {
   const Signal& output_signal(std::size_t output) const noexcept { return *running_->output_signals[output]; }
   void load_inputs(int frames) noexcept;
   void load_input(const double* from, int frames, double* to) noexcept;
+  template <class Samples>
+  void load_lanes(const InputLanes& lanes, int frames, double* to, const Samples& samples_of) noexcept;
   void store_outputs(int frames) noexcept;
   [[gnu::noinline]] void clear_input(double* samples, int frames) noexcept;
   [[gnu::noinline]] void fade_outputs(std::size_t channels, int frames) noexcept;

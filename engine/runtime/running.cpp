@@ -25,8 +25,8 @@ Running::Running(std::unique_ptr<Plan> made, int max_frames)
   }
   has_own_rates_ = plan->divisors.size() > 1;
   for (std::size_t c = 0; c < plan->input_buffers.size(); ++c)
-    if (plan->input_buffers[c] != nullptr)
-      loaded_inputs.push_back({static_cast<int>(c), plan->input_buffers[c]});
+    if (const auto& to = plan->input_buffers[c]; to.data != nullptr && to.stride == 1)
+      loaded_inputs.push_back({static_cast<int>(c), to.data});
   for (const int divisor : plan->divisors) dividers.push_back({divisor, 0, 0, {}});
   start(max_frames);
 }

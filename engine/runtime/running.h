@@ -95,7 +95,7 @@ struct Running {
   std::vector<std::string> control_names;     ///< [number]
   std::vector<int> outputs;                   ///< channels that are not taps
   std::vector<const Signal*> output_signals;  ///< [output] in Plan::channels
-  std::vector<LoadedInput> loaded_inputs;     ///< that something reads
+  std::vector<LoadedInput> loaded_inputs;     ///< that something reads, beside Plan::input_lanes
   std::vector<bool> vectorised;               ///< [output] it and those behind it are the lanes of one signal
   std::vector<int> tap_channels;
   std::vector<std::vector<double>> taps;

@@ -32,8 +32,10 @@ class Lister {
   void add_inputs() {
     for (int v = 0; v < std::ssize(plan_.vertices); ++v) {
       const auto& vertex = at(v);
-      if (vertex.kind == Kind::Input)
-        add(vertex.path, v, {}, {.data = plan_.input_buffers[index(vertex.index)]});
+      if (vertex.kind == Kind::Input) {
+        const auto& buffer = plan_.input_buffers[index(vertex.index)];
+        add(vertex.path, v, {}, {.data = buffer.data, .stride = buffer.stride});
+      }
       if (vertex.kind != Kind::Control) continue;
       const auto& control = plan_.controls[index(vertex.index)];
       add(control.control.name, v, control.control.unit.dimension,

@@ -22,6 +22,7 @@ class Builder {
     plan_->sample_rate = options_.sample_rate;
     plan_->system_delay_at_start = options_.system_delay;
     find_read_ports();
+    find_input_lanes();
     lay_out();
     take_nodes();
     name_sources(frozen_controls);
@@ -43,12 +44,34 @@ class Builder {
       for (const auto& wire : vertex.in) read_[index(wire.vertex)].push_back(wire.port);
   }
 
+  void find_input_lanes() {
+    input_lanes_.assign(plan_->vertices.size(), {});
+    const auto only_here = [this](const Wire& wire) {
+      return at(wire.vertex).kind == Kind::Input && read_[index(wire.vertex)].size() == 1;
+    };
+    for (int v = 0; v < static_cast<int>(plan_->vertices.size()); ++v) {
+      const auto& vertex = at(v);
+      if (vertex.kind != Kind::Pack || vertex.divisor != 1 || !std::ranges::all_of(vertex.in, only_here))
+        continue;
+      for (int lane = 0; lane < kVectorWidth; ++lane)
+        input_lanes_[index(vertex.in[index(lane)].vertex)] = {v, 0, lane};
+    }
+  }
+  /// An input that is a lane of a Pack, and nothing else.
+  bool is_input_lane(std::size_t v) const { return input_lanes_[v].vertex >= 0; }
+  /// A Pack of such inputs.
+  bool packs_inputs(const Vertex& vertex) const {
+    return vertex.kind == Kind::Pack && is_input_lane(index(vertex.in[0].vertex));
+  }
+
   /// Signals, then constants; of these the vectorised ones first, so that they lie on cache lines.
   void lay_out() {
     enum { kSignal, kVector, kScalar, kNowhere };
     const auto part_of = [&](std::size_t v) {
       const auto& vertex = plan_->vertices[v];
-      if (vertex.kind == Kind::Output || (vertex.kind == Kind::Constant && read_[v].empty())) return kNowhere;
+      if (vertex.kind == Kind::Output || is_input_lane(v) ||
+          (vertex.kind == Kind::Constant && read_[v].empty()))
+        return kNowhere;
       return vertex.kind != Kind::Constant ? kSignal : vertex.width > 1 ? kVector : kScalar;
     };
     place_.assign(plan_->vertices.size(), 0);
@@ -72,12 +95,12 @@ class Builder {
   }
 
   void name_sources(const std::vector<bool>& frozen_controls) {
-    plan_->input_buffers.assign(plan_->input_names.size(), nullptr);
+    plan_->input_buffers.assign(plan_->input_names.size(), {});
     for (std::size_t c = 0; c < flat_.controls.size(); ++c)
       plan_->controls.push_back({flat_.controls[c], nullptr, {}, frozen_controls[c]});
     for (int v = 0; v < static_cast<int>(plan_->vertices.size()); ++v) {
       const auto& vertex = at(v);
-      if (vertex.kind == Kind::Input) plan_->input_buffers[index(vertex.index)] = buffer(v, 0);
+      if (vertex.kind == Kind::Input) plan_->input_buffers[index(vertex.index)] = input_buffer(v);
       if (vertex.kind == Kind::Control) plan_->controls[index(vertex.index)].buffer = buffer(v, 0);
       if (vertex.kind == Kind::SystemDelay) plan_->system_delay = buffer(v, 0);
     }
@@ -87,10 +110,20 @@ class Builder {
     return plan_->arena.data() + place_[index(v)] + port * at(v).width * kMaxSubBlock;
   }
 
+  InputBuffer input_buffer(int v) {
+    if (!is_input_lane(index(v))) return {buffer(v, 0)};
+    const auto& lane = input_lanes_[index(v)];
+    return {buffer(lane.vertex, 0) + lane.lane, kVectorWidth};
+  }
+
   /// A lane of a vectorised vertex is a signal with a longer stride. Controls rest until they are moved;
   /// their stride is set while they ramp.
   Signal signal(const Wire& wire) {
     const auto& vertex = at(wire.vertex);
+    if (vertex.kind == Kind::Input) {
+      const auto at = input_buffer(wire.vertex);
+      return {at.data, at.stride};
+    }
     double* const data = buffer(wire.vertex, wire.port);
     if (vertex.kind == Kind::Constant) return {data, 0};
     if (vertex.width > 1) return {data + std::max(0, wire.lane), kVectorWidth};
@@ -171,6 +204,7 @@ class Builder {
     const bool can_fail = vertex.kind != Kind::Pack && vertex.kind != Kind::RateConverter &&
                           (vertex.kind != Kind::Operation || operator_of(vertex.op).can_fail);
     step.first_in = add_inputs(vertex);
+    if (packs_inputs(vertex)) return add_input_lanes(vertex, item.vertex);
     step.inputs = static_cast<int>(vertex.in.size());
     step.first_out = static_cast<int>(plan_->outputs.size());
     step.outputs = vertex.outputs;
@@ -182,6 +216,13 @@ class Builder {
       if (read && can_fail) step.can_fail = port + 1;
     }
     plan_->steps.push_back(step);
+  }
+
+  void add_input_lanes(const Vertex& pack, int v) {
+    InputLanes lanes{.to = buffer(v, 0)};
+    std::ranges::transform(pack.in, lanes.channels.begin(),
+                           [this](const Wire& wire) { return at(wire.vertex).index; });
+    plan_->input_lanes.push_back(lanes);
   }
 
   void add_operation(int v, Vertex& vertex, int section_start) {
@@ -271,6 +312,7 @@ class Builder {
   std::unique_ptr<Plan> plan_;
   std::vector<std::size_t> place_;                     ///< [vertex] in the arena
   std::vector<std::vector<int>> read_;                 ///< [vertex]: ports that are read
+  std::vector<Wire> input_lanes_;                      ///< [vertex] of an input; none: vertex -1
   std::vector<int> sources_;                           ///< [slot of Plan::inputs] the vertex that it reads
   std::map<int, int> can_rest_;                        ///< [vertex] in Plan::can_rest
   std::map<std::pair<bool, std::string>, int> paths_;  ///< [operation, path] how many so far

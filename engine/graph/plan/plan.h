@@ -2,6 +2,7 @@
 
 // Thread: [control]; what runs on the audio thread is Running.
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -80,6 +81,19 @@ struct Section {
   bool loop = false;
 };
 
+/// Where the samples of a channel go; no data: nothing reads them.
+struct InputBuffer {
+  double* data = nullptr;
+  int stride = 1;  ///< kVectorWidth: it is a lane of one of Plan::input_lanes
+};
+
+/// Channels that are lanes of one signal, and that nothing else reads: they are loaded as such, without a
+/// step.
+struct InputLanes {
+  std::array<int, kVectorWidth> channels{};
+  double* to = nullptr;
+};
+
 struct PlannedControl {
   FlatControl control;
   double* buffer = nullptr;  ///< samples while it ramps; kVectorWidth times the same while it rests
@@ -114,7 +128,8 @@ struct Plan : VertexGraph {
   std::vector<MicroOperation> operations;
   /// Of operations on nothing but controls and numbers: while those rest each is one number, which rests too.
   std::vector<Readers> can_rest;
-  std::vector<double*> input_buffers;  ///< nullptr: nothing reads the channel
+  std::vector<InputBuffer> input_buffers;  ///< [channel]
+  std::vector<InputLanes> input_lanes;
   /// kVectorWidth times the same, in seconds, or nullptr if nothing reads it.
   double* system_delay = nullptr;
   Seconds system_delay_at_start;

@@ -1,6 +1,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "engine/runtime/signal_scope.h"
+#include "engine/scene/closed_loop.h"
 #include "tests/support/graphs/graph_runner.h"
 #include "tests/support/graphs/node_runner.h"
 #include "tests/support/graphs/voices_graph.h"
@@ -52,6 +54,26 @@ std::unique_ptr<Player> check_vectorised(const std::string& text, double toleran
 bool runs(const Player& engine, const std::string& path) {
   const auto& vertices = engine.plan().vertices;
   return std::any_of(vertices.begin(), vertices.end(), [&](const Vertex& v) { return v.path == path; });
+}
+
+/// Eight channels into filters that run side by side; `also` reads them as well.
+std::string eight_channels(const std::string& also = "") {
+  return "format = 1\n[inputs]\nx = { lanes = 8 }\n[nodes]\ny = { type = \"low_pass\", in = \"x\", cutoff = "
+         "\"1 kHz\" }\n[outputs]\ny = { from = \"y\" }\n" +
+         also;
+}
+
+Channels eight_noises() {
+  Channels noises;
+  for (unsigned channel = 0; channel < 8; ++channel)
+    noises.push_back(test::noise(kFrames, 20 + channel, -1, 1));
+  return noises;
+}
+
+int steps_of(const Plan& plan, const std::string& what) {
+  return static_cast<int>(std::ranges::count_if(plan.steps, [&](const Step& step) {
+    return step.vertex >= 0 && plan.vertices[index(step.vertex)].description() == what;
+  }));
 }
 
 std::string body(const std::string& nodes, const std::string& before = "") {
@@ -192,4 +214,92 @@ TEST_CASE("side by side: a group that breaks is counted once and starts again as
   CHECK(faults[0].count == 3);
   for (const auto& channel : out)
     for (const auto sample : channel) CHECK(std::isfinite(sample));
+}
+
+TEST_CASE("side by side: channels that only lanes read are loaded as lanes", "[runtime]") {
+  const auto wide = engine_of(eight_channels(), true);
+  const auto alone = engine_of(eight_channels(), false);
+  REQUIRE(wide->plan().input_lanes.size() == 1);
+  CHECK(steps_of(wide->plan(), "pack") == 0);
+  for (const std::size_t channels : {8u, 5u}) {
+    INFO(channels << " channels of the card");
+    auto noises = eight_noises();
+    noises.resize(channels);
+    const auto together = test::run(*wide, noises, kFrames, {64});
+    CHECK(relative_difference(test::run(*alone, noises, kFrames, {64}), together) <= 1e-12);
+    for (const std::vector<int>& blocks : {std::vector{1}, {17, 3, 64, 5}, {1024}})
+      CHECK(test::first_difference(together, test::run(*wide, noises, kFrames, blocks)) == "");
+  }
+}
+
+TEST_CASE("side by side: channels that something else reads as well are packed by a step", "[runtime]") {
+  const auto text = eight_channels("z = { from = \"x\" }\n");
+  const auto wide = engine_of(text, true);
+  CHECK(wide->plan().input_lanes.empty());
+  CHECK(steps_of(wide->plan(), "pack") == 1);
+  auto expected = test::run(*engine_of(eight_channels(), true), eight_noises(), kFrames, {64});
+  for (const auto& noise : eight_noises()) expected.push_back(noise);
+  CHECK(test::first_difference(expected, test::run(*wide, eight_noises(), kFrames, {64})) == "");
+}
+
+TEST_CASE("side by side: what is not finite in a channel is 0 in its lane, and counted", "[runtime]") {
+  auto noises = eight_noises();
+  auto clean = noises;
+  const double bad[] = {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e-310, -0.0};
+  int frame = 100;
+  for (const double sample : bad)
+    for (const std::size_t channel : {2u, 7u}) {
+      noises[channel][index(frame)] = sample;
+      clean[channel][index(frame)] = 0;
+      frame += 37;
+    }
+  const auto wide = engine_of(eight_channels(), true);
+  for (const std::vector<int>& blocks : {std::vector{64}, {17, 3, 64, 5}}) {
+    const auto expected = test::run(*wide, clean, kFrames, blocks);
+    CHECK(wide->bad_input_samples() == 0);
+    CHECK(test::first_difference(expected, test::run(*wide, noises, kFrames, blocks)) == "");
+    CHECK(wide->bad_input_samples() == 6);
+  }
+}
+
+TEST_CASE("side by side: channels that are loaded as lanes can be looked at", "[runtime]") {
+  const auto engine = engine_of(eight_channels(), true);
+  const auto noises = eight_noises();
+  test::run(*engine, noises, 64, {64});
+  int seen = 0;
+  for (const auto& signal : scope_signals(engine->plan())) {
+    if (!signal.name.starts_with("x[")) continue;
+    const auto& channel = noises[index(signal.name[2] - '0')];
+    for (int n = 0; n < 64; ++n) CHECK(signal.place.data[n * signal.place.stride] == channel[index(n)]);
+    ++seen;
+  }
+  CHECK(seen == 8);
+}
+
+TEST_CASE("side by side: what answers within the frame is loaded as lanes", "[runtime]") {
+  const std::string through =
+      "format = 1\n[inputs]\nx = { lanes = 8 }\n[outputs]\ny = { from = \"-0.5 * x\" }\n";
+  const std::string plant =
+      "format = 1\n[inputs]\ndrive = { lanes = 8 }\n[nodes]\n"
+      "start = { type = \"noise\", level = 1, voices = 8 }\n"
+      "felt = { type = \"low_pass\", in = \"drive\", cutoff = \"2 kHz\" }\n"
+      "last = { type = \"delay\", in = \"felt\", time = \"1 / system.rate\", interpolation = \"none\" }\n"
+      "[outputs]\nsensor = { from = \"start + last\" }\n";
+  const auto sensors = [&](bool vectorise) {
+    CompileOptions options;
+    options.closed_outside = true;
+    options.vectorise = vectorise;
+    const auto instrument = test::engine_of(through);
+    const auto engine = test::engine_of(plant, options);
+    CHECK(engine->plan().input_lanes.size() == (vectorise ? 1u : 0u));
+    ClosedLoop loop{*instrument, *engine, 8, 0, {.on = false, .bits = 24}};
+    REQUIRE(loop.prepare(48_kHz, 64));
+    Channels played(8);
+    loop.run(1000, [&](const ClosedLoop::Block& piece) {
+      for (int c = 0; c < 8; ++c)
+        played[index(c)].insert(played[index(c)].end(), piece.sensors[c], piece.sensors[c] + piece.frames);
+    });
+    return played;
+  };
+  CHECK(relative_difference(sensors(false), sensors(true)) <= 1e-12);
 }
