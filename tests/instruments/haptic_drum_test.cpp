@@ -61,6 +61,27 @@ TEST_CASE("haptic drum: the roll is even at its rate, at 0, 10, 20 and 30 ms of 
   CHECK(ask(played, "faults", "", 0, 12) == 0);
 }
 
+// A flight that begins with v = e w + (1 + e) u, where the stick falls with w = g T / 2, lasts T = 2 v / g,
+// so T = 2 (1 + e) u / (g (1 - e)), e = 0.475 - 0.06 s/m (w + u). The hand of 0.35 N pulls the 12.5 g with g.
+TEST_CASE("haptic drum: when the hand leads, its force decides the rate", "[instruments]") {
+  constexpr double kThrow = 0.3, kGravity = 0.35 / 0.0125;
+  double flight = 0.05;
+  for (int i = 0; i < 50; ++i) {
+    const double bounce = 0.475 - 0.06 * (kGravity * flight / 2 + kThrow);
+    flight = 2 * (1 + bounce) * kThrow / (kGravity * (1 - bounce));
+  }
+  const auto delay = GENERATE(0_ms, 20_ms, 30_ms);
+  const double rate = GENERATE(12.0, 24.0);
+  INFO("delay " << delay.value * 1e3 << " ms, " << rate << " strokes a second asked for and not heeded");
+  SceneOptions options;
+  options.delay = delay;
+  options.set["hand_leads"] = 1;
+  options.set["roll_rate"] = rate;
+  const auto played = play(kInstruments / "haptic_drum" / "scene.toml", options);
+  CHECK(ask(played, "rate", "plant.contact", 1, 12) == Approx(1 / flight).epsilon(0.06));
+  CHECK(ask(played, "spread", "plant.contact", 1, 12) < 0.01);
+}
+
 TEST_CASE("haptic drum: without the throw a bounce is over by 0.2 s", "[instruments]") {
   SceneOptions options;
   options.set["strength"] = 0;
