@@ -75,19 +75,15 @@ constexpr auto kRuns = []<std::size_t... kEntries>(std::index_sequence<kEntries.
 (std::make_index_sequence<kOperators.size()>{});
 
 /// Of controls at rest.
-[[gnu::noinline]] void run_resting(Expression::Op op, int operands, const Signal* in, double* out,
-                                   int frames) noexcept {
-  std::fill_n(out, frames, evaluate(op, in[0][0], in[1][0], operands < 3 ? 0 : in[2][0]));
+[[gnu::noinline]] void run_resting(Expression::Op op, const Signal* in, double* out, int frames) noexcept {
+  std::fill_n(out, frames, evaluate(op, in[0][0], in[1][0], in[2][0]));
 }
 
 }  // namespace
 
-TACTUS_EVERY_BLOCK void run_operation(Expression::Op op, int operands, const Signal* in, double* out,
-                                      int frames) noexcept {
-  if (frames == 1)
-    *out = evaluate(op, *in[0].data, *in[1].data, operands < 3 ? 0 : *in[2].data);
-  else if (all_rest(in, operands))
-    run_resting(op, operands, in, out, frames);
+TACTUS_EVERY_BLOCK void run_operation(Expression::Op op, const Signal* in, double* out, int frames) noexcept {
+  if (all_rest(in))
+    run_resting(op, in, out, frames);
   else
     kRuns[entry_of(op)](in, out, frames);
 }

@@ -15,13 +15,12 @@
 namespace tactus {
 
 /// [realtime] Whether none of the operands moves.
-inline bool all_rest(const Signal* in, int operands) noexcept {
-  return in[0].constant() && in[1].constant() && (operands < 3 || in[2].constant());
+inline bool all_rest(const Signal* in) noexcept {
+  return in[0].constant() && in[1].constant() && in[2].constant();
 }
 
-/// [realtime] out[n] = op(in[0][n], in[1][n], in[2][n]), as in `evaluate`, for n in [0, frames). Of one
-/// operand there are two in `in`, of three there are three.
-void run_operation(Expression::Op op, int operands, const Signal* in, double* out, int frames) noexcept;
+/// [realtime] out[n] = op(in[0][n], in[1][n], in[2][n]), as in `evaluate`, for n in [0, frames).
+void run_operation(Expression::Op op, const Signal* in, double* out, int frames) noexcept;
 
 /// [realtime]
 inline bool is_finite(double sample) noexcept { return tactus_is_finite(sample) != 0; }

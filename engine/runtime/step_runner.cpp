@@ -54,6 +54,7 @@ inline bool StepRunner::is_at_rest(const MicroOperation& operation, int frames) 
 
 inline StepRunner::Fault StepRunner::run_operations(const Step& step, bool loop, int offset,
                                                     int frames) noexcept {
+  if (frames == 1) return run_operations_once(step, loop, offset);
   Fault first;
   const auto* const operations = plan_->operations.data() + step.first_operation;
   for (int i = 0; i < step.operations; ++i) {
@@ -61,10 +62,26 @@ inline StepRunner::Fault StepRunner::run_operations(const Step& step, bool loop,
     if (operation.can_rest >= 0 && is_at_rest(operation, frames)) continue;
     double* const out = operation.out + offset;
     if (offset == 0)
-      run_operation(operation.op, operation.operands, operation.in, out, frames);
+      run_operation(operation.op, operation.in, out, frames);
     else
       run_moved(operation, offset, frames);
     if (operation.can_fail && !all_finite(out, frames)) clear(operation, loop, out, frames, first);
+  }
+  return first;
+}
+
+/// One frame of them.
+TACTUS_EVERY_BLOCK StepRunner::Fault StepRunner::run_operations_once(const Step& step, bool loop,
+                                                                     int offset) noexcept {
+  Fault first;
+  const auto* operation = plan_->operations.data() + step.first_operation;
+  for (const auto* const end = operation + step.operations; operation != end; ++operation) {
+    if (operation->can_rest >= 0 && is_at_rest(*operation, 1)) continue;
+    const Signal* const in = operation->in;
+    const double value = operation->value(in[0][offset], in[1][offset], in[2][offset]);
+    operation->out[offset] = value;
+    if (!is_finite(value)) [[unlikely]]
+      if (operation->can_fail) clear(*operation, loop, operation->out + offset, 1, first);
   }
   return first;
 }
@@ -223,8 +240,8 @@ void StepRunner::run_moved(const MicroOperation& operation, int offset, int fram
     const auto& in = operation.in[operand];
     return Signal{in.data + offset * in.stride, in.stride};
   };
-  const Signal in[] = {moved(0), moved(1), operation.operands < 3 ? Signal{} : moved(2)};
-  run_operation(operation.op, operation.operands, in, operation.out + offset, frames);
+  const Signal in[] = {moved(0), moved(1), moved(2)};
+  run_operation(operation.op, in, operation.out + offset, frames);
 }
 
 /// Its output from `out` on is not finite.
@@ -240,12 +257,11 @@ void StepRunner::clear(const MicroOperation& operation, bool loop, double* out, 
 /// False if one of the operands moves.
 bool StepRunner::run_at_rest(const MicroOperation& operation, int frames) noexcept {
   const Signal* const operands = operation.in;
-  const bool rests = all_rest(operands, operation.operands);
+  const bool rests = all_rest(operands);
   if (rests != (running_->at_rest[index(operation.can_rest)] != 0))
     running_->settle(operation.can_rest, rests);
   if (!rests) return false;
-  double value = 0;
-  run_operation(operation.op, operation.operands, operands, &value, 1);
+  double value = operation.value(operands[0][0], operands[1][0], operands[2][0]);
   const bool finite = is_finite(value);
   running_->computed_in[index(operation.can_rest)] = finite ? running_->settings : 0;
   if (!finite) {

@@ -49,6 +49,7 @@ class StepRunner {
   bool run_node(const Step& step, const NodeBlock& block) noexcept;
   [[gnu::noinline]] static bool gave_finite(const Step& step, const NodeBlock& block) noexcept;
   Fault run_operations(const Step& step, bool loop, int offset, int frames) noexcept;
+  [[gnu::noinline]] Fault run_operations_once(const Step& step, bool loop, int offset) noexcept;
   // Where a step is at another rate, is silent or becomes so, and loops that are shorter than a block.
   [[gnu::noinline]] void run_with_care(int step, int frames) noexcept;
   [[gnu::noinline]] void run_silent(int step, int offset, int frames) noexcept;

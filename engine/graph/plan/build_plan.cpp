@@ -242,8 +242,9 @@ class Builder {
     operation.op = vertex.op;
     operation.vertex = v;
     operation.first_in = add_inputs(vertex);
-    if (vertex.in.size() == 1) add_input(vertex.in[0]);  // every operation has two operands to point at
+    for (auto has = vertex.in.size(); has < kMostOperands; ++has) add_input(vertex.in[0]);
     operation.operands = operator_of(vertex.op).operands;
+    operation.value = operator_of(vertex.op).value;
     operation.can_fail = operator_of(vertex.op).can_fail;
     operation.out = buffer(v, 0);
     if (std::all_of(vertex.in.begin(), vertex.in.end(),

@@ -40,9 +40,10 @@ struct Readers {
 /// One element-wise operation over the frames of a sub-block.
 struct MicroOperation {
   Expression::Op op;
-  int first_in = 0;            ///< in Plan::inputs; of one operand there are two, both the same
+  int first_in = 0;  ///< in Plan::inputs: kMostOperands, the first in place of those that it does not have
   const Signal* in = nullptr;  ///< there
   double* out = nullptr;
+  double (*value)(double a, double b, double c) noexcept = nullptr;  ///< Operator::value
   int vertex = 0;
   int can_rest = -1;  ///< in Plan::can_rest, or -1
   int operands = 1;
