@@ -201,8 +201,37 @@ void StepRunner::run_loop_in_parts(const Section& section, int frames) noexcept 
         {section.sub_block, frames - offset, static_cast<int>(end_of_cell(now_ + offset) - (now_ + offset))});
     if (silent_until > now_ + offset)
       silence_part(section, offset, part);
+    else if (part == 1)
+      run_frame<kTimed>(section, offset);
     else
       run_part<kTimed>(section, section.first_step, {}, offset, part);
+  }
+}
+
+/// One frame of a loop: many have no more in a sub-block.
+template <bool kTimed>
+inline void StepRunner::run_frame(const Section& section, int offset) noexcept {
+  const Step* const steps = plan_->steps.data();
+  Signal* const in = running_->moved_in.data();
+  double** const out = running_->moved_out.data();
+  const NodeBlock block{in, out, 1, now_ + offset};
+  for (int s = section.first_step, end = section.end_step; s < end; ++s) {
+    const auto& step = steps[s];
+    if (step.with_care) [[unlikely]]
+      return run_part<kTimed>(section, s, {}, offset, 1);
+    const StepTimer<kTimed> timer{running_->step_ns[index(s)]};
+    if (step.kind == Step::Kind::Operations) {
+      const Fault fault = run_operations_once(step, true, offset);
+      if (fault.vertex != kSound) [[unlikely]]
+        return run_part<kTimed>(section, s + 1, fault, offset, 1);
+      continue;
+    }
+    for (int i = 0; i < step.inputs; ++i)
+      in[i] = {step.in[i].data + offset * step.in[i].stride, step.in[i].stride};
+    for (int i = 0; i < step.outputs; ++i)
+      out[i] = step.out[i] == nullptr ? nullptr : step.out[i] + offset * step.width;
+    if (!run_node(step, block)) [[unlikely]]
+      return run_part<kTimed>(section, s + 1, made_finite(step, block, offset), offset, 1);
   }
 }
 

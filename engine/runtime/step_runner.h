@@ -57,6 +57,8 @@ class StepRunner {
   template <bool kTimed>
   [[gnu::noinline]] void run_loop_in_parts(const Section& section, int frames) noexcept;
   template <bool kTimed>
+  void run_frame(const Section& section, int offset) noexcept;
+  template <bool kTimed>
   [[gnu::noinline]] void run_part(const Section& section, int step, Fault fault, int offset,
                                   int part) noexcept;
   void silence_part(const Section& section, int offset, int part) noexcept;
