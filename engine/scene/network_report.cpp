@@ -53,7 +53,7 @@ std::vector<NetworkReport> report_networks(const Plan& plan, const std::vector<d
 }
 
 int timed_every(double frames) {
-  constexpr double kTimedFrames = 200 * kMaxSubBlock, kSeldom = 16;
+  constexpr double kTimedFrames = 200 * kMaxSubBlock, kSeldom = 64;
   return static_cast<int>(std::clamp(frames / kTimedFrames, 1.0, kSeldom));
 }
 
