@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "engine/core/named.h"
 #include "engine/core/port_name.h"
@@ -70,10 +71,15 @@ Error too_large(const CProgram& program, std::size_t bytes, std::size_t most) {
           "choose numbers with fewer bytes (--number), a lower --rate, or fewer and shorter nodes"};
 }
 
+std::size_t most_bytes(const ExportOptions& options) {
+  const auto of_target = options.target->most_bytes;
+  return options.most_bytes.value_or(of_target > 0 ? of_target : std::numeric_limits<std::size_t>::max());
+}
+
 /// What takes an eighth of the allowed memory or more, where all of it is too much.
 std::vector<Error> too_large(const CProgram& program, const ExportOptions& options) {
   const auto& machine = machine_types()[index(options.target->machine)];
-  const auto bytes = state_bytes(program, machine), most = *options.most_bytes;
+  const auto bytes = state_bytes(program, machine), most = most_bytes(options);
   if (bytes <= most) return {};
   std::vector<Error> errors{too_large(program, bytes, most)};
   std::map<std::pair<std::string, std::string>, std::size_t> nodes;
@@ -175,7 +181,7 @@ Checked<FixedProgram> fixed_program(const Plan& plan, const RecordedNodes& recor
 Checked<std::vector<ExportedFile>> fixed_files(const FixedProgram& program, const GraphSpec& spec,
                                                const ExportOptions& options) {
   const auto& name = program.heading.name;
-  BoardProgram board{&program.heading, {}, {}};
+  BoardProgram board{&program.heading, {}, {}, state_bytes(program)};
   for (const auto& port : program.inputs)
     board.inputs.push_back({port.name, port.value.range, port.value.exponent});
   for (const auto& port : program.outputs)
@@ -213,15 +219,15 @@ Checked<std::vector<ExportedFile>> export_graph(const LoadedGraph& graph, const 
   if (options.number->bits > 0) {
     const auto program = fixed_program(**plan, recorded, *graph.spec, options);
     if (!program) return tl::unexpected(program.error());
-    if (const auto bytes = state_bytes(*program); options.most_bytes && bytes > *options.most_bytes)
-      return tl::unexpected(std::vector{too_large(program->heading, bytes, *options.most_bytes)});
+    if (const auto bytes = state_bytes(*program); bytes > most_bytes(options))
+      return tl::unexpected(std::vector{too_large(program->heading, bytes, most_bytes(options))});
     return fixed_files(*program, *graph.spec, options);
   }
   auto program = c_program(**plan, recorded, *graph.spec, options);
   if (!program) return tl::unexpected(program.error());
-  if (options.most_bytes)
-    if (auto errors = too_large(*program, options); !errors.empty()) return tl::unexpected(std::move(errors));
-  BoardProgram board{&*program, {}, {}};
+  if (auto errors = too_large(*program, options); !errors.empty()) return tl::unexpected(std::move(errors));
+  BoardProgram board{
+      &*program, {}, {}, state_bytes(*program, machine_types()[index(options.target->machine)])};
   const auto ranges = input_ranges(**plan, *graph.spec);
   for (std::size_t i = 0; i < program->inputs.size(); ++i)
     board.inputs.push_back({program->inputs[i].name, ranges[i].value_or(Interval{}), 0});

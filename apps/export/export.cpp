@@ -115,8 +115,10 @@ void add_export(CLI::App& app, int& exit_code) {
                      "rig file; limits of its outputs, its controls and its measured delay");
   command.add_option("--set", options.set, "NAME=VALUE: sets a control");
   command.add_option("-o,--folder", options.folder, "folder for the files; default: NAME_export");
-  command.add_option("--ram", options.ram,
-                     "bytes that the state may take; more is an error that names what is large");
+  command.add_option(
+      "--ram", options.ram,
+      "bytes that the state may take; more is an error that names what is large; default: 7680 on "
+      "AVR, of the 8192 of an ATmega2560, else any number");
   command.add_flag("--no-guard", options.no_guard,
                    "leave out the guard: for comparisons, never for an actuator");
   command.footer(

@@ -111,6 +111,16 @@ std::string pins(const BoardProgram& program) {
   return text;
 }
 
+/// Whether an ATmega328P, with 2048 bytes, has room for the state and a stack.
+bool is_small(const BoardProgram& program) { return program.state_bytes <= 1536; }
+
+std::string memory(const BoardProgram& program) {
+  return fmt::format("\nThe state takes {} bytes: {}.\n", program.state_bytes,
+                     is_small(program)
+                         ? "an ATmega328P, with 2048, has room for it"
+                         : "too many for an ATmega328P, which has 2048. Use an ATmega2560, which has 8192");
+}
+
 const char* const kAvrDelay =
     "\nWhat is sampled at the start of a frame comes out at its end: the delay is one frame. A frame that "
     "takes "
@@ -126,10 +136,11 @@ std::vector<ExportedFile> avr_files(const BoardProgram& program) {
       {"main.c", "/* The program on an AVR with 16 MHz, such as an ATmega328P, without an operating system." +
                      code("avr/board_head.c", program) + code("avr/board_main.c", program) + main},
       {"board.h", board_header(program)},
-      {"Makefile", of_target("avr/Makefile.in", program)},
+      {"Makefile", replaced(of_target("avr/Makefile.in", program), "@MCU@",
+                            is_small(program) ? "atmega328p" : "atmega2560")},
       {"simulate.c", of_target("avr/simulate.c", program)},
       {"README.md",
-       pins(program) + kAvrDelay +
+       pins(program) + kAvrDelay + memory(program) +
            "\n## Flash, RAM and cost\n\n`make size` gives flash and RAM. `make cycles` runs the program in "
            "simavr and prints "
            "the cycles of the step, of a frame from its first sample to the pulse width, and from frame to "
@@ -143,7 +154,7 @@ std::vector<ExportedFile> arduino_files(const BoardProgram& program) {
                code("avr/board_head.c", program) + code("avr/board_main.c", program) +
                "\nvoid setup() {\n  start_board();\n  interrupts();\n}\n\nvoid loop() { watch_switch(); }\n"},
           {"board.h", board_header(program)},
-          {"README.md", pins(program) + kAvrDelay}};
+          {"README.md", pins(program) + kAvrDelay + memory(program)}};
 }
 
 std::vector<ExportedFile> cortex_m_files(const BoardProgram& program) {

@@ -7,6 +7,8 @@
 namespace tactus {
 namespace {
 
+constexpr std::size_t kAvrBytes = 7680;  ///< of the 8192 of an ATmega2560; the rest is the stack
+
 constexpr std::array kTargets = {
     ExportTarget{"c", "C99 for any processor", RecurrenceForm::Grid, "double", 0, c_files},
     ExportTarget{"library", "the same as a library that CMake builds and installs", RecurrenceForm::Grid,
@@ -15,9 +17,9 @@ constexpr std::array kTargets = {
     ExportTarget{"cortex-m", "a program for a Cortex-M4F, which qemu runs", RecurrenceForm::Plain, "float", 1,
                  c_files, cortex_m_files},
     ExportTarget{"avr", "a program for an ATmega328P or ATmega2560, which simavr runs", RecurrenceForm::Plain,
-                 "q16", 2, c_files, avr_files, true},
+                 "q16", 2, c_files, avr_files, true, kAvrBytes},
     ExportTarget{"arduino", "a sketch for an Arduino with such a processor", RecurrenceForm::Plain, "q16", 2,
-                 c_files, arduino_files, true},
+                 c_files, arduino_files, true, kAvrBytes},
 };
 
 }  // namespace

@@ -24,6 +24,7 @@ struct BoardProgram {
   };
   const CProgram* heading = nullptr;
   std::vector<Port> inputs, outputs;
+  std::size_t state_bytes = 0;
 };
 
 /// What a program is exported for.
@@ -36,7 +37,8 @@ struct ExportTarget {
   std::vector<ExportedFile> (*files)(const CProgram& program);
   /// Further files, for a board; nullptr: none.
   std::vector<ExportedFile> (*board)(const BoardProgram& program) = nullptr;
-  bool converts = false;  ///< the board samples inputs with a converter, whose scale their ranges give
+  bool converts = false;       ///< the board samples inputs with a converter, whose scale their ranges give
+  std::size_t most_bytes = 0;  ///< that the state may take, if nothing else is said; 0: any number
 };
 
 /// The entry of that name, or nullptr.

@@ -24,7 +24,7 @@
 /// - ring: the highest envelope of the last 28 ms but the newest 5 (7 in band 0), the oldest counting 3 dB
 ///   less: what rings and beats, which a stroke outdoes at once. It counts 3 dB more for strokes that stay
 ///   4 dB or more below the last.
-/// - floor: the mean |y_b|. It falls at once and rises by 20 dB a second, but not in the 0.1 s after a hit,
+/// - quiet: the mean |y_b|. It falls at once and rises by 20 dB a second, but not in the 0.1 s after a hit,
 ///   so that a long roll does not become noise.
 ///
 /// The upper bands detect nothing for 20, 45 and 60 ms after a hit, because the wires of a snare strike
@@ -43,7 +43,7 @@ typedef struct tactus_onset {
   tactus_real fast[TACTUS_ONSET_BANDS];  ///< envelopes; the first is that above 30 Hz, in full scales
   tactus_real first[TACTUS_ONSET_BANDS], second[TACTUS_ONSET_BANDS];
   tactus_real mean[TACTUS_ONSET_BANDS], group[TACTUS_ONSET_BANDS], last[TACTUS_ONSET_BANDS];
-  tactus_real mask[TACTUS_ONSET_BANDS], floor[TACTUS_ONSET_BANDS], bar[TACTUS_ONSET_BANDS];
+  tactus_real mask[TACTUS_ONSET_BANDS], quiet[TACTUS_ONSET_BANDS], bar[TACTUS_ONSET_BANDS];
   tactus_real past[TACTUS_ONSET_PAST][TACTUS_ONSET_BANDS];
   int started, frame, slot;  ///< `frame` of the group, `slot` in `past`
   int hold;                  ///< frames left in which nothing counts as a hit
@@ -123,12 +123,12 @@ static inline void tactus_onset_close_band(tactus_onset* s, int b, tactus_real r
   tactus_real stroke;
   if (s->hold > 0) s->mask[b] = s->last[b] = tactus_max(s->group[b], s->last[b]);
   if (s->groups_free >= s->mask_stays) s->mask[b] *= s->mask_fall[b];
-  if (s->groups_since > 100) s->floor[b] *= s->floor_rise;
-  s->floor[b] = s->groups < 10 ? s->mean[b] : tactus_min(s->floor[b], s->mean[b]);
-  s->floor[b] = tactus_max(least_floor, s->floor[b]);
+  if (s->groups_since > 100) s->quiet[b] *= s->floor_rise;
+  s->quiet[b] = s->groups < 10 ? s->mean[b] : tactus_min(s->quiet[b], s->mean[b]);
+  s->quiet[b] = tactus_max(least_floor, s->quiet[b]);
   ring = ring * ring_margin[b] * margin;
   stroke = tactus_max(tactus_min(s->last[b] * soft, ring * soft_margin), ring);
-  s->bar[b] = tactus_max(tactus_max(thresholds[b] * threshold, s->floor[b] * noise_margin),
+  s->bar[b] = tactus_max(tactus_max(thresholds[b] * threshold, s->quiet[b] * noise_margin),
                          tactus_max(s->mask[b] * margin, stroke));
   if (s->groups_since < s->blocked[b]) s->bar[b] = HUGE_VAL;
   s->group[b] = s->fast[b];

@@ -56,7 +56,7 @@ typedef struct tactus_stroke {
 
   tactus_stroke_bank heard, thrown;
   tactus_real v[TACTUS_STROKE_BANDS], seen[TACTUS_STROKE_BANDS], u[TACTUS_STROKE_BANDS];
-  tactus_real floor[TACTUS_STROKE_BANDS], floor_db[TACTUS_STROKE_BANDS];
+  tactus_real quiet[TACTUS_STROKE_BANDS], floor_db[TACTUS_STROKE_BANDS];
   tactus_real held[TACTUS_STROKE_BANDS], crest[TACTUS_STROKE_BANDS], coupling[TACTUS_STROKE_BANDS];
   tactus_real mean_sum[TACTUS_STROKE_BANDS];
   tactus_real loud[TACTUS_STROKE_PAST][TACTUS_STROKE_BANDS];       ///< L
@@ -205,7 +205,7 @@ static inline void tactus_stroke_numbers_of(tactus_stroke* s, int b) {
                                                tactus_stroke_past(s->loudest, n - k - 32, b)),
                                     tactus_max(tactus_stroke_past(s->loudest, n - k - 40, b),
                                                tactus_stroke_past(s->loudest, n - k - 48, b)));
-  const tactus_real m12 = tactus_max(r1, r2), floor = s->floor_db[b];
+  const tactus_real m12 = tactus_max(r1, r2), quiet_db = s->floor_db[b];
   tactus_real early = tactus_stroke_past(s->loud, n - k + 1, b), recent, steepest;
   for (int i = early_from; i < k - 1; ++i) early = tactus_max(early, tactus_stroke_past(s->loud, n - i, b));
   recent = early;
@@ -224,8 +224,8 @@ static inline void tactus_stroke_numbers_of(tactus_stroke* s, int b) {
   s->x[5][b] = r1 - r2;
   s->x[6][b] = r2 - r3;
   s->x[7][b] = m12 - s->mean_sum[b] * (1.0 / 24);
-  s->x[8][b] = r1 - floor;
-  s->x[9][b] = recent - floor;
+  s->x[8][b] = r1 - quiet_db;
+  s->x[9][b] = recent - quiet_db;
   s->x[10][b] = steepest;
   s->x[11][b] = recent - s->struck[b];
   s->recent[b] = recent;
@@ -282,13 +282,13 @@ static inline void tactus_stroke_levels(tactus_stroke* s, int referenced) {
   for (int b = 0; b < TACTUS_STROKE_BANDS; ++b) {
     s->v[b] = tactus_max(e[b], s->v[b] * s->v_fall[b]);
     s->u[b] += s->u_rise * (e[b] - s->u[b]);
-    s->floor[b] *= s->floor_rise;
+    s->quiet[b] *= s->floor_rise;
     s->floor_db[b] += 0.005;
   }
   for (int b = 0; b < TACTUS_STROKE_BANDS; ++b) {
     const tactus_real u = s->u[b] + TACTUS_STROKE_LEAST;
-    if (s->frames < settle || u < s->floor[b]) {
-      s->floor[b] = u;
+    if (s->frames < settle || u < s->quiet[b]) {
+      s->quiet[b] = u;
       s->floor_db[b] = db * log(u);
     }
   }

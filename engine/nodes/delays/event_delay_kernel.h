@@ -31,7 +31,7 @@ static inline int tactus_event_delay_step(tactus_event_delay* s, tactus_real tri
   }
   s->count = kept;
   if (tactus_rise_step(&s->rise, trigger)) {
-    const long long wait = llround(tactus_max(0.0, frames));
+    const long long wait = (long long)round(tactus_max(0.0, frames));
     if (wait == 0) {
       fires = 1;
       s->value = value;

@@ -22,7 +22,7 @@ static inline int tactus_threshold_fires(tactus_threshold* s, tactus_real in, ta
   }
   if (!(in >= level) || s->wait > 0) return 0;
   s->fired = 1;
-  s->wait = llround(hold_frames);
+  s->wait = (long long)round(hold_frames);
   return 1;
 }
 
