@@ -38,7 +38,7 @@ static inline tactus_real tactus_proxy_slide(tactus_proxy* s, const tactus_solid
                                              const tactus_real* device, tactus_real friction) {
   const tactus_real rounding = 1e-14;
   tactus_real depth = 0;
-  for (int round = 0; round < 4; ++round) {
+  for (int pass = 0; pass < 4; ++pass) {
     tactus_real normal[3], pull[3], along[3], next[3], length, slip, distance;
     tactus_solid_normal(solid, s->side, s->at, normal);
     for (int i = 0; i < 3; ++i) pull[i] = device[i] - s->at[i];
@@ -47,7 +47,7 @@ static inline tactus_real tactus_proxy_slide(tactus_proxy* s, const tactus_solid
     length = sqrt(tactus_dot(along, along));
     slip = length - friction * tactus_max(0.0, depth);
     if (!(slip > rounding * (sqrt(tactus_dot(s->at, s->at)) + fabs(depth)))) return depth;
-    s->slips |= round == 0;
+    s->slips |= pass == 0;
     distance = tactus_dot(pull, pull);
     // A step across a valley would take it farther away: a shorter one does not.
     for (int halved = 0; halved < 8; ++halved, slip *= 0.5) {
