@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 
 #include "engine/core/named.h"
 #include "engine/core/port_name.h"
@@ -72,14 +71,17 @@ Error too_large(const CProgram& program, std::size_t bytes, std::size_t most) {
 }
 
 std::size_t most_bytes(const ExportOptions& options) {
-  const auto of_target = options.target->most_bytes;
-  return options.most_bytes.value_or(of_target > 0 ? of_target : std::numeric_limits<std::size_t>::max());
+  return options.most_bytes.value_or(options.target->most_bytes);
+}
+
+/// On the processor of the target.
+std::size_t state_bytes(const CProgram& program, const ExportOptions& options) {
+  return state_bytes(program, machine_types()[index(options.target->machine)]);
 }
 
 /// What takes an eighth of the allowed memory or more, where all of it is too much.
 std::vector<Error> too_large(const CProgram& program, const ExportOptions& options) {
-  const auto& machine = machine_types()[index(options.target->machine)];
-  const auto bytes = state_bytes(program, machine), most = most_bytes(options);
+  const auto bytes = state_bytes(program, options), most = most_bytes(options);
   if (bytes <= most) return {};
   std::vector<Error> errors{too_large(program, bytes, most)};
   std::map<std::pair<std::string, std::string>, std::size_t> nodes;
@@ -226,8 +228,7 @@ Checked<std::vector<ExportedFile>> export_graph(const LoadedGraph& graph, const 
   auto program = c_program(**plan, recorded, *graph.spec, options);
   if (!program) return tl::unexpected(program.error());
   if (auto errors = too_large(*program, options); !errors.empty()) return tl::unexpected(std::move(errors));
-  BoardProgram board{
-      &*program, {}, {}, state_bytes(*program, machine_types()[index(options.target->machine)])};
+  BoardProgram board{&*program, {}, {}, state_bytes(*program, options)};
   const auto ranges = input_ranges(**plan, *graph.spec);
   for (std::size_t i = 0; i < program->inputs.size(); ++i)
     board.inputs.push_back({program->inputs[i].name, ranges[i].value_or(Interval{}), 0});

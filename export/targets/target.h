@@ -2,6 +2,8 @@
 
 // Thread: [control].
 
+#include <cstddef>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,8 +39,9 @@ struct ExportTarget {
   std::vector<ExportedFile> (*files)(const CProgram& program);
   /// Further files, for a board; nullptr: none.
   std::vector<ExportedFile> (*board)(const BoardProgram& program) = nullptr;
-  bool converts = false;       ///< the board samples inputs with a converter, whose scale their ranges give
-  std::size_t most_bytes = 0;  ///< that the state may take, if nothing else is said; 0: any number
+  bool converts = false;  ///< the board samples inputs with a converter, whose scale their ranges give
+  /// That the state may take, if nothing else is said.
+  std::size_t most_bytes = std::numeric_limits<std::size_t>::max();
 };
 
 /// The entry of that name, or nullptr.

@@ -262,7 +262,7 @@ TEST_CASE("side by side: what is not finite in a channel is 0 in its lane, and c
   }
 }
 
-TEST_CASE("side by side: channels that are loaded as lanes can be looked at", "[runtime]") {
+TEST_CASE("side by side: the signal scope shows channels that are loaded as lanes", "[runtime]") {
   const auto engine = engine_of(eight_channels(), true);
   const auto noises = eight_noises();
   test::run(*engine, noises, 64, {64});
