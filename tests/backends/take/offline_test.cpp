@@ -140,10 +140,20 @@ TEST_CASE("health: half of the blocks are below the median, one in a thousand ab
   HealthMeter meter;
   for (int n = 1; n <= 10000; ++n) meter.block(64, 1e-4 * n);
   const auto health = meter.read();
-  CHECK(health.median_load == Approx(0.5).epsilon(0.03));
-  CHECK(health.high_load == Approx(0.999).epsilon(0.03));
+  CHECK(health.median_load == Approx(0.5).epsilon(0.016));
+  CHECK(health.high_load == Approx(0.999).epsilon(0.016));
   CHECK(health.peak_load == 1.0);
   CHECK(health.late_blocks == 0);
   meter.block(64, 1.5);
   CHECK(meter.read().late_blocks == 1);
+}
+
+TEST_CASE("health: loads from 2^-20 to 2^6 are told apart, others count as the nearest of them",
+          "[backends]") {
+  const auto [load, counted] =
+      GENERATE(std::pair{0.0, 0x1p-20}, std::pair{1e-9, 0x1p-20}, std::pair{0x1p-20, 0x1p-20},
+               std::pair{3e-5, 3e-5}, std::pair{63.9, 63.9}, std::pair{1e9, 64.0});
+  HealthMeter meter;
+  meter.block(64, load);
+  CHECK(meter.read().median_load == Approx(counted).epsilon(0.016));
 }
