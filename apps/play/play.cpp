@@ -152,6 +152,9 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
   group->add_flag("--arm", options.arm, "start with the drives armed, without waiting for a and Enter");
   group->add_flag("--shared-port", options.shared_port,
                   "another program may write to the ports of drives too: no guard limits the sum");
+  group->add_flag(
+      "--awake", options.awake,
+      "processors do not fall asleep between blocks: shorter computing times, more power (Linux)");
   group->add_flag("--yes", options.yes, "answer every question with its default value");
   group->add_flag("--force", options.force, "overwrite files");
 }
@@ -159,8 +162,8 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
 /// Options for sound cards only must not be given without one.
 void check_card_options(const CLI::App& command) {
   for (const auto* option : {"--record", "--save-rig", "--learn", "--midi", "--pad-delay", "--inputs",
-                             "--outputs", "--periods", "--arm", "--shared-port", "--osc", "--osc-arm",
-                             "--panel", "--panel-arm", "--serial", "--hid", "--midi-out"})
+                             "--outputs", "--periods", "--arm", "--shared-port", "--awake", "--osc",
+                             "--osc-arm", "--panel", "--panel-arm", "--serial", "--hid", "--midi-out"})
     if (command.count(option) > 0)
       exit_with({Errc::BadArgument, option, "needs a sound card", "give --device, --backend or --rig too"});
 }

@@ -20,7 +20,7 @@ struct LiveOptions : PlayerOptions, DeviceOptions, RemoteOptions {
   std::string pad_delay;
   std::string record, save_rig;
   std::string learn;  ///< an input, "*" for the first one; empty: no sensitivity is learnt
-  bool arm = false, shared_port = false, listen = false, yes = false, force = false;
+  bool arm = false, shared_port = false, listen = false, awake = false, yes = false, force = false;
 
   /// Is a sound card asked for at all?
   bool live() const {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <future>
 #include <new>
+#include <optional>
 #include <set>
 #include <system_error>
 
@@ -23,6 +24,7 @@
 #include "apps/play/live/remote/remote_server.h"
 #include "apps/play/live/session.h"
 #include "apps/play/midi_map.h"
+#include "backends/awake.h"
 #include "backends/library_calls.h"
 #include "backends/realtime_thread.h"
 #include "engine/core/index.h"
@@ -490,6 +492,8 @@ int play(const LiveOptions& options) {
   const auto duration = options.duration.empty() ? 0_s : parse_duration(options.duration);
   auto plan = make_plan(options);
   if (const auto locked = lock_memory(); !locked) print_note("note: " + to_string(locked.error()));
+  const auto awake = options.awake ? std::optional{Awake::begin()} : std::nullopt;
+  if (awake && !*awake) print_note("note: " + to_string(awake->error()));
   DeadMansSwitch dead_man;
   Session session{*plan.performer, *plan.devices.backend, plan.request, options.arm, &dead_man};
   session.share_ports(options.shared_port);
