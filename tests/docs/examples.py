@@ -72,7 +72,7 @@ class Examples:
         self.errors, self.not_run, self.slow = [], [], []
         self.run, self.compared, self.graphs, self.links = 0, 0, 0, 0
         self.helps = {}
-        self.in_gallery = {line.removesuffix(" --out media") for line in GALLERY.read_text().split("\n")}
+        self.in_gallery = {line.removesuffix(" --folder media") for line in GALLERY.read_text().split("\n")}
         self.folders = {}
         self.instruments = shutil.copytree(ROOT / "instruments", work / ".instruments")
 

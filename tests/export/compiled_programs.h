@@ -50,7 +50,7 @@ class CompiledPrograms {
     for (const auto& file : options.target->files(*program))
       if (file.name.starts_with(program->name)) folder_.write(file.name, file.text);
     folder_.write(program->name + "_test.c", harness(program->name));
-    sources_ += " " + program->name + ".c " + program->name + "_test.c";
+    sources_ += " " + program->name + "_test.c";
     programs_.emplace(program->name, *program);
     return {};
   }
@@ -133,9 +133,10 @@ class CompiledPrograms {
     return text.str();
   }
 
-  /// The controls are numbers one behind the other.
+  /// With its program in one compilation, which takes half the time of two. The controls are numbers one
+  /// behind the other.
   static std::string harness(const std::string& name) {
-    std::string text = R"(#include "NAME.h"
+    std::string text = R"(#include "NAME.c"
 void NAME_test_init(void);
 void NAME_test_alive(void);
 int NAME_test_size(void);
