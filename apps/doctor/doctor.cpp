@@ -208,7 +208,7 @@ SystemFinding check_idle(const SystemState& system) {
   const auto what = fmt::format("processors wake up within {} us", longest);
   if (longest <= kSlowWake_us) return ok(what);
   return warn(what + ", too long for small blocks",
-              fmt::format("sudo cpupower idle-set -D {}", kSlowWake_us + 1));
+              fmt::format("sudo cpupower idle-set -D {}   # or: tactus play --awake", kSlowWake_us + 1));
 }
 
 SystemFinding check_kernel(const SystemState& system) {

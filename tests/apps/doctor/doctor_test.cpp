@@ -153,7 +153,8 @@ TEST_CASE("doctor: governors, idle states, swap and virtual machines", "[doctor]
   add_state(900, "1\n");
   CHECK(found(system, "CPU idle states").state == State::Ok);
   add_state(1034, "0\n");  // C10 of a laptop
-  CHECK(found(system, "CPU idle states").command == "sudo cpupower idle-set -D 101");
+  CHECK(found(system, "CPU idle states").command ==
+        "sudo cpupower idle-set -D 101   # or: tactus play --awake");
   CHECK(found(system, "swap").state == State::Unknown);
   const std::string heading = "Filename\t\t\t\tType\t\tSize\t\tUsed\t\tPriority\n";
   system.write("proc/swaps", heading);
