@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 #include <string>
+#include <system_error>
 #include <utility>
 
 namespace tactus {
@@ -13,7 +14,8 @@ Result<Awake> Awake::begin(const char* file) {
   const std::int32_t longest_us = 0;
   char bytes[sizeof longest_us];
   std::memcpy(bytes, &longest_us, sizeof bytes);
-  if (!std::filesystem::exists(file))
+  std::error_code unreadable;
+  if (!std::filesystem::exists(file, unreadable) && !unreadable)
     return fail(Errc::Device, "", "processors cannot be kept awake: there is no " + std::string{file},
                 "leave out --awake");
   errno = 0;
@@ -22,7 +24,8 @@ Result<Awake> Awake::begin(const char* file) {
   return fail(Errc::Device, "",
               std::string{"processors cannot be kept awake: "} + file + ": " + std::strerror(errno),
               "echo 'KERNEL==\"cpu_dma_latency\", GROUP=\"audio\", MODE=\"0660\"' | sudo tee "
-              "/etc/udev/rules.d/99-awake.rules && sudo udevadm trigger /dev/cpu_dma_latency");
+              "/etc/udev/rules.d/99-awake.rules && sudo udevadm trigger /dev/cpu_dma_latency && "
+              "sudo usermod -aG audio $USER   # then log in again");
 }
 
 }  // namespace tactus

@@ -38,7 +38,7 @@ struct Health {
   int longest_block = 0;                   ///< [frames]
   double mean_load = 0.0;                  ///< time in `process` over the block's duration
   double median_load = 0.0;                ///< p50, within 1.6 %
-  double high_load = 0.0;                  ///< p99.9, within 3 %
+  double high_load = 0.0;                  ///< p99.9, within 1.6 %
   double peak_load = 0.0;                  ///< above 1 the block came late
   int realtime_priority = 0;               ///< of the thread that brings the blocks; 0: an ordinary thread
 

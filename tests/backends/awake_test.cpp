@@ -10,7 +10,7 @@
 using namespace tactus;
 using namespace tactus::test;
 
-TEST_CASE("awake: asks for a latency of 0 µs while it exists", "[backends]") {
+TEST_CASE("awake: asks for a latency of 0 µs", "[backends]") {
   const TemporaryFolder folder;
   const auto file = (folder.path() / "cpu_dma_latency").string();
   std::ofstream{file} << "what was there";
