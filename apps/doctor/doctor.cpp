@@ -266,7 +266,7 @@ SystemFinding check_machine(const SystemState& system) {
   if (!contains(processors, " hypervisor")) return ok("no virtual machine");
   return warn(
       "a virtual machine may be paused for milliseconds by its host: use blocks of 256 frames or more",
-      "systemd-detect-virt   # shows which one; play on the host instead");
+      "systemd-detect-virt   # shows which one; play on the host instead, or with tactus play --awake");
 }
 
 SystemFinding check_cards(const SystemState& system) {

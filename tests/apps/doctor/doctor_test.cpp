@@ -172,6 +172,7 @@ TEST_CASE("doctor: governors, idle states, swap and virtual machines", "[doctor]
   CHECK(found(system, "machine").state == State::Ok);
   system.write("proc/cpuinfo", "flags\t\t: fpu vme de sse2 ht syscall nx rdtscp lm hypervisor lahf_lm\n");
   CHECK(found(system, "machine").state == State::Warn);
+  CHECK(found(system, "machine").command.find("--awake") != std::string::npos);
 }
 
 TEST_CASE("doctor: sound servers, their rates and their blocks", "[doctor]") {
