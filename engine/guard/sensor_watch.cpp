@@ -84,44 +84,34 @@ TACTUS_EVERY_BLOCK std::optional<SensorWatch::Found> SensorWatch::observe(const 
 TACTUS_EVERY_BLOCK std::optional<SensorWatch::Found> SensorWatch::observe_part(const double* samples,
                                                                                int frames) noexcept {
   const auto previous = [&](int n) { return n > 0 ? samples[n - 1] : last_; };
-  if (std::abs(last_) < kRail && all_are(last_, samples, frames)) return rest(frames);
-  const auto same = follow(same_, patience_, frames,
-                           [&](int n) { return samples[n] == previous(n) || std::isnan(samples[n]); });
+  const bool rests = all_are(last_, samples, frames);
+  const auto same = rests ? Run{same_ + frames, full_at(same_, patience_, frames)}
+                          : follow(same_, patience_, frames, [&](int n) {
+                              return samples[n] == previous(n) || std::isnan(samples[n]);
+                            });
   const auto railed = follow(railed_, patience_, frames, [&](int n) {
     return std::abs(samples[n]) >= kRail && std::abs(previous(n) - samples[n]) < kRail;
   });
   const bool was_noisy = noisy_;
   if (!noisy_) {
-    turns_ += turns(before_, last_, samples[0]) ? 1 : 0;
-    if (frames > 1) turns_ += turns(last_, samples[0], samples[1]) ? 1 : 0;
-    turns_ += count_turns(samples, frames);
+    if (!rests) {
+      turns_ += turns(before_, last_, samples[0]) ? 1 : 0;
+      if (frames > 1) turns_ += turns(last_, samples[0], samples[1]) ? 1 : 0;
+      turns_ += count_turns(samples, frames);
+    }
     detect_noise(frames);
   }
   same_ = same.at_end;
   railed_ = railed.at_end;
   before_ = previous(frames - 1);
   last_ = samples[frames - 1];
-  return report(was_noisy ? same.full : -1, railed.full);
-}
-
-/// All of this part is as the frame before it, within the rails.
-TACTUS_EVERY_BLOCK std::optional<SensorWatch::Found> SensorWatch::rest(int frames) noexcept {
-  const auto full = full_at(same_, patience_, frames);
-  const bool was_noisy = noisy_;
-  if (!noisy_) detect_noise(frames);
-  same_ += frames;
-  railed_ = 0;
-  before_ = last_;
-  return report(was_noisy ? full : -1, -1);
-}
-
-/// The frames at which a sensor was stuck or railed for too long, or -1.
-inline std::optional<SensorWatch::Found> SensorWatch::report(std::int64_t stuck,
-                                                             std::int64_t railed) noexcept {
-  if (reported_ || (stuck < 0 && railed < 0)) return std::nullopt;
+  if (reported_) return std::nullopt;
+  const bool stuck = was_noisy && same.full >= 0;
+  if (railed.full < 0 && !stuck) return std::nullopt;
   reported_ = true;
-  if (railed >= 0 && (stuck < 0 || railed <= stuck)) return Found{static_cast<int>(railed), Fault::Railed};
-  return Found{static_cast<int>(stuck), Fault::Stuck};
+  if (railed.full >= 0 && (!stuck || railed.full <= same.full))
+    return Found{static_cast<int>(railed.full), Fault::Railed};
+  return Found{static_cast<int>(same.full), Fault::Stuck};
 }
 
 /// The turns of so many further frames are counted.

@@ -44,8 +44,6 @@ class SensorWatch {
   static constexpr int kWindow = 512;
 
   std::optional<Found> observe_part(const double* samples, int frames) noexcept;
-  std::optional<Found> rest(int frames) noexcept;
-  std::optional<Found> report(std::int64_t stuck, std::int64_t railed) noexcept;
   void detect_noise(int frames) noexcept;
 
   std::int64_t patience_;
